@@ -1,0 +1,388 @@
+#pragma once
+/*
+  Isotropic functions in 3D. Included by isotropic.h.
+
+  Logarithm and exponential of a tensor whose principal values are close to each other, as elastic strains make them, are power series of the
+  deviator: no principal directions, and nothing that could be singular.
+
+  Otherwise A = sum_a w_a n_a n_a by cyclic Jacobi rotations of the values. The derivative in a direction H is, by the theorem of Daleckii and
+  Krein (Bhatia 1997, Matrix Analysis, section V.3, doi:10.1007/978-1-4612-0653-8),
+
+    sum_ab gamma_ab (n_a . H n_b) n_a n_b,   gamma_aa = f'(w_a),   gamma_ab = (f(w_a) - f(w_b))/(w_a - w_b),
+
+  with divided differences written so that they do not cancel:
+    ln   2/(w_a + w_b) g(t^2),  t = (w_a - w_b)/(w_a + w_b);    exp  e^{(w_a + w_b)/2} sinh(d)/d,  d = (w_a - w_b)/2;
+    sqrt 1/(sqrt w_a + sqrt w_b).
+  It is applied as one 6 x 6 matrix to all directions.
+*/
+
+/* ---- nearly isotropic tensors: series ---- */
+
+/* |dev A| up to which (relative to the mean principal value in a logarithm) the series is used, and up to which half its terms do. */
+#define ISOTROPIC_SERIES_RANGE 0.14
+#define ISOTROPIC_SERIES_CLOSE 0.014
+
+/* c0, c1, c2 and their derivatives by J2 and J3 */
+typedef struct {
+  double c[3], by_J2[3], by_J3[3];
+} IsotropicCoefficients;
+
+/*
+  sum_k a[k] X^k over k = 1..terms for a deviatoric X with J2 = X:X/2, J3 = det X is c0 I + c1 X + c2 X^2. By the theorem of Cayley and Hamilton
+  X^3 = J2 X + J3 I, so X^k = J3 g_{k-1} I + g_{k+1} X + g_k X^2 with g_{k+2} = J2 g_k + J3 g_{k-1}, g_1 = 0, g_2 = 1. Of the derivatives of g_k,
+  p_k by J2 and q_k by J3, the latter is p_{k-1}.
+*/
+MPM_FN IsotropicCoefficients IsotropicSeries(const double *a, int terms, double J2, double J3)
+{
+  double g[4] = {0., 0., 0., 1.}, p[4] = {0., 0., 0., 0.}; /* of k - 2, k - 1, k, k + 1 */
+  double G[3] = {0., 0., 0.}, P[4] = {0., 0., 0., 0.};     /* sums of a_k g_{k-1}.. and a_k p_{k-2}.. */
+  IsotropicCoefficients of;
+
+  for (int k = 1; k <= terms; ++k) {
+    const double next_g = J2 * g[2] + J3 * g[1], next_p = g[2] + J2 * p[2] + J3 * p[1];
+
+    for (int i = 0; i < 3; ++i) G[i] += a[k] * g[i + 1];
+    for (int i = 0; i < 4; ++i) P[i] += a[k] * p[i];
+    for (int i = 0; i < 3; ++i) g[i] = g[i + 1];
+    for (int i = 0; i < 3; ++i) p[i] = p[i + 1];
+    g[3] = next_g;
+    p[3] = next_p;
+  }
+  of.c[0]     = J3 * G[0];
+  of.c[1]     = G[2];
+  of.c[2]     = G[1];
+  of.by_J2[0] = J3 * P[1];
+  of.by_J2[1] = P[3];
+  of.by_J2[2] = P[2];
+  of.by_J3[0] = G[0] + J3 * P[0];
+  of.by_J3[1] = P[2];
+  of.by_J3[2] = P[1];
+  return of;
+}
+
+/* A A of a plain Sym */
+MPM_FN void IsotropicSquare(const double A[6], double square[6])
+{
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, ij = 3 + i, jk = 3 + j, ik = 3 + (i + 2) % 3;
+
+    square[i]  = A[i] * A[i] + A[ij] * A[ij] + A[ik] * A[ik];
+    square[ij] = A[i] * A[ij] + A[ij] * A[j] + A[ik] * A[jk];
+  }
+}
+
+/* M += factor (H -> X H + H X), on the stored components of a Sym */
+MPM_FN void IsotropicAddAnticommutator(double factor, const double X[6], double M[6][6])
+{
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, ij = 3 + i, jk = 3 + j, ik = 3 + (i + 2) % 3;
+
+    M[i][i] += factor * 2. * X[i];
+    M[i][ij] += factor * 2. * X[ij];
+    M[i][ik] += factor * 2. * X[ik];
+    M[ij][i] += factor * X[ij];
+    M[ij][j] += factor * X[ij];
+    M[ij][ij] += factor * (X[i] + X[j]);
+    M[ij][jk] += factor * X[ik];
+    M[ij][ik] += factor * X[jk];
+  }
+}
+
+/*
+  value = sum_k a[k] X^k, k = 1..19, for a deviatoric X of which |X| is known, and, where derivatives are wanted, M: its derivative by X in
+  deviatoric directions
+*/
+MPM_FN void IsotropicPolynomial(const double a[20], const double X[6], double norm, double value[6], double M[6][6])
+{
+  IsotropicCoefficients of;
+  double                square[6], J3 = 0.;
+
+  IsotropicSquare(X, square);
+  for (int i = 0; i < 6; ++i) J3 += (i < 3 ? 1. : 2.) / 3. * square[i] * X[i]; /* tr(X^3)/3 is det X where tr X = 0 */
+  of = IsotropicSeries(a, norm < ISOTROPIC_SERIES_CLOSE ? 10 : 19, 0.5 * (square[0] + square[1] + square[2]), J3);
+  for (int i = 0; i < 6; ++i) value[i] = (i < 3 ? of.c[0] : 0.) + of.c[1] * X[i] + of.c[2] * square[i];
+  for (int i = 0; i < 6 && MPM_DIRECTIONS > 0; ++i) {
+    const double by_J2 = (i < 3 ? of.by_J2[0] : 0.) + of.by_J2[1] * X[i] + of.by_J2[2] * square[i];
+    const double by_J3 = (i < 3 ? of.by_J3[0] : 0.) + of.by_J3[1] * X[i] + of.by_J3[2] * square[i];
+
+    for (int j = 0; j < 6; ++j) M[i][j] = (j < 3 ? 1. : 2.) * (by_J2 * X[j] + by_J3 * square[j]);
+    M[i][i] += of.c[1];
+  }
+  if (MPM_DIRECTIONS > 0) IsotropicAddAnticommutator(of.c[2], X, M);
+}
+
+/*
+  From derivatives by X = dev A/s in deviatoric directions, times `factor`, to derivatives by A, s being a constant (slope 0) or the mean
+  principal value m (slope 1); `mean` is what dm adds to each component
+*/
+MPM_FN void IsotropicByTensor(const double X[6], double factor, double s, double slope, const double mean[6], double M[6][6])
+{
+  for (int i = 0; i < 6 && MPM_DIRECTIONS > 0; ++i) {
+    double along = 0.;
+
+    for (int j = 0; j < 6; ++j) along += M[i][j] * ((j < 3 ? 1. : 0.) + slope * X[j]);
+    for (int j = 0; j < 6; ++j) M[i][j] = factor / s * (M[i][j] - (j < 3 ? along / 3. : 0.)) + (j < 3 ? mean[i] / 3. : 0.);
+  }
+}
+
+/* The given values, with the derivatives M (stored components by stored components) of A's */
+MPM_FN Sym IsotropicApply(const double values[6], double M[6][6], const Sym *A)
+{
+  Sym c;
+
+  for (int i = 0; i < 6; ++i) {
+    c.a[i] = ScalarConstant(values[i]);
+    for (int j = 0; j < 6 && MPM_DIRECTIONS > 0; ++j) ScalarAddDirections(&c.a[i], M[i][j], &A->a[j]);
+  }
+  return c;
+}
+
+/* ln A = ln m I + ln(I + X), X = dev A/m, m = tr A/3 */
+MPM_FN void IsotropicLogSeries(const Sym *A, const double values[6], double m, double norm, Sym *result)
+{
+  const double a[20] = {0., 1., -1. / 2., 1. / 3., -1. / 4., 1. / 5., -1. / 6., 1. / 7., -1. / 8., 1. / 9., -1. / 10.,
+    1. / 11., -1. / 12., 1. / 13., -1. / 14., 1. / 15., -1. / 16., 1. / 17., -1. / 18., 1. / 19.};
+  const double mean[6] = {1. / m, 1. / m, 1. / m, 0., 0., 0.}, logarithm = log(m);
+  double       X[6], value[6], M[6][6];
+
+  for (int i = 0; i < 6; ++i) X[i] = (values[i] - (i < 3 ? m : 0.)) / m;
+  IsotropicPolynomial(a, X, norm / m, value, M);
+  IsotropicByTensor(X, 1., m, 1., mean, M);
+  for (int i = 0; i < 3; ++i) value[i] += logarithm;
+  *result = IsotropicApply(value, M, A);
+}
+
+/* exp A = e^m exp(X), X = dev A, m = tr A/3 */
+MPM_FN void IsotropicExpSeries(const Sym *A, const double values[6], double m, double norm, Sym *result)
+{
+  const double exponential = exp(m);
+  double       a[20], X[6], value[6], M[6][6];
+
+  a[0] = 1.;
+  for (int k = 1; k < 20; ++k) a[k] = a[k - 1] / k;
+  for (int i = 0; i < 6; ++i) X[i] = values[i] - (i < 3 ? m : 0.);
+  IsotropicPolynomial(a, X, norm, value, M);
+  for (int i = 0; i < 6; ++i) value[i] = exponential * (value[i] + (i < 3 ? 1. : 0.));
+  IsotropicByTensor(X, exponential, 1., 0., value, M);
+  *result = IsotropicApply(value, M, A);
+}
+
+/* Values of the mean principal value and of |dev A| */
+MPM_FN void IsotropicSplitValues(const double A[6], double *mean, double *norm)
+{
+  const double m = (A[0] + A[1] + A[2]) / 3.;
+  double       square = 2. * (A[3] * A[3] + A[4] * A[4] + A[5] * A[5]);
+
+  for (int i = 0; i < 3; ++i) square += (A[i] - m) * (A[i] - m);
+  *mean = m;
+  *norm = sqrt(square);
+}
+
+/* ---- any tensor: principal values and directions ---- */
+
+/* A = sum_a w[a] n_a n_a with n_a in column a of Q (row-major); `rotated` is 0 where A is diagonal and Q the identity. */
+typedef struct {
+  double w[3], Q[9];
+  int    rotated;
+} IsotropicFrame;
+
+/* One Jacobi rotation that makes component k of A, which couples p and q, vanish; kp and kq couple p and q to the third axis. */
+MPM_FN void IsotropicRotate(double A[6], double Q[9], int p, int q, int k, int kp, int kq)
+{
+  const double off = A[k], gap = A[q] - A[p], root = sqrt(gap * gap + 4. * off * off);
+  const double t = 2. * off / (gap >= 0. ? gap + root : gap - root), c = 1. / sqrt(1. + t * t), s = t * c;
+  const double ap = A[kp], aq = A[kq];
+
+  A[p] -= t * off;
+  A[q] += t * off;
+  A[k]  = 0.;
+  A[kp] = c * ap - s * aq;
+  A[kq] = s * ap + c * aq;
+  for (int i = 0; i < 3; ++i) {
+    const double Qp = Q[3 * i + p], Qq = Q[3 * i + q];
+
+    Q[3 * i + p] = c * Qp - s * Qq;
+    Q[3 * i + q] = s * Qp + c * Qq;
+  }
+}
+
+/* An off-diagonal entry this small changes neither its two principal values nor, beyond rounding, their directions' contribution. */
+MPM_FN int IsotropicNegligible(double off, double ap, double aq)
+{
+  return off * off <= 1e-33 * fabs(ap * aq);
+}
+
+/* Non-zero when A is not finite. */
+MPM_FN int IsotropicFrameCreate(const double values[6], IsotropicFrame *frame)
+{
+  double A[6], sum = 0.;
+  int    clean = 0;
+
+  for (int i = 0; i < 6; ++i) sum += fabs(A[i] = values[i]);
+  if (!(sum <= DBL_MAX)) return 1;
+  for (int i = 0; i < 9; ++i) frame->Q[i] = i % 4 == 0 ? 1. : 0.;
+  frame->rotated = 0;
+  /* Three negligible entries in a row end it; convergence is cubic, so 30 sweeps are never used up. */
+  for (int sweep = 0; sweep < 30 && clean < 3; ++sweep) {
+    for (int axis = 0; axis < 3 && clean < 3; ++axis) {
+      const int p = axis, q = (axis + 1) % 3, k = 3 + axis, kp = 3 + (axis + 2) % 3, kq = 3 + (axis + 1) % 3;
+
+      if (IsotropicNegligible(A[k], A[p], A[q])) {
+        ++clean;
+      } else {
+        IsotropicRotate(A, frame->Q, p, q, k, kp, kq);
+        frame->rotated = 1;
+        clean          = 0;
+      }
+    }
+  }
+  for (int a = 0; a < 3; ++a) frame->w[a] = A[a];
+  return 0;
+}
+
+/*
+  gamma in the order of a Sym: aa, bb, cc, ab, bc, ac. The result's values are sum_a f[a] n_a n_a, and its derivatives those of A under the
+  operator in the head of this file.
+*/
+MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6], Sym *result)
+{
+  double basis[6][6], M[6][6], values[6]; /* basis[ab]: the symmetric part of n_a n_b */
+
+  for (int i = 0; i < 3; ++i) {
+    const int r = i, s = (i + 1) % 3;
+
+    for (int a = 0; a < 3; ++a) {
+      const int     b = (a + 1) % 3;
+      const double *Q = frame->Q;
+
+      basis[a][i]         = Q[3 * i + a] * Q[3 * i + a];
+      basis[a][3 + i]     = Q[3 * r + a] * Q[3 * s + a];
+      basis[3 + a][i]     = Q[3 * i + a] * Q[3 * i + b];
+      basis[3 + a][3 + i] = 0.5 * (Q[3 * r + a] * Q[3 * s + b] + Q[3 * s + a] * Q[3 * r + b]);
+    }
+  }
+  for (int i = 0; i < 6; ++i) values[i] = f[0] * basis[0][i] + f[1] * basis[1][i] + f[2] * basis[2][i];
+  for (int i = 0; i < 6 && MPM_DIRECTIONS > 0; ++i) {
+    for (int j = 0; j < 6; ++j) {
+      double sum = 0.;
+
+      for (int a = 0; a < 6; ++a) sum += (a < 3 ? 1. : 2.) * gamma[a] * basis[a][i] * basis[a][j];
+      M[i][j] = (j < 3 ? 1. : 2.) * sum;
+    }
+  }
+  *result = IsotropicApply(values, M, A);
+}
+
+/* The same where A is diagonal: the principal axes are the coordinate axes. */
+MPM_FN void IsotropicAssembleDiagonal(const Sym *A, const double f[3], const double gamma[6], Sym *result)
+{
+  Sym c;
+
+  for (int i = 0; i < 3; ++i) c.a[i] = ScalarChain(A->a[i], f[i], gamma[i]);
+  for (int i = 3; i < 6; ++i) c.a[i] = ScalarChain(A->a[i], gamma[i] * ScalarValue(A->a[i]), gamma[i]);
+  *result = c;
+}
+
+MPM_FN void IsotropicJoin(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6], Sym *result)
+{
+  if (frame->rotated) IsotropicAssemble(A, frame, f, gamma, result);
+  else IsotropicAssembleDiagonal(A, f, gamma, result);
+}
+
+/* ln A; non-zero when A is not positive definite or not finite */
+MPM_FN int SymLog(const Sym *A, Sym *result)
+{
+  IsotropicFrame frame;
+  double         values[6], f[3], gamma[6], mean, norm;
+
+  SymStore(values, A);
+  IsotropicSplitValues(values, &mean, &norm);
+  if (norm <= ISOTROPIC_SERIES_RANGE * mean && mean >= DBL_MIN && mean <= DBL_MAX) {
+    IsotropicLogSeries(A, values, mean, norm, result);
+    return 0;
+  }
+  if (IsotropicFrameCreate(values, &frame)) return 1;
+  for (int a = 0; a < 3; ++a) {
+    if (!(frame.w[a] >= DBL_MIN)) return 1;
+    f[a]     = log(frame.w[a]);
+    gamma[a] = 1. / frame.w[a];
+  }
+  for (int a = 0; a < 3; ++a) {
+    const double wa = frame.w[a], wb = frame.w[(a + 1) % 3], sum = wa + wb, t = (wa - wb) / sum;
+    double       g, dg;
+
+    IsotropicArtanh(t * t, 4. * (wa / sum) * (wb / sum), &g, &dg);
+    gamma[3 + a] = 2. * g / sum;
+  }
+  IsotropicJoin(A, &frame, f, gamma, result);
+  return 0;
+}
+
+/* exp A; non-zero when it is not finite */
+MPM_FN int SymExp(const Sym *A, Sym *result)
+{
+  IsotropicFrame frame;
+  double         values[6], f[3], gamma[6], mean, norm;
+
+  SymStore(values, A);
+  IsotropicSplitValues(values, &mean, &norm);
+  if (norm <= ISOTROPIC_SERIES_RANGE && fabs(mean) < 700.) {
+    IsotropicExpSeries(A, values, mean, norm, result);
+    return 0;
+  }
+  if (IsotropicFrameCreate(values, &frame)) return 1;
+  for (int a = 0; a < 3; ++a) gamma[a] = f[a] = exp(frame.w[a]);
+  for (int a = 0; a < 3; ++a) {
+    const double wa = frame.w[a], wb = frame.w[(a + 1) % 3], d = 0.5 * (wa - wb);
+    double       c, h, dh;
+
+    IsotropicHyperbolic(d * d, &c, &h, &dh);
+    gamma[3 + a] = exp(0.5 * (wa + wb)) * h;
+  }
+  IsotropicJoin(A, &frame, f, gamma, result);
+  return !(f[0] + f[1] + f[2] <= DBL_MAX);
+}
+
+/* A^1/2; non-zero when A is not positive definite or not finite */
+MPM_FN int SymSqrt(const Sym *A, Sym *result)
+{
+  IsotropicFrame frame;
+  double         values[6], f[3], gamma[6];
+
+  SymStore(values, A);
+  if (IsotropicFrameCreate(values, &frame)) return 1;
+  for (int a = 0; a < 3; ++a) {
+    if (!(frame.w[a] >= DBL_MIN)) return 1;
+    f[a]     = sqrt(frame.w[a]);
+    gamma[a] = 0.5 / f[a];
+  }
+  for (int a = 0; a < 3; ++a) gamma[3 + a] = 1. / (f[a] + f[(a + 1) % 3]);
+  IsotropicJoin(A, &frame, f, gamma, result);
+  return 0;
+}
+
+/*
+  TensorStretchDiagonal - diagonal of the right stretch U = (F^T F)^1/2 of a plain F, row-major, for the update of particle domains
+
+  Source: Charlton, Coombs and Augarde (2017), doi:10.1016/j.compstruc.2017.05.004. Non-zero when det F is 0 or F is not finite.
+*/
+MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
+{
+  IsotropicFrame frame;
+  double         C[6];
+
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+
+    C[i]     = F[i] * F[i] + F[3 + i] * F[3 + i] + F[6 + i] * F[6 + i];
+    C[3 + i] = F[i] * F[j] + F[3 + i] * F[3 + j] + F[6 + i] * F[6 + j];
+  }
+  if (TensorArrayDet(F) == 0. || IsotropicFrameCreate(C, &frame)) return 1;
+  for (int i = 0; i < 3; ++i) {
+    diagonal[i] = 0.;
+    for (int a = 0; a < 3; ++a) {
+      diagonal[i] += sqrt(fmax(frame.w[a], 0.)) * frame.Q[3 * i + a] * frame.Q[3 * i + a];
+    }
+  }
+  return 0;
+}

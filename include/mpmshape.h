@@ -1,0 +1,51 @@
+#pragma once
+/*
+  MpmShape - one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and 3D.
+
+  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: hat, 2, 3), evaluated at the point or averaged over
+  the point's domain [x - l, x + l]. Averages are taken knot interval by knot interval, so that they are exact for any l, keep a
+  partition of unity to rounding, and need no case distinction on l/h.
+*/
+#include <petscsys.h>
+
+/*E
+  MpmShapeType - the shape functions, by the names that the option -mpm_shape takes
+E*/
+typedef enum {
+  MPM_SHAPE_LINEAR,        /* hat at the point */
+  MPM_SHAPE_GIMP,          /* hat averaged over the point's domain (contiguous-particle GIMP) */
+  MPM_SHAPE_BSPLINE2,      /* quadratic B-spline at the point */
+  MPM_SHAPE_BSPLINE3,      /* cubic B-spline at the point */
+  MPM_SHAPE_GIMP_BSPLINE2, /* quadratic B-spline averaged over the point's domain */
+  MPM_SHAPE_COUNT
+} MpmShapeType;
+extern const char *const MpmShapeTypes[];
+
+/* Does the shape average over the point's domain, so that domains must be followed? */
+PetscBool MpmShapeHasDomain(MpmShapeType type);
+
+/* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
+PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);
+
+/*
+  MpmShapeEvaluate - weights and gradients on one axis
+
+  Input Parameters:
++ type        - the shape
+. xi          - the point, (x - lower)/h: node i stands at xi = i
+. half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has cut it so that the
+                domain stays between the edges
+. edge_lower  - first node of the axis, or of the wall that bounds the material
+- edge_upper  - last node
+
+  Output Parameters:
++ first    - first node with a weight
+. count    - number of nodes, <= MpmShapeWidth()
+. weight   - weights, count of them
+- gradient - derivatives by xi (divide by h for d/dx), count of them
+
+  Nodes beyond the edges do not exist; their coefficients are the linear extension u_{-k} = 2 u_0 - u_k, so that the edge node carries
+  the edge's value exactly.
+*/
+void MpmShapeEvaluate(MpmShapeType type, PetscReal xi, PetscReal half_length, PetscInt edge_lower, PetscInt edge_upper,
+                      PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[]);

@@ -1,0 +1,32 @@
+/*
+  Hencky: large-strain isotropic elasticity, linear in the logarithmic strain
+
+    b = F F^T,   e = (1/2) ln b,   tau = lambda tr(e) I + 2 mu e
+
+  tau  Kirchhoff stress J sigma, tension positive, Pa
+  F    deformation gradient, dx/dX
+
+  Derives from the potential (lambda/2) tr(e)^2 + mu e:e. Plane strain keeps tau_zz = lambda tr(e). Fits metals and soils, whose elastic
+  strains are moderate; the stress in simple shear reaches a maximum at a shear of about 3.
+
+  Source: Hencky (1928), Zeitschrift fuer technische Physik 9, 215-220; Anand (1979), doi:10.1115/1.3424532.
+*/
+#include "elasticity.h"
+
+static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
+
+static const MpmStateVariable states[] = MPM_NO_STATE;
+
+MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+{
+  const Tensor F = TensorMulArray(dF, point->F_n);
+  const Sym    b = SymLeftCauchyGreen(&F);
+  Sym          e;
+
+  if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
+  *tau = ElasticStress(LameFromParameters(point->parameter), &e);
+  return 0;
+}
+
+MPM_LAW(hencky, MPM_LAW_SYMMETRIC, "large-strain elasticity, linear in the logarithmic strain", parameters, states, NULL,
+  ElasticStiffness, MpmMaterialEvaluate_hencky)

@@ -1,0 +1,173 @@
+/*
+  Bodies: where the points come from. Points stand on a regular sub-lattice of every cell; a cell that the body's edge cuts keeps the
+  points inside.
+*/
+#include "mpmimpl.h"
+
+struct _p_MpmBody {
+  char     *name;
+  MpmRegion region;
+  PetscInt  material;
+  PetscInt  per_cell[MPM_MAX_DIM];
+  PetscInt  cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
+};
+
+/* The cells that the region meets; a bounded region must lie inside the grid. */
+static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, MpmBody body)
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = PETSC_NINFINITY;
+    upper[a] = PETSC_INFINITY;
+  }
+  PetscCall(MpmRegionGetBounds(body->region, lower, upper));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscReal tolerance = MPM_TOLERANCE * grid->h[a];
+
+    body->cell_lower[a] = 0;
+    body->cell_upper[a] = 1;
+    if (a >= grid->dim) continue;
+    MpmCheckInput(lower[a] <= PETSC_NINFINITY || upper[a] >= PETSC_INFINITY ||
+                    (lower[a] >= grid->lower[a] - tolerance && upper[a] <= grid->upper[a] + tolerance),
+                  "-%slower: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]", block->prefix, (double)lower[a], (double)upper[a],
+                  "xyz"[a], (double)grid->lower[a], (double)grid->upper[a]);
+    lower[a]            = PetscMax(lower[a], grid->lower[a]);
+    upper[a]            = PetscMin(upper[a], grid->upper[a]);
+    body->cell_lower[a] = PetscMax((PetscInt)PetscFloorReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE), 0);
+    body->cell_upper[a] = PetscMin((PetscInt)PetscCeilReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->cells[a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
+                             const MpmMaterial materials[], MpmBody *body)
+{
+  char         prefix[256];
+  MpmOptions   block = {options->comm, prefix, options->record};
+  const char **names;
+  PetscReal    tolerance[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(body));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(PetscStrallocpy(name, &(*body)->name));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    (*body)->per_cell[a] = a < grid->dim ? 2 : 1;
+    tolerance[a]         = MPM_TOLERANCE * grid->h[a];
+  }
+  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &(*body)->region));
+  PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim, (*body)->per_cell, NULL));
+  MpmCheckInput(MpmRegionGetType((*body)->region) != MPM_REGION_FILE, "-%sregion file: not available in this version; accepted are box, sphere, "
+                "cylinder, polygon", prefix);
+  PetscCall(PetscCalloc1((material_count + 1), &names));
+  for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
+  PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
+  PetscCall(PetscFree(names));
+  PetscCall(FindCells(&block, grid, *body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyDestroy(MpmBody *body)
+{
+  PetscFunctionBeginUser;
+  if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*body)->name));
+  PetscCall(MpmRegionDestroy(&(*body)->region));
+  PetscCall(PetscFree(*body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where points is given. */
+static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id, PetscInt first, MpmPoints *points)
+{
+  const PetscInt dim = grid->dim;
+  PetscInt64     cells = 1, begin, end;
+  PetscInt       per_cell = 1, count = 0, extent[MPM_MAX_DIM];
+  PetscReal      volume = 1., x[MPM_MAX_DIM] = {0., 0., 0.};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    extent[a] = body->cell_upper[a] - body->cell_lower[a];
+    cells *= extent[a];
+    per_cell *= body->per_cell[a];
+    volume *= grid->h[a] / (PetscReal)body->per_cell[a];
+  }
+  begin = cells * grid->rank / grid->size;
+  end   = cells * (grid->rank + 1) / grid->size;
+  for (PetscInt64 k = begin; k < end; k++) {
+    const PetscInt64 cell[MPM_MAX_DIM] = {k % extent[0], (k / extent[0]) % extent[1], k / ((PetscInt64)extent[0] * extent[1])};
+
+    for (PetscInt q = 0; q < per_cell; q++) {
+      const PetscInt *m = body->per_cell, sub[MPM_MAX_DIM] = {q % m[0], (q / m[0]) % m[1], q / (m[0] * m[1])};
+      PetscInt        p = first + count;
+
+      for (PetscInt a = 0; a < dim; a++) {
+        x[a] = grid->lower[a] +
+               grid->h[a] * ((PetscReal)(body->cell_lower[a] + cell[a]) + ((PetscReal)sub[a] + 0.5) / (PetscReal)body->per_cell[a]);
+      }
+      if (!MpmRegionContains(body->region, x)) continue;
+      count++;
+      if (!points) continue;
+      points->id[p]       = (PetscInt)(id + count - 1);
+      points->material[p] = body->material;
+      points->volume0[p]  = volume;
+      for (PetscInt a = 0; a < dim; a++) {
+        points->x[p * dim + a] = points->x0[p * dim + a] = x[a];
+        if (points->half_length) points->half_length[p * dim + a] = 0.5 * grid->h[a] / (PetscReal)body->per_cell[a];
+        for (PetscInt b = 0; b < dim; b++) points->F[(p * dim + a) * dim + b] = a == b ? 1. : 0.;
+      }
+    }
+  }
+  return count;
+}
+
+/* Initial history of a material, after the tables of its law. */
+static void InitialState(const MpmMaterial *material, PetscInt dim, PetscReal state[])
+{
+  PetscInt k = 0;
+
+  for (size_t i = 0; i < material->info.state_count; i++) {
+    const MpmStateVariable *variable = &material->info.states[i];
+
+    for (PetscInt c = 0; c < MpmStateComponents(variable, dim); c++) state[k++] = c < 3 ? variable->initial : 0.;
+  }
+}
+
+PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[], const MpmGrid *grid,
+                                 MpmParticles *particles)
+{
+  PetscInt64 *count, *before, *total, id = 0;
+  PetscInt    local = 0, first = 0;
+  MpmPoints   points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(body_count, &count, body_count, &before, body_count, &total));
+  for (PetscInt b = 0; b < body_count; b++) {
+    count[b] = FillCells(bodies[b], grid, 0, 0, NULL);
+    local += (PetscInt)count[b];
+  }
+  PetscCallMPI(MPI_Scan(count, before, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
+  PetscCall(MPIU_Allreduce(count, total, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
+  for (PetscInt b = 0; b < body_count; b++) {
+    MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it", bodies[b]->name);
+  }
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, 0));
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  for (PetscInt b = 0; b < body_count; b++) {
+    first += FillCells(bodies[b], grid, id + before[b] - count[b], first, &points);
+    id += total[b];
+  }
+  if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
+  for (PetscInt p = 0; p < local; p++) {
+    if (points.state) InitialState(&materials[points.material[p]], grid->dim, &points.state[p * particles->state_size]);
+  }
+  PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
+  if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  particles->total = id;
+  PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE, "%" PetscInt64_FMT " points need PETSc with 64-bit indices", id);
+  PetscCall(PetscFree3(count, before, total));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,45 @@
+/*
+  The quasi-static solid at one point.
+
+  The unknown is the displacement increment du of the step. With G the gradient by the position x_n at the step's start,
+
+    dF = I + du (x) G,   dF_ab = delta_ab + du_a,b ,      F_{n+1} = dF F_n
+
+  the law gives the Kirchhoff stress tau of F_{n+1}, and the flux conjugate to du_a,b is
+
+    P_ab = V_0 (tau dF^{-T})_ab ,     so that   f_int,i = sum_p P G_i = sum_p V sigma g_i ,  g_i = dF^{-T} G_i , V = J V_0 .
+
+  A small-strain law leaves the geometry alone: P = V_0 sigma. Source: Charlton, Coombs and Augarde (2017), Comput. Struct. 190, 108-125,
+  doi:10.1016/j.compstruc.2017.05.004, in the form that carries the derivative to the step's start.
+*/
+#include "mpmkernel.h"
+
+#define INPUTS (MPM_DIM * MPM_DIM)
+
+static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+{
+  const MpmLawPoint          law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt};
+  const MPM_INSTANCE(MpmLaw) law       = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
+  const int                  small     = point->traits & MPM_LAW_SMALL_STRAIN;
+  const Tensor               dF        = TensorFromGradient(input);
+  Sym                        tau;
+
+  if (law(&law_point, &dF, &tau)) return 1;
+  if (small) {
+    for (int k = 0; k < INPUTS; k++) flux[k] = ScalarScale(point->volume0, tau.a[SymIndex(k / MPM_DIM, k % MPM_DIM)]);
+  } else {
+    const Tensor P = SymTimesInverseTranspose(&tau, &dF, NULL);
+
+    for (int k = 0; k < INPUTS; k++) flux[k] = ScalarScale(point->volume0, P.a[k]);
+  }
+  if (point->F) { /* only the converged step asks for the new F and the Cauchy stress */
+    const Tensor F = TensorMulArray(&dF, point->F_n);
+    const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), &tau);
+
+    TensorStore(point->F, &F);
+    SymStore(point->stress, &sigma);
+  }
+  return 0;
+}
+
+MPM_KERNEL(solid, INPUTS, SolidKernel)

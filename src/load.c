@@ -1,0 +1,367 @@
+/*
+  Loads on the material and tracks of points. Both pick their points in the initial state, by place or by region, and keep each point's
+  share in a field of the particles, so that shares travel with the points.
+*/
+#include "mpmimpl.h"
+
+/* Reads `at` and `nearest`, or a region; exactly one of the two ways. */
+static PetscErrorCode ReadSelection(const MpmOptions *block, const MpmGrid *grid, PetscReal at[], PetscInt *nearest, MpmRegion *region)
+{
+  PetscBool has_at, has_region;
+  PetscReal tolerance[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, "region", &has_region));
+  *nearest = 1;
+  PetscCall(MpmOptionsReals(block, "at", "m", "a place in the initial state", MPM_RANGE_ANY, MPM_OPTIONAL, grid->dim, at, &has_at));
+  if (has_at) PetscCall(MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL, nearest, NULL));
+  else *nearest = 0;
+  MpmCheckInput(!(has_at && has_region), "-%sat and -%sregion: give one of them, not both", block->prefix, block->prefix);
+  MpmCheckInput(has_at || has_region, "-%sat is missing: give a place and the number of nearest points, or a region", block->prefix);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
+  if (has_region) PetscCall(MpmRegionCreate(block, grid->dim, tolerance, region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The face of the domains that a traction acts on: an axis and a side, like +y; by default the axis along which the region has no extent. */
+static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, MpmLoad *load)
+{
+  static const char *const faces[] = {"-x", "+x", "-y", "+y", "-z", "+z", NULL};
+  PetscReal                lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], thinnest = PETSC_INFINITY;
+  PetscInt                 face = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(block, "face", "face of the points' domains under traction (default: across the region's thinnest axis)", faces,
+                           MPM_OPTIONAL, &face, &load->face_given));
+  load->face_axis = face / 2;
+  load->face_side = face % 2 ? 1 : -1;
+  if (load->face_given) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  PetscCall(MpmRegionGetBounds(load->region, lower, upper));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal extent = (upper[a] - lower[a]) / grid->h[a];
+
+    if (extent >= thinnest) continue;
+    thinnest        = extent;
+    load->face_axis = a;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load)
+{
+  static const char *const types[] = {"force", "gravity", "traction", NULL};
+  char                     prefix[256], field[256];
+  MpmOptions               block = {options->comm, prefix, options->record};
+  PetscInt                 type  = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(load, sizeof(*load)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_load_%s_", name));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "load_%s", name));
+  PetscCall(PetscStrallocpy(name, &load->name));
+  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa)", types, MPM_REQUIRED, &type, NULL));
+  load->type = (MpmLoadType)type;
+  PetscCall(MpmOptionsReals(&block, "value", "N, m/s2 or Pa", "the load's vector", MPM_RANGE_ANY, MPM_REQUIRED, grid->dim, load->value, NULL));
+  PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
+  if (load->type == MPM_LOAD_GRAVITY) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrallocpy(field, &load->share_field));
+  PetscCall(ReadSelection(&block, grid, load->at, &load->nearest, &load->region));
+  if (load->type == MPM_LOAD_TRACTION) {
+    MpmCheckInput(load->region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
+    PetscCall(ReadFace(&block, grid, load));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadDestroy(MpmLoad *load)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(load->name));
+  PetscCall(PetscFree(load->share_field));
+  PetscCall(MpmRegionDestroy(&load->region));
+  PetscCall(MpmRampDestroy(&load->ramp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ----------------------------------------------------------------------------------------------------------------- selection */
+
+/* A candidate for the nearest points: distances that differ by rounding only are equal, and then the smaller id wins. */
+typedef struct {
+  PetscInt64 distance;
+  PetscInt   id, index; /* index: where the point stands on its rank */
+} Candidate;
+
+static int CompareCandidates(const void *a, const void *b)
+{
+  const Candidate *p = (const Candidate *)a, *q = (const Candidate *)b;
+
+  if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
+  return p->id < q->id ? -1 : p->id > q->id;
+}
+
+/* share = 1/nearest at the nearest points, 0 elsewhere */
+static PetscErrorCode SelectNearest(const MpmGrid *grid, const MpmPoints *points, PetscInt64 total, const char *prefix, const char *name,
+                                    const PetscReal at[], PetscInt nearest, PetscReal share[])
+{
+  const PetscInt  dim = grid->dim, mine = PetscMin(nearest, points->count);
+  PetscReal       unit = grid->h[0];
+  Candidate      *local, *all;
+  PetscMPIInt    *counts, *starts, bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(nearest <= total, "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points", prefix, name, nearest, total);
+  for (PetscInt a = 1; a < dim; a++) unit = PetscMin(unit, grid->h[a]);
+  PetscCall(PetscMalloc1(points->count, &local));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal d2 = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) d2 += PetscSqr((points->x0[p * dim + a] - at[a]) / unit);
+    local[p] = (Candidate){(PetscInt64)PetscMin(d2 * 1e9, 9e18), points->id[p], p};
+  }
+  qsort(local, (size_t)points->count, sizeof(*local), CompareCandidates);
+  PetscCall(PetscMalloc2(grid->size, &counts, (grid->size + 1), &starts));
+  PetscCallMPI(MPI_Allgather(&bytes, 1, MPI_INT, counts, 1, MPI_INT, grid->comm));
+  starts[0] = 0;
+  for (PetscMPIInt r = 0; r < grid->size; r++) starts[r + 1] = starts[r] + counts[r];
+  PetscCall(PetscMalloc1((size_t)starts[grid->size] / sizeof(Candidate), &all));
+  PetscCallMPI(MPI_Allgatherv(local, bytes, MPI_BYTE, all, counts, starts, MPI_BYTE, grid->comm));
+  qsort(all, (size_t)starts[grid->size] / sizeof(Candidate), sizeof(*all), CompareCandidates);
+  PetscCall(PetscArrayzero(share, points->count));
+  for (PetscInt k = 0; k < mine && CompareCandidates(&local[k], &all[nearest - 1]) <= 0; k++) share[local[k].index] = 1. / (PetscReal)nearest;
+  PetscCall(PetscFree(all));
+  PetscCall(PetscFree(local));
+  PetscCall(PetscFree2(counts, starts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* share = the point's part of the volume of all points in the region */
+static PetscErrorCode SelectRegion(const MpmGrid *grid, const MpmPoints *points, const char *prefix, const char *name, MpmRegion region,
+                                   PetscReal share[])
+{
+  PetscReal volume = 0.;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) {
+    share[p] = MpmRegionContains(region, &points->x0[p * grid->dim]) ? points->volume0[p] : 0.;
+    volume += share[p];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  MpmCheckInput(volume > 0., "-mpm_%s_%s_region: there is no point in it", prefix, name);
+  for (PetscInt p = 0; p < points->count; p++) share[p] /= volume;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where the domain's face stands that a traction acts on. */
+static PetscReal FacePosition(const MpmLoad *load, PetscInt dim, PetscInt side, const MpmPoints *points, PetscInt p)
+{
+  const PetscInt k = p * dim + load->face_axis;
+
+  return points->x0[k] + (PetscReal)side * points->half_length[k];
+}
+
+/*
+  share = the area of the domain's face where it lies in the region, 0 elsewhere. A region without extent along the face's axis is the face
+  itself; in a thicker one it is the outermost face of the points inside.
+*/
+static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPoints *points, PetscReal share[])
+{
+  const PetscInt dim = grid->dim, axis = load->face_axis;
+  PetscReal      lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], outermost[2] = {PETSC_NINFINITY, PETSC_NINFINITY}, area[2] = {0., 0.};
+  PetscBool      thin;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = PETSC_NINFINITY;
+    upper[a] = PETSC_INFINITY;
+  }
+  PetscCall(MpmRegionGetBounds(load->region, lower, upper));
+  thin = (PetscBool)(upper[axis] - lower[axis] <= 2. * MPM_TOLERANCE * grid->h[axis]);
+  for (PetscInt s = 0; s < 2; s++) { /* the faces below and above the points */
+    const PetscInt side = s ? 1 : -1;
+
+    for (PetscInt p = 0; p < points->count; p++) {
+      PetscReal x[MPM_MAX_DIM];
+
+      PetscCall(PetscArraycpy(x, &points->x0[p * dim], dim));
+      if (thin) x[axis] = FacePosition(load, dim, side, points, p);
+      if (MpmRegionContains(load->region, x)) outermost[s] = PetscMax(outermost[s], (PetscReal)side * FacePosition(load, dim, side, points, p));
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, outermost, 2, MPIU_REAL, MPIU_MAX, grid->comm));
+  if (!load->face_given) {
+    if (thin) load->face_side = outermost[1] > PETSC_NINFINITY ? 1 : -1;
+    else load->face_side = upper[axis] - outermost[1] < -outermost[0] - lower[axis] ? 1 : -1;
+  }
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal face = FacePosition(load, dim, load->face_side, points, p);
+    PetscReal       x[MPM_MAX_DIM];
+
+    PetscCall(PetscArraycpy(x, &points->x0[p * dim], dim));
+    if (thin) x[axis] = face;
+    share[p] = 0.;
+    if (!MpmRegionContains(load->region, x)) continue;
+    if ((PetscReal)load->face_side * face < outermost[load->face_side > 0] - MPM_TOLERANCE * grid->h[axis]) continue;
+    share[p] = 1.;
+    for (PetscInt a = 0; a < dim; a++)
+      if (a != axis) share[p] *= 2. * points->half_length[p * dim + a];
+    area[0] += share[p];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, area, 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  MpmCheckInput(area[0] > 0., "-mpm_load_%s_region: no point has its face there", load->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles)
+{
+  MpmPoints  points;
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  if (load->type == MPM_LOAD_GRAVITY) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(DMSwarmGetField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  if (load->type == MPM_LOAD_TRACTION) PetscCall(SelectFace(load, grid, &points, share));
+  else if (load->region) PetscCall(SelectRegion(grid, &points, "load", load->name, load->region, share));
+  else PetscCall(SelectNearest(grid, &points, particles->total, "load", load->name, load->at, load->nearest, share));
+  PetscCall(DMSwarmRestoreField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --------------------------------------------------------------------------------------------------------------- application */
+
+/*
+  Weights of the face's centre instead of the point's: a traction does its work where it acts. Only shapes with a domain have a face; the
+  others take the point.
+*/
+static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space, const MpmPoints *points,
+                                  MpmStretch stretch, PetscInt p, const MpmGroup *group, PetscReal weight[])
+{
+  const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
+  const MpmShapeType at_face = shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
+  PetscReal          line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
+  PetscInt           first, count, n = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    for (PetscInt i = 0; i < group->count[a]; i++) line[a][i] = a < dim ? space->weight[(p * dim + a) * W + i] : 1.;
+  if (MpmShapeHasDomain(shape)) {
+    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch", points->id[p]);
+    xi = (points->x[p * dim + axis] - grid->lower[axis] + (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) / grid->h[axis];
+    xi = PetscMin(PetscMax(xi, 0.), (PetscReal)grid->cells[axis]);
+    MpmShapeEvaluate(at_face, xi, 0., 0, grid->nodes[axis] - 1, &first, &count, face_weight, unused);
+    for (PetscInt i = 0; i < group->count[axis]; i++) {
+      const PetscInt k = group->first[axis] + i - first;
+
+      line[axis][i] = k >= 0 && k < count ? face_weight[k] : 0.;
+    }
+  }
+  for (PetscInt k = 0; k < group->count[2]; k++)
+    for (PetscInt j = 0; j < group->count[1]; j++)
+      for (PetscInt i = 0; i < group->count[0]; i++) weight[n++] = line[0][i] * line[1][j] * line[2][k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space,
+                            MpmParticles *particles, const MpmPoints *points, const MpmMaterial materials[], MpmStretch stretch, PetscInt block,
+                            PetscReal force[])
+{
+  const PetscReal factor = MpmRampEvaluate(load->ramp, time);
+  const PetscInt  dim = grid->dim, most = PetscPowInt(space->width, dim);
+  PetscReal      *share = NULL, *storage;
+  MpmBasis        basis;
+
+  PetscFunctionBeginUser;
+  if (factor == 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  if (load->share_field) PetscCall(DMSwarmGetField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt  p = space->order[s];
+      const PetscReal amount = factor * (share ? share[p] : materials[points->material[p]].density * points->volume0[p]);
+
+      if (amount == 0.) continue;
+      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, grid, shape, space, points, stretch, p, group, basis.basis[0]));
+      else MpmSpaceEvaluate(space, p, PETSC_TRUE, &basis);
+      for (PetscInt i = 0; i < group->node_count; i++)
+        for (PetscInt a = 0; a < dim; a++) force[nodes[i] * block + a] += amount * basis.basis[0][i] * load->value[a];
+    }
+  }
+  PetscCall(PetscFree(storage));
+  if (share) PetscCall(DMSwarmRestoreField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* -------------------------------------------------------------------------------------------------------------------- tracks */
+
+PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)
+{
+  char       prefix[256], field[256];
+  MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(track, sizeof(*track)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_track_%s_", name));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "track_%s", name));
+  PetscCall(PetscStrallocpy(name, &track->name));
+  PetscCall(PetscStrallocpy(field, &track->share_field));
+  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(ReadSelection(&block, grid, track->at, &track->nearest, &track->region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackDestroy(MpmTrack *track)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(track->name));
+  PetscCall(PetscFree(track->share_field));
+  PetscCall(MpmRegionDestroy(&track->region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles)
+{
+  MpmPoints  points;
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  if (track->region) PetscCall(SelectRegion(grid, &points, "track", track->name, track->region, share));
+  else PetscCall(SelectNearest(grid, &points, particles->total, "track", track->name, track->at, track->nearest, share));
+  PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[])
+{
+  const PetscInt dim = particles->dim;
+  PetscReal     *share, *x, *x0;
+  PetscInt       count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < dim; a++) displacement[a] = 0.;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmGetField(particles->swarm, "position0", NULL, NULL, (void **)&x0));
+  for (PetscInt p = 0; p < count; p++) {
+    if (share[p] == 0.) continue;
+    for (PetscInt a = 0; a < dim; a++) displacement[a] += share[p] * (x[p * dim + a] - x0[p * dim + a]);
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position0", NULL, NULL, (void **)&x0));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, displacement, (PetscMPIInt)dim, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)particles->swarm)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

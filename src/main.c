@@ -1,0 +1,103 @@
+/*
+  The program: reads options, runs the model, and turns errors into one line and an exit status.
+*/
+#include "mpm.h"
+
+static char help[] = "Talus: implicit material point method for soils, rocks, snow and structures.\n"
+                     "  mpiexec -n N talus -options_file scene.yaml [any -mpm_ option] [any PETSc option]\n\n";
+
+PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
+
+/* What the handler knows of the current error. */
+typedef struct {
+  PetscBool reading;      /* options are being read: PETSc's own errors are input errors too */
+  char      message[1024];
+} ErrorContext;
+
+/* Input errors become one line on rank 0; anything else gets PETSc's traceback. */
+static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code, PetscErrorType type,
+                                  const char *message, void *ctx)
+{
+  ErrorContext *context = (ErrorContext *)ctx;
+
+  if (code != MPM_ERR_INPUT && !context->reading) return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
+  if (type == PETSC_ERROR_INITIAL && message) (void)PetscStrncpy(context->message, message, sizeof(context->message));
+  return code;
+}
+
+/*
+  PetscInitialize() would answer a bad options file with a traceback, so it is started without files; they are read afterwards, in the
+  order of the command line.
+*/
+static PetscErrorCode Initialize(int *argc, char ***argv, char ***without_files)
+{
+  int    count = 0;
+  char **kept = (char **)calloc((size_t)*argc + 1, sizeof(char *));
+
+  for (int i = 0; i < *argc; i++) {
+    if (!strcmp((*argv)[i], "-options_file") || !strcmp((*argv)[i], "-options_file_yaml")) i++;
+    else kept[count++] = (*argv)[i];
+  }
+  *without_files = kept;
+  return PetscInitialize(&count, without_files, NULL, help);
+}
+
+/* Reads files and command line under the quiet handler. */
+static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
+{
+  PetscBool log;
+
+  PetscFunctionBeginUser;
+  for (int i = 1; i + 1 < argc; i++) {
+    if (strcmp(argv[i], "-options_file") && strcmp(argv[i], "-options_file_yaml")) continue;
+    PetscBool readable;
+
+    PetscCall(PetscTestFile(argv[i + 1], 'r', &readable));
+    MpmCheckInput(readable, "%s %s: the file cannot be read", argv[i], argv[i + 1]);
+  }
+  context->reading = PETSC_TRUE;
+  PetscCall(PetscOptionsInsert(NULL, &argc, &argv, NULL));
+  context->reading = PETSC_FALSE;
+  /* an option file may ask for the log that PetscInitialize() would have started */
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-log_view", &log));
+  if (log) PetscCall(PetscLogDefaultBegin());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *status)
+{
+  MpmModel  model;
+  PetscBool wants_help;
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadOptions(argc, argv, context));
+  PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
+  PetscCall(MpmModelSetFromOptions(model));
+  PetscCall(PetscOptionsHasHelp(NULL, &wants_help));
+  if (wants_help) PetscCall(MpmLawsPrintHelp(PETSC_COMM_WORLD));
+  else PetscCall(MpmModelRun(model, status));
+  PetscCall(MpmModelDestroy(&model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  ErrorContext   context = {PETSC_FALSE, ""};
+  int            status  = 0;
+  char         **arguments;
+  PetscErrorCode error;
+
+  if (Initialize(&argc, &argv, &arguments)) return 1;
+  PetscCall(PetscPushErrorHandler(HandleError, &context));
+  error = Run(argc, argv, &context, &status);
+  if (error == MPM_ERR_INPUT || (error && context.reading)) {
+    (void)PetscFPrintf(PETSC_COMM_WORLD, stderr, "talus: error: %s\n", context.message);
+    status = MPM_EXIT_INPUT;
+  } else if (error) {
+    MPI_Abort(PETSC_COMM_WORLD, 1);
+  }
+  PetscCall(PetscPopErrorHandler());
+  PetscCall(PetscFinalize());
+  free(arguments);
+  return status;
+}

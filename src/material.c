@@ -1,0 +1,139 @@
+/*
+  The materials of a scene, and the registry of the constitutive laws that were compiled in: the build scans materials/ and lists every
+  law's constructor, once per kernel instance, in mpm_laws.h.
+*/
+#include "mpmimpl.h"
+
+#define MPM_LAW_INSTANCE(name, dim, directions) void MpmMaterialCreate_##name##_##dim##d_##directions(MpmLawInfo *info);
+#include "mpm_laws.h"
+#undef MPM_LAW_INSTANCE
+
+static const struct {
+  const char *name;
+  PetscInt    dim, directions;
+  void (*create)(MpmLawInfo *info);
+} laws[] = {
+#define MPM_LAW_INSTANCE(name, dim, directions) {#name, dim, directions, MpmMaterialCreate_##name##_##dim##d_##directions},
+#include "mpm_laws.h"
+#undef MPM_LAW_INSTANCE
+};
+
+PetscBool MpmLawFind(const char *name, PetscInt dim, PetscInt directions, MpmLawInfo *info)
+{
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+    if (laws[k].dim == dim && laws[k].directions == directions && !strcmp(laws[k].name, name)) {
+      laws[k].create(info);
+      return PETSC_TRUE;
+    }
+  }
+  return PETSC_FALSE;
+}
+
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
+{
+  return variable->kind == MPM_STATE_SCALAR ? 1 : dim == 2 ? 4 : 6;
+}
+
+PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscPrintf(comm, "Constitutive laws (the values of -mpm_material_<name>_type) and their parameters\n"));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+    MpmLawInfo info;
+
+    if (laws[k].dim != 3 || laws[k].directions) continue;
+    laws[k].create(&info);
+    PetscCall(PetscPrintf(comm, "  %s: %s\n", info.name, info.summary));
+    for (size_t i = 0; i < info.parameter_count; i++) {
+      const MpmParameter *parameter = &info.parameters[i];
+
+      PetscCall(PetscPrintf(comm, "    %-20s %s (%s", parameter->name, parameter->help, parameter->unit));
+      if (parameter->choices) PetscCall(PetscPrintf(comm, "; %s", parameter->choices));
+      if (parameter->required) PetscCall(PetscPrintf(comm, "; required)\n"));
+      else if (parameter->choices) PetscCall(PetscPrintf(comm, "; default: choice %d)\n", (int)parameter->fallback + 1));
+      else PetscCall(PetscPrintf(comm, "; default %g)\n", parameter->fallback));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads one parameter; a parameter with choices is a word whose value is its index. */
+static PetscErrorCode ReadParameter(const MpmOptions *block, const MpmParameter *parameter, double *value)
+{
+  const MpmNeed need = parameter->required ? MPM_REQUIRED : MPM_OPTIONAL;
+
+  PetscFunctionBeginUser;
+  *value = parameter->fallback;
+  if (parameter->choices) {
+    char   **words;
+    int      count;
+    PetscInt index = (PetscInt)parameter->fallback;
+
+    PetscCall(PetscStrToArray(parameter->choices, '|', &count, &words));
+    PetscCall(MpmOptionsWord(block, parameter->name, parameter->help, (const char *const *)words, need, &index, NULL));
+    PetscCall(PetscStrToArrayDestroy(count, words));
+    *value = (double)index;
+  } else {
+    const MpmRange range = {parameter->lower, parameter->upper, parameter->open ? PETSC_TRUE : PETSC_FALSE};
+
+    PetscCall(MpmOptionsReal(block, parameter->name, parameter->unit, parameter->help, range, need, value, NULL));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The names of all laws, NULL-terminated; free the array only. */
+static PetscErrorCode LawNames(const char ***names)
+{
+  PetscInt count = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((PETSC_STATIC_ARRAY_LENGTH(laws) + 1), names));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+    if (laws[k].dim == 3 && !laws[k].directions) (*names)[count++] = laws[k].name;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs, MpmMaterial *material)
+{
+  const PetscInt directions[MPM_FORM_COUNT] = {0, 1, inputs};
+  char           prefix[256];
+  MpmOptions     block = {options->comm, prefix, options->record};
+  const char   **names;
+  PetscInt       type = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(material, sizeof(*material)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", name));
+  PetscCall(PetscStrallocpy(name, &material->name));
+  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(LawNames(&names));
+  PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, NULL));
+  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
+    PetscCheck(MpmLawFind(names[type], dim, directions[form], &material->info), options->comm, PETSC_ERR_SUP,
+               "law %s is not compiled for %" PetscInt_FMT "D and %" PetscInt_FMT " directions", names[type], dim, directions[form]);
+    material->law[form] = material->info.law;
+  }
+  PetscCall(PetscFree(names));
+  PetscCall(PetscMalloc1(material->info.parameter_count, &material->parameter));
+  for (size_t i = 0; i < material->info.parameter_count; i++) {
+    PetscCall(ReadParameter(&block, &material->info.parameters[i], &material->parameter[i]));
+    if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
+  }
+  if (material->info.check) {
+    const char *why = "contradictory parameters";
+
+    MpmCheckInput(!material->info.check(material->parameter, &why), "-mpm_material_%s: %s", name, why);
+  }
+  material->stiffness = material->info.stiffness(material->parameter);
+  for (size_t i = 0; i < material->info.state_count; i++) material->state_size += MpmStateComponents(&material->info.states[i], dim);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(material->name));
+  PetscCall(PetscFree(material->parameter));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

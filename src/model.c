@@ -1,0 +1,363 @@
+/*
+  The model: the scene read from options, and the loop over steps.
+*/
+#include "mpmimpl.h"
+
+const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "dense", "fd", NULL};
+
+PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(model));
+  (*model)->comm = comm;
+  PetscCallMPI(MPI_Comm_rank(comm, &(*model)->rank));
+  PetscCallMPI(MPI_Comm_size(comm, &(*model)->size));
+  PetscCall(MpmRecordCreate(&(*model)->record));
+  {
+    PetscLogDouble now;
+
+    PetscCall(PetscTime(&now));
+    (*model)->start = now;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetPhysics(MpmModel model, const MpmPhysics *physics)
+{
+  PetscFunctionBeginUser;
+  model->physics = *physics;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelDestroy(MpmModel *handle)
+{
+  MpmModel model = *handle;
+
+  PetscFunctionBeginUser;
+  if (!model) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->particles.swarm) PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
+  PetscCall(MpmSolverDestroy(model));
+  PetscCall(MpmPatternReset(&model->pattern));
+  PetscCall(MpmSpaceReset(&model->space));
+  PetscCall(MpmConstraintsReset(&model->constraints));
+  PetscCall(PetscFree3(model->u, model->residual, model->force));
+  PetscCall(PetscFree(model->reaction));
+  PetscCall(PetscFree(model->history_row));
+  PetscCall(MpmOutputDestroy(&model->output));
+  PetscCall(MpmHistoryDestroy(&model->history));
+  PetscCall(MpmParticlesDestroy(&model->particles));
+  PetscCall(MpmGridDestroy(&model->grid));
+  for (PetscInt k = 0; model->materials && k < model->material_count; k++) PetscCall(MpmMaterialDestroy(&model->materials[k]));
+  for (PetscInt k = 0; model->bodies && k < model->body_count; k++) PetscCall(MpmBodyDestroy(&model->bodies[k]));
+  for (PetscInt k = 0; model->bcs && k < model->bc_count; k++) PetscCall(MpmConditionDestroy(&model->bcs[k]));
+  for (PetscInt k = 0; model->loads && k < model->load_count; k++) PetscCall(MpmLoadDestroy(&model->loads[k]));
+  for (PetscInt k = 0; model->tracks && k < model->track_count; k++) PetscCall(MpmTrackDestroy(&model->tracks[k]));
+  PetscCall(PetscFree(model->materials));
+  PetscCall(PetscFree(model->bodies));
+  PetscCall(PetscFree(model->bcs));
+  PetscCall(PetscFree(model->loads));
+  PetscCall(PetscFree(model->tracks));
+  PetscCall(PetscFree(model->walls));
+  PetscCall(MpmNamesDestroy(model->material_count, &model->material_names));
+  PetscCall(MpmNamesDestroy(model->body_count, &model->body_names));
+  PetscCall(MpmNamesDestroy(model->bc_count, &model->bc_names));
+  PetscCall(MpmNamesDestroy(model->load_count, &model->load_names));
+  PetscCall(MpmNamesDestroy(model->track_count, &model->track_names));
+  PetscCall(PetscFree(model->title));
+  PetscCall(PetscFree(model->prefix));
+  PetscCall(MpmRecordDestroy(&model->record));
+  PetscCall(PetscFree(*handle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ----------------------------------------------------------------------------------------------------------------- the scene */
+
+/* Dimension, physics, shape: what everything else depends on. */
+static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
+{
+  PetscInt  dim = 2, shape = MPM_SHAPE_GIMP, jacobian = MPM_JACOBIAN_AUTO;
+  char     *name;
+  PetscBool found = PETSC_TRUE;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(options, "Scene"));
+  PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->title));
+  PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, &dim, NULL));
+  PetscCall(MpmOptionsText(options, "physics", "what is solved: solid", "solid", MPM_OPTIONAL, &name));
+  if (!model->physics.name) PetscCall(MpmPhysicsCreate(name, &model->physics, &found));
+  MpmCheckInput(found, "-mpm_physics %s: must be one of solid", name);
+  PetscCall(PetscFree(name));
+  PetscCall(MpmLayoutCreate(&model->physics, dim, &model->layout));
+  model->stretch = MpmStretchFind(dim);
+  PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
+  model->shape = (MpmShapeType)shape;
+  PetscCall(MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
+  model->jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
+{
+  const MpmOptions block = {options->comm, "mpm_time_", options->record};
+
+  PetscFunctionBeginUser;
+  model->time_end = 1.;
+  model->growth   = 2.;
+  PetscCall(MpmOptionsHeading(&block, "Time"));
+  PetscCall(MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
+  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED, &model->dt_nominal, NULL));
+  model->dt_min = model->dt_nominal / 1024.;
+  model->dt_max = model->dt_nominal;
+  PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));
+  if (model->adaptive) model->dt_max = model->time_end / 4.;
+  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->dt_min, NULL));
+  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->dt_max, NULL));
+  PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again", (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL,
+                           &model->growth, NULL));
+  MpmCheckInput(model->dt_min <= model->dt_nominal, "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
+                (double)model->dt_nominal);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
+{
+  const MpmOptions block = {options->comm, "mpm_output_", options->record};
+  PetscBool        grid  = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  model->output_every = 1;
+  PetscCall(MpmOptionsHeading(&block, "Output"));
+  PetscCall(MpmOptionsText(&block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->prefix));
+  PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0, PETSC_INT_MAX, MPM_OPTIONAL,
+                          &model->output_every, NULL));
+  PetscCall(MpmOptionsBool(&block, "grid", "write the grid too", &grid, NULL));
+  MpmCheckInput(!grid, "-mpm_output_grid true: grid output is not available in this version");
+  PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->quiet, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *options)
+{
+  PetscReal stiffest = 0.;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count, &model->material_names));
+  PetscCall(PetscCalloc1(model->material_count, &model->materials));
+  model->symmetric = PETSC_TRUE;
+  for (PetscInt m = 0; m < model->material_count; m++) {
+    PetscCall(MpmMaterialCreate(options, model->material_names[m], model->grid.dim, model->layout.inputs, &model->materials[m]));
+    if (!(model->materials[m].info.traits & MPM_LAW_SYMMETRIC)) model->symmetric = PETSC_FALSE;
+    stiffest = PetscMax(stiffest, model->materials[m].stiffness);
+  }
+  if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
+  model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
+  PetscCall(MpmOptionsNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
+  PetscCall(PetscCalloc1(model->body_count, &model->bodies));
+  for (PetscInt b = 0; b < model->body_count; b++) {
+    PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials, &model->bodies[b]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
+  PetscCall(PetscCalloc1(model->bc_count, &model->bcs));
+  PetscCall(PetscMalloc1((model->bc_count * 2 * MPM_MAX_BLOCK), &model->walls));
+  for (PetscInt b = 0; b < model->bc_count; b++) {
+    PetscInt walls;
+
+    PetscCall(MpmConditionCreate(options, model->bc_names[b], &model->grid, &model->layout, &model->bcs[b]));
+    PetscCall(MpmConditionGetWalls(&model->bcs[b], &model->grid, &walls, &model->walls[model->wall_count]));
+    model->wall_count += walls;
+  }
+  PetscCall(PetscCalloc1((model->bc_count * model->layout.block), &model->reaction));
+  PetscCall(MpmOptionsNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
+  PetscCall(PetscCalloc1(model->load_count, &model->loads));
+  for (PetscInt l = 0; l < model->load_count; l++) {
+    PetscCall(MpmLoadCreate(options, model->load_names[l], &model->grid, &model->loads[l]));
+    for (PetscInt m = 0; model->loads[l].type == MPM_LOAD_GRAVITY && m < model->material_count; m++) {
+      MpmCheckInput(model->materials[m].density > 0., "-mpm_material_%s_density is missing: load %s is gravity", model->material_names[m],
+                    model->load_names[l]);
+    }
+  }
+  PetscCall(MpmOptionsNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count, &model->track_names));
+  PetscCall(PetscCalloc1(model->track_count, &model->tracks));
+  for (PetscInt t = 0; t < model->track_count; t++) {
+    PetscCall(MpmTrackCreate(options, model->track_names[t], &model->grid, &model->tracks[t]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
+static PetscErrorCode CreateParticles(MpmModel model)
+{
+  PetscInt  state_size = 0, extra = 0;
+  PetscBool half_length = MpmShapeHasDomain(model->shape), moved;
+  char    **fields;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((model->load_count + model->track_count), &fields));
+  for (PetscInt m = 0; m < model->material_count; m++) state_size = PetscMax(state_size, model->materials[m].state_size);
+  for (PetscInt l = 0; l < model->load_count; l++) {
+    if (model->loads[l].type == MPM_LOAD_TRACTION) half_length = PETSC_TRUE;
+    if (model->loads[l].share_field) fields[extra++] = model->loads[l].share_field;
+  }
+  for (PetscInt t = 0; t < model->track_count; t++) fields[extra++] = model->tracks[t].share_field;
+  PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, extra, fields, &model->particles));
+  PetscCall(PetscFree(fields));
+  PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
+  PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));
+  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  for (PetscInt l = 0; l < model->load_count; l++) PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
+  for (PetscInt t = 0; t < model->track_count; t++) PetscCall(MpmTrackSelect(&model->tracks[t], &model->grid, &model->particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetFromOptions(MpmModel model)
+{
+  const MpmOptions options = {model->comm, "mpm_", model->record};
+  PetscBool        help;
+  PetscLogDouble   since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  PetscCall(PetscOptionsHasHelp(NULL, &help));
+  PetscCall(ReadKind(model, &options));
+  PetscCall(MpmGridSetFromOptions(&model->grid, &options, model->layout.dim));
+  PetscCall(ReadMaterialsAndBodies(model, &options));
+  PetscCall(ReadConditions(model, &options));
+  PetscCall(ReadTime(model, &options));
+  PetscCall(ReadOutput(model, &options));
+  PetscCall(MpmSolverSetFromOptions(model, &options));
+  if (help) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsCheckUnknown(&options));
+  PetscCall(CreateParticles(model));
+  MpmClock(model, MPM_TIME_SETUP, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------- the run */
+
+static PetscErrorCode PrintHeader(MpmModel model)
+{
+  const MpmGrid *grid = &model->grid;
+
+  PetscFunctionBeginUser;
+  if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, model->title[0] ? model->title : model->prefix));
+  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s, %d rank%s\n", model->physics.name, grid->dim,
+                        MpmShapeTypes[model->shape], MpmJacobianTypes[model->jacobian_type], model->solver, model->size, model->size > 1 ? "s" : ""));
+  PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " points, grid of %" PetscInt_FMT " x %" PetscInt_FMT, model->particles.total, grid->cells[0],
+                        grid->cells[1]));
+  if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %" PetscInt_FMT, grid->cells[2]));
+  PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));
+  if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
+  PetscCall(PetscPrintf(model->comm, " m\n%6s %12s %10s %6s %6s %5s %12s\n", "step", "time", "dt", "newton", "linear", "cuts", "time to go"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintStep(MpmModel model, PetscReal dt)
+{
+  PetscLogDouble now;
+  PetscReal      left;
+  int            minutes;
+
+  PetscFunctionBeginUser;
+  if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscTime(&now));
+  left    = (now - model->start) * (model->time_end - model->time) / model->time;
+  minutes = (int)(left / 60.);
+  PetscCall(PetscPrintf(model->comm, "%6" PetscInt_FMT " %12.5g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %5" PetscInt_FMT " %4d:%02d:%02d\n", model->step,
+                        (double)model->time, (double)dt, model->newton, model->linear, model->cuts, minutes / 60, minutes % 60,
+                        (int)(left - 60. * minutes)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
+static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
+{
+  const PetscReal small = 1e-9 * model->dt_nominal;
+  PetscReal       target = model->time_end, next;
+
+  if (!model->adaptive) {
+    target = model->dt_nominal * PetscFloorReal((model->time + small) / model->dt_nominal + 1.);
+    if (target > model->time_end - small) target = model->time_end;
+  }
+  next  = model->time + dt > target - PetscMax(small, 1e-3 * dt) ? target : model->time + dt;
+  *step = next - model->time;
+  return next;
+}
+
+/* After an easy step the next one is longer; after a hard one, when adaptive, it stays. */
+static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
+{
+  if (!model->adaptive) return PetscMin(wanted * model->growth, model->dt_nominal);
+  if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
+  return model->newton <= 6 ? PetscMin(wanted * model->growth, model->dt_max) : wanted;
+}
+
+/* One step, cut as often as needed. `why` tells the reason when it was given up. */
+static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, const char **why)
+{
+  PetscReal      next;
+  PetscBool      moved, retry = PETSC_FALSE;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_FALSE, &moved));
+  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  MpmClock(model, MPM_TIME_MIGRATE, since);
+  model->cuts = 0;
+  for (;;) {
+    next = NextTime(model, *wanted, dt);
+    PetscCall(MpmStep(model, next, *dt, retry, why));
+    if (!*why) break;
+    if (!strcmp(*why, "a point left the grid") || 0.5 * *dt < model->dt_min) PetscFunctionReturn(PETSC_SUCCESS);
+    retry   = PETSC_TRUE;
+    *wanted = 0.5 * *dt;
+    model->cuts++;
+    model->cuts_total++;
+    if (!model->quiet) {
+      PetscCall(PetscPrintf(model->comm, "       %s; the step is cut to %.4g\n", *why, (double)*wanted));
+    }
+  }
+  model->time = next;
+  model->step++;
+  *wanted = NextLength(model, *dt, *wanted);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelRun(MpmModel model, int *status)
+{
+  const char *why = NULL;
+  PetscReal   wanted, dt = 0.;
+  PetscInt    written = 0;
+
+  PetscFunctionBeginUser;
+  *status = 0;
+  wanted  = model->dt_nominal;
+  PetscCall(PrintHeader(model));
+  PetscCall(MpmModelCreateHistory(model));
+  if (model->output_every) PetscCall(MpmModelWriteOutput(model));
+  while (!why && model->time < model->time_end * (1. - 1e-12)) {
+    PetscCall(Advance(model, &wanted, &dt, &why));
+    if (why) break;
+    PetscCall(MpmModelWriteHistory(model, dt));
+    PetscCall(PrintStep(model, dt));
+    if (model->output_every && (model->step % model->output_every == 0)) {
+      PetscCall(MpmModelWriteOutput(model));
+      written = model->step;
+    }
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
+  if (model->output_every && written != model->step) PetscCall(MpmModelWriteOutput(model));
+  if (why) {
+    *status = MPM_EXIT_GAVEUP;
+    PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n", model->step, (double)model->time, why));
+  }
+  PetscCall(MpmModelWriteSummary(model, why ? why : "completed"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,386 @@
+#pragma once
+/*
+  The engine's objects from the inside. Each block names the file that implements it.
+*/
+#include "mpm.h"
+
+#define MPM_MAX_DIM    3
+#define MPM_MAX_BLOCK  8  /* unknowns a node: displacement, pressure, damage, ... */
+#define MPM_MAX_INPUTS 24 /* inputs of a kernel */
+#define MPM_TOLERANCE  1e-6 /* of a cell: what counts as "on" a region's edge */
+
+/* ------------------------------------------------------------------------------------------------------ grid.c, partition.c */
+
+/*
+  The background grid: a regular lattice of cells. Only a window of it, the part around the material, is spread over the ranks as a DMDA;
+  what lies outside the window belongs to the rank at the window's nearest edge and costs nothing. Ownership ranges follow the points.
+*/
+typedef struct {
+  MPI_Comm    comm;
+  PetscMPIInt rank, size;
+  PetscInt    dim;
+  PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
+  PetscInt    cells[MPM_MAX_DIM]; /* 1 on unused axes */
+  PetscInt    nodes[MPM_MAX_DIM]; /* 1 on unused axes */
+  DM          da;                 /* the window */
+  PetscInt    window_lower[MPM_MAX_DIM], window_nodes[MPM_MAX_DIM];
+  PetscInt    procs[MPM_MAX_DIM];
+  PetscInt   *proc_of[MPM_MAX_DIM]; /* process coordinate of each node of the window, per axis */
+} MpmGrid;
+
+PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim);
+PetscErrorCode MpmGridDestroy(MpmGrid *grid);
+/* Chooses window and ownership ranges for these points (dim coordinates each) and makes the DMDA anew. */
+PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[]);
+/* The rank that owns a node, given its index on each axis; any node has an owner. */
+PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
+/* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
+void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
+
+/* --------------------------------------------------------------------------------------------------------------- material.c */
+
+/* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
+typedef struct {
+  char       *name;
+  MpmLawInfo  info;
+  double     *parameter;
+  MpmFunction law[MPM_FORM_COUNT];
+  PetscReal   density, stiffness;
+  PetscInt    state_size;
+} MpmMaterial;
+
+/* The laws' list for one compiled instance; finds a law by name. Returns PETSC_FALSE where there is none. */
+PetscBool      MpmLawFind(const char *name, PetscInt dim, PetscInt directions, MpmLawInfo *info);
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs, MpmMaterial *material);
+PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
+/* Components of one history variable. */
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
+
+/* ------------------------------------------------------------------------------------------------------------------ physics.c */
+
+/* The layout that follows from a physics' fields: block size, and which basis function and component each kernel input takes. */
+typedef struct {
+  PetscInt            dim, block, inputs, rates;
+  PetscInt            component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
+  PetscInt            basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */
+  PetscInt            component_of[MPM_MAX_INPUTS], basis_of[MPM_MAX_INPUTS];
+  PetscInt            rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
+  PetscBool           increment[MPM_MAX_BLOCK];
+  const char         *component_name[MPM_MAX_BLOCK];
+  const MpmKernelSet *kernel;
+} MpmLayout;
+
+/* A built-in physics with its compiled kernels. */
+PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
+PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout);
+typedef int (*MpmStretch)(const double *F, double *diagonal);
+/* The function that gives the diagonal of U = sqrt(F^T F). */
+MpmStretch MpmStretchFind(PetscInt dim);
+
+/* ---------------------------------------------------------------------------------------------------------------- particles.c */
+
+/* The points' fields, lent by MpmParticlesGetArrays(); NULL where a field is not registered. */
+typedef struct {
+  PetscInt   count;
+  PetscInt  *id, *material;
+  PetscReal *x, *x0;      /* position now and at the start, m */
+  PetscReal *F;           /* dim x dim, row-major */
+  PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
+  PetscReal *volume0;
+  PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
+  PetscReal *state;  /* state_size values */
+  PetscReal *value;  /* rate values */
+} MpmPoints;
+
+typedef struct {
+  DM        swarm;
+  PetscInt  dim, stress_size, state_size, rates;
+  PetscBool has_half_length;
+  PetscInt64 total;
+} MpmParticles;
+
+PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length, PetscInt extra_count,
+                                  char *const extra[], MpmParticles *particles);
+PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
+PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
+PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
+/* Sends every point to the rank that owns its cell, however far; does nothing on one rank. */
+PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
+/* Moves the partition when the fullest rank holds too many points; `moved` tells. */
+PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
+
+/* ------------------------------------------------------------------------------------------------------------------- body.c */
+
+typedef struct _p_MpmBody *MpmBody;
+PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
+                             const MpmMaterial materials[], MpmBody *body);
+PetscErrorCode MpmBodyDestroy(MpmBody *body);
+/* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
+PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[], const MpmGrid *grid,
+                                 MpmParticles *particles);
+
+/* --------------------------------------------------------------------------------------------------------- space.c, nodes.c */
+
+/* A wall: the plane of a Dirichlet condition on the component along its axis. Domains are cut there and splines end there. */
+typedef struct {
+  PetscInt  axis;
+  PetscInt  node;       /* the plane, as a node index on the axis */
+  PetscInt  side;       /* +1: bounds the material above it, -1: below it */
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* where along the other axes, m */
+} MpmWall;
+
+/* Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side. */
+typedef struct {
+  PetscInt first[MPM_MAX_DIM];
+  PetscInt count[MPM_MAX_DIM];
+  PetscInt node_count;
+  PetscInt node_offset;            /* into group_nodes */
+  PetscInt point_begin, point_end; /* into order */
+} MpmGroup;
+
+/*
+  The step's discrete space: weights of every point, and the active nodes. Local nodes are those that this rank's points touch or that it
+  owns: first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes only.
+*/
+typedef struct {
+  PetscInt  dim, width;   /* most nodes on an axis */
+  PetscInt  point_count;
+  PetscInt *first, *count; /* dim values a point */
+  PetscReal *weight, *gradient; /* per point and axis, `width` values; gradients by x */
+  PetscInt *order;        /* points by group */
+  PetscInt  group_count;
+  MpmGroup *groups;
+  PetscInt *group_nodes;  /* local nodes of each group, x fastest */
+  PetscInt  owned, local; /* active nodes owned by this rank, and with ghosts */
+  PetscInt *node;         /* lattice indices of local nodes, dim each */
+  PetscInt *global;       /* number over all ranks, of local nodes */
+  PetscInt  global_begin; /* number of the first owned node */
+  PetscInt  global_count;
+  PetscSF   sf;           /* roots: owned nodes; leaves: ghosts; NULL on one rank */
+} MpmSpace;
+
+PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count, const MpmWall walls[],
+                             MpmStretch stretch, const MpmPoints *points);
+PetscErrorCode MpmSpaceReset(MpmSpace *space);
+/* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
+PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
+/* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */
+PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal local[]);
+PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[]);
+
+/* Sends a list of integers to each of some ranks and receives likewise (nodes.c). Received data: from[k] sent data[offset[k] .. offset[k+1]). */
+typedef struct {
+  PetscInt     count;
+  PetscMPIInt *rank;
+  PetscInt    *offset; /* count + 1 */
+  PetscInt    *data;
+} MpmLists;
+PetscErrorCode MpmListsExchange(MPI_Comm comm, const MpmLists *sent, MpmLists *received);
+PetscErrorCode MpmListsDestroy(MpmLists *lists);
+
+/*
+  The weights and derivatives of one point at its group's nodes: basis[0] weights, basis[1..dim] derivatives by x, y, z; each of
+  node_count values, x fastest.
+*/
+#define MPM_MAX_WIDTH 16
+typedef struct {
+  PetscReal *basis[MPM_MAX_DIM + 1];
+} MpmBasis;
+void MpmSpaceEvaluate(const MpmSpace *space, PetscInt point, PetscBool with_weight, MpmBasis *basis);
+
+/* ------------------------------------------------------------------------------------------------------------- condition.c */
+
+/* A Dirichlet condition on nodes. */
+typedef struct {
+  char     *name;
+  MpmRegion region;
+  PetscInt  component_count;
+  PetscInt  component[MPM_MAX_BLOCK];
+  PetscReal value[MPM_MAX_BLOCK];
+  MpmRamp   ramp;
+} MpmCondition;
+
+/* The conditions as they act on the local unknowns of a step. */
+typedef struct {
+  PetscInt  *condition; /* per local unknown: which condition holds it, or -1 */
+  PetscReal *value;     /* the value that it takes */
+  PetscBool  any;
+} MpmConstraints;
+
+PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, const MpmLayout *layout, MpmCondition *bc);
+PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
+/* The walls that a condition makes; walls has room for 2*dim. */
+PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt *count, MpmWall walls[]);
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[], const MpmGrid *grid,
+                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time);
+PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
+
+/* ------------------------------------------------------------------------------------------------------------------- load.c */
+
+typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION } MpmLoadType;
+
+/* A load on the material. Forces and tractions keep each point's share in a field of the particles. */
+typedef struct {
+  char       *name, *share_field;
+  MpmLoadType type;
+  PetscReal   value[MPM_MAX_DIM];
+  PetscReal   at[MPM_MAX_DIM];
+  PetscInt    nearest; /* 0: by region */
+  MpmRegion   region;
+  PetscInt    face_axis, face_side; /* traction: the face of the points' domains it acts on */
+  PetscBool   face_given;
+  MpmRamp     ramp;
+} MpmLoad;
+
+/* A set of points that is followed; the field holds each point's share of the mean. */
+typedef struct {
+  char     *name, *share_field;
+  PetscReal at[MPM_MAX_DIM];
+  PetscInt  nearest;
+  MpmRegion region;
+} MpmTrack;
+
+PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load);
+PetscErrorCode MpmLoadDestroy(MpmLoad *load);
+/* Finds the points that carry the load, in the initial state. */
+PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles);
+/* Adds the load at `time` to the external force at the local nodes. */
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space, MpmParticles *particles,
+                            const MpmPoints *points, const MpmMaterial materials[], MpmStretch stretch, PetscInt block, PetscReal force[]);
+PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
+PetscErrorCode MpmTrackDestroy(MpmTrack *track);
+PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
+PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[]);
+
+/* ----------------------------------------------------------------------------- assemble.c, jacobian.c, coloring.c, pattern.c */
+
+/* All that the sums over points need; borrowed from the model for the length of a step. */
+typedef struct {
+  const MpmGrid        *grid;
+  const MpmSpace       *space;
+  const MpmLayout      *layout;
+  const MpmMaterial    *materials;
+  const MpmPoints      *points;
+  const MpmConstraints *constraints;
+  const double         *physics_parameter;
+  PetscInt              state_size;
+  PetscReal             dt;
+} MpmSum;
+
+/* The parts of a sum over points: nodal values of a group by component (values[c*n + i]), kernel inputs, and the kernel's view of a point. */
+PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
+void      MpmSumGather(const MpmSum *sum, const MpmGroup *group, const PetscReal u[], PetscReal values[]);
+void      MpmSumInputs(const MpmSum *sum, PetscInt n, const PetscReal values[], const MpmBasis *basis, PetscReal input[]);
+void      MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point);
+
+/* Local residual += sum over points of phi flux(u). `failed` counts points without an answer on this rank. */
+PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
+/* Like it, and writes history, F, stress, positions and rate values of the converged step. */
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
+
+/*
+  The sparsity pattern, in node blocks, and the values of this rank's contributions in the same order. Rows of owned nodes hold what any
+  rank adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers, ascending.
+*/
+typedef struct {
+  PetscInt   block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
+  PetscInt   local, owned;
+  PetscInt  *row;    /* local + 1: where each row's columns start */
+  PetscInt  *column; /* global node numbers */
+  PetscInt  *slot;   /* local * window: position in the row, or -1 */
+  PetscReal *value;  /* row-major within a block row: row[i]*block^2 + (c * columns_i + k)*block + c' */
+} MpmPattern;
+
+PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block, PetscBool *changed);
+PetscErrorCode MpmPatternReset(MpmPattern *pattern);
+PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat);
+/* Adds a group's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns are left out. */
+void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group, const MpmConstraints *constraints,
+                        PetscReal element[]);
+/* Puts `diagonal` on constrained rows, hands everything to the matrix and assembles it. */
+PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints, PetscReal diagonal, Mat mat);
+
+PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscInt *failed);
+PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern, PetscInt *failed);
+
+/* ------------------------------------------------------------------------------------------------ solver.c, step.c, model.c */
+
+struct _p_MpmModel {
+  MPI_Comm          comm;
+  PetscMPIInt       rank, size;
+  MpmRecord         record;
+  char             *title, *prefix;
+  MpmPhysics        physics;
+  MpmLayout         layout;
+  MpmStretch        stretch;
+  MpmGrid           grid;
+  MpmShapeType      shape;
+  MpmJacobianType   jacobian_type;
+  char             *solver;
+  PetscInt          material_count, body_count, bc_count, load_count, track_count, wall_count;
+  char            **material_names, **body_names, **bc_names, **load_names, **track_names;
+  MpmMaterial      *materials;
+  MpmBody          *bodies;
+  MpmCondition     *bcs;
+  MpmLoad          *loads;
+  MpmTrack         *tracks;
+  MpmWall          *walls;
+  MpmParticles      particles;
+  PetscBool         symmetric;
+
+  /* time */
+  PetscReal time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscBool adaptive;
+  PetscInt  step, cuts, cuts_total;
+
+  /* the step being solved */
+  MpmPoints      points;
+  MpmSpace       space;
+  MpmConstraints constraints;
+  MpmPattern     pattern;
+  MpmSum         sum;
+  PetscReal     *u, *residual, *force; /* local nodes */
+  PetscReal      diagonal; /* of held unknowns: a typical stiffness */
+  PetscReal      noise;    /* residuals below it are rounding */
+  char           mat_type[64], vec_type[64];
+  SNES           snes;
+  Mat            jacobian;
+  Vec            x, f;
+  PetscInt       newton, linear;
+  PetscInt64     newton_total, linear_total, active_dofs_max;
+
+  /* results */
+  PetscInt   output_every;
+  PetscBool  output_points;
+  MpmOutput  output;
+  MpmHistory history;
+  PetscReal *history_row;
+  PetscInt   history_columns;
+  PetscReal *reaction; /* per condition and component of the block */
+  PetscReal  seconds[MPM_TIME_COUNT], start;
+  PetscBool  quiet;
+};
+
+/* Stops the clock of one task: adds the seconds since `since` to it. */
+static inline void MpmClock(MpmModel model, MpmTimer timer, PetscLogDouble since)
+{
+  PetscLogDouble now;
+
+  (void)PetscTime(&now);
+  model->seconds[timer] += now - since;
+}
+
+/* Presets, PETSc's solver objects and their options (solver.c). */
+PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmSolverSetUp(MpmModel model);
+PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason);
+PetscErrorCode MpmSolverDestroy(MpmModel model);
+/* One step from model->time to `time`, dt later; `retry`: the same step again, shorter. `why` is NULL when it converged, otherwise the
+   reason (static text). */
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool retry, const char **why);
+/* Results (results.c). */
+PetscErrorCode MpmModelWriteOutput(MpmModel model);
+PetscErrorCode MpmModelCreateHistory(MpmModel model);
+PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
+PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);

@@ -1,0 +1,48 @@
+#pragma once
+/*
+  What the readers of options (options.c), their record (record.c) and other parsers (region.c) share.
+*/
+#include "mpmcompat.h"
+#include "mpmoptions.h"
+
+/* Room for a number or a range as text. */
+#define MPM_NUMBER_TEXT 64
+
+/* Shortest decimal form that reads back as the same number. PETSc's own %g turns 1 into "1.", which is not what a user
+   wrote. */
+void MpmRealText(PetscReal value, char text[MPM_NUMBER_TEXT]);
+/* The whole of `text`, blanks around it aside, must be one finite number. */
+PetscBool MpmParseReal(const char text[], PetscReal *value);
+PetscBool MpmParseInt(const char text[], PetscInt *value);
+
+/* Appends formatted text to an allocated string (NULL to start with); free with PetscFree(). */
+PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* `value` fit for a one-line message: control characters become blanks, and a long one is cut short. Free with
+   PetscFree(). */
+PetscErrorCode MpmTextQuote(const char value[], char **quoted);
+
+/*
+  The options database. `name` has no leading dash. PETSc's look-up takes -a_b for -a_1_b when the latter is absent,
+  meant for levels of multigrid, and it would let one body of a scene inherit from another: these go by the exact name
+  (case aside, as PETSc does).
+*/
+PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has);
+/* Lends the value; NULL for an option without one. Marks the option as used. */
+PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given);
+
+/* One option that a reader has asked for. */
+typedef struct {
+  char     *name;
+  char     *value;    /* in force; NULL when there is none that could be read again */
+  PetscBool known;    /* a reader has asked for it, and has not merely looked whether it is there */
+  PetscBool given;    /* by the user */
+  PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
+} MpmRecordEntry;
+
+struct _p_MpmRecord {
+  PetscInt        count, capacity;
+  MpmRecordEntry *entries;
+};
+
+/* Lends the option's entry, which is made where there is none; it lives until the next call. */
+PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry **entry);

@@ -1,0 +1,455 @@
+/*
+  MpmOutput - point states in HDF5, one group a state, and their XDMF index.
+
+  Create, Write once a state, Destroy. Rows come in any order on any rank. They travel to contiguous blocks of ids,
+  one block a rank, and each rank writes its block as one slab; with several ranks through MPI-IO, collectively. The
+  file is opened and closed in each write: what a killed run had written can be read.
+*/
+#include <string.h>
+#include <hdf5.h>
+#include <petscsf.h>
+#include "mpmoutput.h"
+#include "mpmtextfile.h"
+#include "mpmxdmf.h"
+
+struct _p_MpmOutput {
+  MPI_Comm    comm;
+  char       *h5_path, *xdmf_path;
+  MpmTextFile grids;   /* rank 0: the index so far */
+  PetscBool   started; /* do the files exist? */
+};
+
+#define REASON_LENGTH 256
+
+/*
+  One write under way. A failure anywhere is agreed upon by all ranks and sticks: what follows is skipped, everything
+  opened is closed, and the error is raised once, at the end.
+*/
+typedef struct {
+  MPI_Comm    comm;
+  PetscInt64  points;  /* over all ranks */
+  PetscBool  *integer; /* of each dataset: the same answer on all ranks */
+  PetscLayout layout;  /* rows to ranks */
+  PetscSF     sf;      /* leaves: local points; roots: this rank's block of rows */
+  void       *buffer;  /* this rank's block of one dataset */
+  hid_t       file, group, transfer;
+  PetscBool   failed;
+  char        reason[REASON_LENGTH];
+} Writer;
+
+/* --------------------------------------------------------------------------------------------------------- failures */
+
+/* Keeps the last description it is shown: HDF5's innermost, which tells most. */
+static herr_t KeepDescription(unsigned depth, const H5E_error2_t *error, void *context)
+{
+  Writer *writer = (Writer *)context;
+
+  (void)depth;
+  if (error->desc && error->desc[0]) {
+    strncpy(writer->reason, error->desc, REASON_LENGTH - 1);
+    for (char *c = writer->reason; *c; ++c)
+      if (*c == '\n' || *c == '\r') *c = ' ';
+  }
+  return 0;
+}
+
+/* To be called right where something failed: the next call of HDF5, be it a close, forgets why. */
+static PetscBool Worked(Writer *writer, PetscBool worked)
+{
+  if (!worked && !writer->reason[0]) {
+    (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, KeepDescription, writer);
+    if (!writer->reason[0]) strcpy(writer->reason, "HDF5 gives no reason");
+  }
+  return worked;
+}
+
+/* Collective. Did it work on all ranks? The reason comes from the lowest rank on which it did not. */
+static PetscErrorCode Agree(Writer *writer, PetscBool worked)
+{
+  PetscMPIInt rank, size, first;
+
+  PetscFunctionBeginUser;
+  (void)Worked(writer, worked);
+  PetscCallMPI(MPI_Comm_rank(writer->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(writer->comm, &size));
+  first = worked ? size : rank;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, writer->comm));
+  if (first < size) {
+    PetscCallMPI(MPI_Bcast(writer->reason, REASON_LENGTH, MPI_CHAR, first, writer->comm));
+    writer->failed = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* -------------------------------------------------------------------------------------------------- rows to blocks */
+
+/* Are the ids 0 .. N-1, each once? Otherwise the graph cannot be built, or rows would be lost. */
+static PetscErrorCode CheckIdRange(Writer *writer, PetscInt count, const PetscInt id[])
+{
+  PetscBool inside = PETSC_TRUE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < count; ++i) inside = (PetscBool)(inside && id[i] >= 0 && id[i] < writer->points);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &inside, 1, MPIU_BOOL, MPI_LAND, writer->comm));
+  PetscCheck(inside, writer->comm, PETSC_ERR_ARG_OUTOFRANGE, "an id of a point is not in 0 .. %lld",
+             (long long)(writer->points - 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckIdsOnce(Writer *writer, PetscInt count)
+{
+  PetscInt  rows, *ones, *found;
+  PetscBool once = PETSC_TRUE;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
+  PetscCall(PetscMalloc1(count, &ones));
+  PetscCall(PetscCalloc1(rows, &found));
+  for (PetscInt i = 0; i < count; ++i) ones[i] = 1;
+  PetscCall(PetscSFReduceBegin(writer->sf, MPIU_INT, ones, found, MPI_SUM));
+  PetscCall(PetscSFReduceEnd(writer->sf, MPIU_INT, ones, found, MPI_SUM));
+  for (PetscInt i = 0; i < rows; ++i) once = (PetscBool)(once && found[i] == 1);
+  PetscCall(PetscFree(ones));
+  PetscCall(PetscFree(found));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &once, 1, MPIU_BOOL, MPI_LAND, writer->comm));
+  PetscCheck(once, writer->comm, PETSC_ERR_ARG_WRONG, "two points have the same id");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A rank without rows has no arrays and so cannot tell what kind of numbers the others write. */
+static PetscErrorCode AgreeOnKinds(Writer *writer, PetscInt dataset_count, const MpmDataset datasets[])
+{
+  PetscMPIInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMPIIntCast(dataset_count, &count));
+  PetscCall(PetscMalloc1(dataset_count, &writer->integer));
+  for (PetscInt i = 0; i < dataset_count; ++i) writer->integer[i] = (PetscBool)(datasets[i].integer != NULL);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, writer->integer, count, MPIU_BOOL, MPI_LOR, writer->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Layout, graph and a buffer that holds the block of the widest dataset. */
+static PetscErrorCode WriterSetUp(Writer *writer, PetscInt count, const PetscInt id[], PetscInt dataset_count,
+                                  const MpmDataset datasets[])
+{
+  PetscInt rows, widest = 1;
+
+  PetscFunctionBeginUser;
+  writer->points = count;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &writer->points, 1, MPIU_INT64, MPI_SUM, writer->comm));
+  PetscCheck(writer->points <= PETSC_INT_MAX, writer->comm, PETSC_ERR_SUP,
+             "%lld points need a PETSc with 64-bit indices", (long long)writer->points);
+  PetscCall(PetscLayoutCreateFromSizes(writer->comm, PETSC_DECIDE, (PetscInt)writer->points, 1, &writer->layout));
+  PetscCall(CheckIdRange(writer, count, id));
+  PetscCall(PetscSFCreate(writer->comm, &writer->sf));
+  PetscCall(PetscSFSetGraphLayout(writer->sf, writer->layout, count, NULL, PETSC_COPY_VALUES, id));
+  PetscCall(CheckIdsOnce(writer, count));
+  PetscCall(AgreeOnKinds(writer, dataset_count, datasets));
+  PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
+  for (PetscInt i = 0; i < dataset_count; ++i) widest = PetscMax(widest, datasets[i].components);
+  PetscCall(
+    PetscMalloc((size_t)(rows + 1) * (size_t)widest * PetscMax(sizeof(PetscReal), sizeof(PetscInt)), &writer->buffer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* buffer = the rows of this rank's block, from wherever they are. */
+static PetscErrorCode GatherBlock(Writer *writer, PetscBool integer, const MpmDataset *dataset)
+{
+  const void  *rows = integer ? (const void *)dataset->integer : (const void *)dataset->real;
+  MPI_Datatype unit = integer ? MPIU_INT : MPIU_REAL;
+  PetscMPIInt  components;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMPIIntCast(dataset->components, &components));
+  if (components > 1) {
+    PetscCallMPI(MPI_Type_contiguous(components, unit, &unit));
+    PetscCallMPI(MPI_Type_commit(&unit));
+  }
+  PetscCall(PetscSFReduceBegin(writer->sf, unit, rows, writer->buffer, MPI_REPLACE));
+  PetscCall(PetscSFReduceEnd(writer->sf, unit, rows, writer->buffer, MPI_REPLACE));
+  if (components > 1) PetscCallMPI(MPI_Type_free(&unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ------------------------------------------------------------------------------------------------------------- HDF5 */
+
+/* Access to the file: objects left open go with it; a viewer that holds the file open must not end the run. */
+static hid_t CreateFileAccess(MPI_Comm comm, PetscMPIInt size)
+{
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+
+  (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+#if H5_VERSION_GE(1, 10, 7)
+  (void)H5Pset_file_locking(access, 0, 1);
+#endif
+#if defined(H5_HAVE_PARALLEL)
+  if (size > 1) (void)H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+#endif
+  return access;
+}
+
+static PetscErrorCode OpenFile(Writer *writer, const char *path, PetscBool append)
+{
+  PetscMPIInt size;
+  hid_t       access;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(writer->comm, &size));
+  access           = CreateFileAccess(writer->comm, size);
+  writer->transfer = H5Pcreate(H5P_DATASET_XFER);
+#if defined(H5_HAVE_PARALLEL)
+  if (size > 1) (void)H5Pset_dxpl_mpio(writer->transfer, H5FD_MPIO_COLLECTIVE);
+#else
+  PetscCheck(size == 1, writer->comm, PETSC_ERR_SUP, "this HDF5 was built without MPI: run on one rank");
+#endif
+  writer->file = append ? H5Fopen(path, H5F_ACC_RDWR, access) : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  PetscCall(Agree(writer, (PetscBool)(writer->file >= 0)));
+  (void)H5Pclose(access);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A number at a group; false when it could not be written. */
+static PetscBool WriteAttribute(Writer *writer, const char *name, hid_t type, const void *value)
+{
+  hid_t     space     = H5Screate(H5S_SCALAR);
+  hid_t     attribute = H5Acreate2(writer->group, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  PetscBool worked    = Worked(writer, (PetscBool)(attribute >= 0 && H5Awrite(attribute, type, value) >= 0));
+
+  if (attribute >= 0) (void)H5Aclose(attribute);
+  (void)H5Sclose(space);
+  return worked;
+}
+
+static PetscErrorCode OpenGroup(Writer *writer, const char *path, PetscInt step, PetscReal time)
+{
+  hid_t     creation;
+  double    time_value = (double)time;
+  long long step_value = (long long)step;
+
+  PetscFunctionBeginUser;
+  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  creation = H5Pcreate(H5P_LINK_CREATE);
+  (void)H5Pset_create_intermediate_group(creation, 1);
+  writer->group = H5Gcreate2(writer->file, path, creation, H5P_DEFAULT, H5P_DEFAULT);
+  PetscCall(Agree(writer, (PetscBool)(writer->group >= 0)));
+  (void)H5Pclose(creation);
+  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Agree(writer, WriteAttribute(writer, "time", H5T_NATIVE_DOUBLE, &time_value)));
+  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Agree(writer, WriteAttribute(writer, "step", H5T_NATIVE_LLONG, &step_value)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the buffer as this rank's slab of a dataset that exists; false when it could not. */
+static PetscBool WriteSlab(Writer *writer, hid_t dataset, hid_t type, int rank, hsize_t first, const hsize_t extent[2])
+{
+  hid_t     space = H5Dget_space(dataset), memory = H5Screate_simple(rank, extent, NULL);
+  hsize_t   start[2] = {first, 0};
+  herr_t    status;
+  PetscBool worked;
+
+  if (extent[0]) {
+    status = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, extent, NULL);
+  } else {
+    (void)H5Sselect_none(memory);
+    status = H5Sselect_none(space);
+  }
+  if (status >= 0) status = H5Dwrite(dataset, type, memory, space, writer->transfer, writer->buffer);
+  worked = Worked(writer, (PetscBool)(status >= 0));
+  (void)H5Sclose(memory);
+  if (space >= 0) (void)H5Sclose(space);
+  return worked;
+}
+
+static hid_t RealType(void)
+{
+  return sizeof(PetscReal) == sizeof(double) ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
+}
+
+static hid_t IntegerType(void)
+{
+  return sizeof(PetscInt) == sizeof(long long) ? H5T_NATIVE_LLONG : H5T_NATIVE_INT;
+}
+
+/* One dataset out of the buffer: (points) or (points x components) numbers, in the machine's own types, so that
+   nothing is converted. */
+static PetscErrorCode WriteDataset(Writer *writer, const char *name, PetscInt components, hid_t type)
+{
+  PetscInt rows, first;
+  hsize_t  extent[2], block[2];
+  hid_t    space, creation, dataset;
+  int      rank = components > 1 ? 2 : 1;
+
+  PetscFunctionBeginUser;
+  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
+  PetscCall(PetscLayoutGetRange(writer->layout, &first, NULL));
+  extent[0] = (hsize_t)writer->points;
+  block[0]  = (hsize_t)rows;
+  extent[1] = block[1] = (hsize_t)components;
+  space                = H5Screate_simple(rank, extent, NULL);
+  creation             = H5Pcreate(H5P_DATASET_CREATE);
+  (void)H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER); /* every row is written */
+  dataset = H5Dcreate2(writer->group, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+  PetscCall(Agree(writer, (PetscBool)(dataset >= 0)));
+  (void)H5Pclose(creation);
+  (void)H5Sclose(space);
+  if (!writer->failed && writer->points)
+    PetscCall(Agree(writer, WriteSlab(writer, dataset, type, rank, (hsize_t)first, block)));
+  if (dataset >= 0) (void)H5Dclose(dataset);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The ids of a block are the numbers of its rows. */
+static PetscErrorCode WriteIds(Writer *writer)
+{
+  PetscInt *ids = (PetscInt *)writer->buffer, first, end;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscLayoutGetRange(writer->layout, &first, &end));
+  for (PetscInt i = first; i < end; ++i) ids[i - first] = i;
+  PetscCall(WriteDataset(writer, "id", 1, IntegerType()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Closes what is open, the file last. */
+static PetscErrorCode CloseFile(Writer *writer)
+{
+  PetscFunctionBeginUser;
+  if (writer->group >= 0) (void)H5Gclose(writer->group);
+  if (writer->transfer >= 0) (void)H5Pclose(writer->transfer);
+  if (writer->file >= 0) {
+    PetscBool closed = (PetscBool)(H5Fclose(writer->file) >= 0);
+    if (!writer->failed) PetscCall(Agree(writer, closed));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriterDestroy(Writer *writer)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(writer->buffer));
+  PetscCall(PetscFree(writer->integer));
+  PetscCall(PetscSFDestroy(&writer->sf));
+  PetscCall(PetscLayoutDestroy(&writer->layout));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The state into the HDF5 file. HDF5 itself stays silent meanwhile. */
+static PetscErrorCode WriteState(Writer *writer, MpmOutput output, const char *group, PetscInt step, PetscReal time,
+                                 PetscInt dataset_count, const MpmDataset datasets[])
+{
+  H5E_auto2_t report;
+  void       *context;
+
+  PetscFunctionBeginUser;
+  (void)H5Eget_auto2(H5E_DEFAULT, &report, &context);
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  PetscCall(OpenFile(writer, output->h5_path, output->started));
+  PetscCall(OpenGroup(writer, group, step, time));
+  PetscCall(WriteIds(writer));
+  for (PetscInt i = 0; i < dataset_count && !writer->failed; ++i) {
+    PetscCall(GatherBlock(writer, writer->integer[i], &datasets[i]));
+    PetscCall(
+      WriteDataset(writer, datasets[i].name, datasets[i].components, writer->integer[i] ? IntegerType() : RealType()));
+  }
+  PetscCall(CloseFile(writer));
+  (void)H5Eset_auto2(H5E_DEFAULT, report, context);
+  PetscCheck(!writer->failed, writer->comm, PETSC_ERR_FILE_WRITE, "cannot write %s: %s", output->h5_path,
+             writer->reason);
+  output->started = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ----------------------------------------------------------------------------------------------------------- object */
+
+static PetscErrorCode CreatePath(const char *prefix, const char *suffix, char **path)
+{
+  size_t length = strlen(prefix) + strlen(suffix) + 1;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(length, path));
+  PetscCall(PetscSNPrintf(*path, length, "%s%s", prefix, suffix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(output));
+  (*output)->comm = comm;
+  PetscCall(CreatePath(prefix, ".h5", &(*output)->h5_path));
+  PetscCall(CreatePath(prefix, ".xdmf", &(*output)->xdmf_path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputDestroy(MpmOutput *output)
+{
+  PetscFunctionBeginUser;
+  if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTextFileDestroy(&(*output)->grids));
+  PetscCall(PetscFree((*output)->h5_path));
+  PetscCall(PetscFree((*output)->xdmf_path));
+  PetscCall(PetscFree(*output));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckDatasets(MPI_Comm comm, PetscInt dataset_count, const MpmDataset datasets[])
+{
+  PetscBool found = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < dataset_count; ++i) {
+    PetscBool position;
+    PetscCheck(datasets[i].components > 0, comm, PETSC_ERR_ARG_OUTOFRANGE, "dataset %s has no components",
+               datasets[i].name);
+    PetscCall(PetscStrcmp(datasets[i].name, "position", &position));
+    if (!position) continue;
+    PetscCheck(datasets[i].components == 2 || datasets[i].components == 3, comm, PETSC_ERR_ARG_OUTOFRANGE,
+               "dataset position has %" PetscInt_FMT " components, not 2 or 3", datasets[i].components);
+    found = PETSC_TRUE;
+  }
+  PetscCheck(found, comm, PETSC_ERR_ARG_WRONG, "there is no dataset called position");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The state into the index, on rank 0; then the index anew. */
+static PetscErrorCode WriteIndex(MpmOutput output, const Writer *writer, const char *group, PetscReal time,
+                                 PetscInt dataset_count, const MpmDataset datasets[])
+{
+  PetscMPIInt  rank;
+  const char  *slash = strrchr(output->h5_path, '/');
+  MpmXdmfState state = {.file          = slash ? slash + 1 : output->h5_path,
+                        .group         = group,
+                        .time          = time,
+                        .points        = writer->points,
+                        .dataset_count = dataset_count,
+                        .datasets      = datasets,
+                        .integer       = writer->integer};
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(output->comm, &rank));
+  if (rank == 0) PetscCall(MpmXdmfAppend(&output->grids, &state));
+  PetscCall(MpmXdmfWrite(output->comm, output->xdmf_path, &output->grids));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
+                              PetscInt dataset_count, const MpmDataset datasets[])
+{
+  Writer writer = {
+    .comm = output->comm, .file = H5I_INVALID_HID, .group = H5I_INVALID_HID, .transfer = H5I_INVALID_HID};
+  char           group[32];
+  PetscErrorCode failure;
+
+  PetscFunctionBeginUser;
+  PetscCall(CheckDatasets(output->comm, dataset_count, datasets));
+  PetscCall(PetscSNPrintf(group, sizeof(group), "/points/%06" PetscInt_FMT, step));
+  failure = WriterSetUp(&writer, count, id, dataset_count, datasets);
+  if (!failure) failure = WriteState(&writer, output, group, step, time, dataset_count, datasets);
+  if (!failure) failure = WriteIndex(output, &writer, group, time, dataset_count, datasets);
+  PetscCall(WriterDestroy(&writer));
+  PetscCall(failure);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

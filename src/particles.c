@@ -1,0 +1,138 @@
+/*
+  The material points: a DMSwarm of type BASIC whose fields are those that the scene's physics and materials use, and no other.
+
+  Ownership is arithmetic on the grid: the rank that owns a cell's lower node owns the points in it, so a point goes to its rank in one
+  message however far it moved.
+*/
+#include "mpmimpl.h"
+
+/* Rebalance when the fullest rank holds this much more than the mean. */
+#define IMBALANCE_LIMIT 1.15
+
+PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length, PetscInt extra_count,
+                                  char *const extra[], MpmParticles *particles)
+{
+  const PetscInt dim = grid->dim;
+  DM             swarm;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMCreate(grid->comm, &swarm));
+  PetscCall(DMSetType(swarm, DMSWARM));
+  PetscCall(DMSetDimension(swarm, dim));
+  PetscCall(DMSwarmSetType(swarm, DMSWARM_BASIC));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "id", 1, PETSC_INT));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "material", 1, PETSC_INT));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "position", dim, PETSC_REAL));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "position0", dim, PETSC_REAL));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "F", dim * dim, PETSC_REAL));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "volume0", 1, PETSC_REAL));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
+  if (half_length) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "half_length", dim, PETSC_REAL));
+  if (state_size) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "state", state_size, PETSC_REAL));
+  if (rates) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "value", rates, PETSC_REAL));
+  for (PetscInt e = 0; e < extra_count; e++) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, extra[e], 1, PETSC_REAL));
+  PetscCall(DMSwarmFinalizeFieldRegister(swarm));
+  particles->swarm           = swarm;
+  particles->dim             = dim;
+  particles->stress_size     = dim == 2 ? 4 : 6;
+  particles->state_size      = state_size;
+  particles->rates           = rates;
+  particles->has_half_length = half_length;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  PetscCall(DMDestroy(&particles->swarm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
+{
+  DM swarm = particles->swarm;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(points, sizeof(*points)));
+  PetscCall(DMSwarmGetLocalSize(swarm, &points->count));
+  PetscCall(DMSwarmGetField(swarm, "id", NULL, NULL, (void **)&points->id));
+  PetscCall(DMSwarmGetField(swarm, "material", NULL, NULL, (void **)&points->material));
+  PetscCall(DMSwarmGetField(swarm, "position", NULL, NULL, (void **)&points->x));
+  PetscCall(DMSwarmGetField(swarm, "position0", NULL, NULL, (void **)&points->x0));
+  PetscCall(DMSwarmGetField(swarm, "F", NULL, NULL, (void **)&points->F));
+  PetscCall(DMSwarmGetField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
+  PetscCall(DMSwarmGetField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_half_length) PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
+  if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points)
+{
+  DM swarm = particles->swarm;
+
+  PetscFunctionBeginUser;
+  if (!points->id && !points->count) PetscFunctionReturn(PETSC_SUCCESS); /* nothing is lent */
+  PetscCall(DMSwarmRestoreField(swarm, "id", NULL, NULL, (void **)&points->id));
+  PetscCall(DMSwarmRestoreField(swarm, "material", NULL, NULL, (void **)&points->material));
+  PetscCall(DMSwarmRestoreField(swarm, "position", NULL, NULL, (void **)&points->x));
+  PetscCall(DMSwarmRestoreField(swarm, "position0", NULL, NULL, (void **)&points->x0));
+  PetscCall(DMSwarmRestoreField(swarm, "F", NULL, NULL, (void **)&points->F));
+  PetscCall(DMSwarmRestoreField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
+  PetscCall(DMSwarmRestoreField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_half_length) PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
+  if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
+  PetscCall(PetscMemzero(points, sizeof(*points)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid)
+{
+  PetscReal *x;
+  PetscInt  *rank, count, leaving = 0;
+
+  PetscFunctionBeginUser;
+  if (grid->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  for (PetscInt p = 0; p < count; p++) {
+    PetscInt cell[MPM_MAX_DIM];
+
+    MpmGridFindCell(grid, &x[p * grid->dim], cell);
+    rank[p] = MpmGridNodeOwner(grid, cell);
+    leaving += rank[p] != grid->rank;
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &leaving, 1, MPIU_INT, MPI_MAX, grid->comm));
+  if (leaving) {
+    PetscInt total;
+
+    PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+    PetscCall(DMSwarmGetSize(particles->swarm, &total));
+    PetscCheck(total == particles->total, grid->comm, PETSC_ERR_PLIB, "migration lost points: %" PetscInt_FMT " of %" PetscInt64_FMT " are left",
+               total, particles->total);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved)
+{
+  PetscReal *x;
+  PetscInt   count, most;
+
+  PetscFunctionBeginUser;
+  *moved = PETSC_FALSE;
+  if (grid->size == 1 && grid->da) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(MPIU_Allreduce(&count, &most, 1, MPIU_INT, MPI_MAX, grid->comm));
+  if (!always && (PetscReal)most * grid->size <= IMBALANCE_LIMIT * (PetscReal)particles->total) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmGridPartition(grid, count, x));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  *moved = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,233 @@
+/*
+  The step's discrete space: shape weights of every point, and groups of points that touch the same nodes.
+
+  Grouping is what makes assembly cheap: nodal values are gathered, and element blocks scattered, once a group instead of once a point,
+  and no point pays for more nodes than it touches.
+*/
+#include "mpmimpl.h"
+
+PetscErrorCode MpmSpaceReset(MpmSpace *space)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree2(space->first, space->count));
+  PetscCall(PetscFree2(space->weight, space->gradient));
+  PetscCall(PetscFree(space->order));
+  PetscCall(PetscFree(space->groups));
+  PetscCall(PetscFree(space->group_nodes));
+  PetscCall(PetscFree2(space->node, space->global));
+  PetscCall(PetscSFDestroy(&space->sf));
+  PetscCall(PetscMemzero(space, sizeof(*space)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does a wall stand beside this point, that is, does the point project into the wall's extent? */
+static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    if (a != wall->axis && (x[a] < wall->lower[a] || x[a] > wall->upper[a])) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* First and last node that bound the material around a point on each axis: the grid's edges, or a wall between. */
+static void FindEdges(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], const PetscReal x[], PetscInt lower[], PetscInt upper[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    lower[a] = 0;
+    upper[a] = grid->nodes[a] - 1;
+  }
+  for (PetscInt w = 0; w < wall_count; w++) {
+    const PetscInt  a  = walls[w].axis;
+    const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
+
+    if (walls[w].side > 0) {
+      if (xi >= (PetscReal)walls[w].node && walls[w].node > lower[a] && WallFaces(&walls[w], grid->dim, x)) lower[a] = walls[w].node;
+    } else {
+      if (xi <= (PetscReal)walls[w].node && walls[w].node < upper[a] && WallFaces(&walls[w], grid->dim, x)) upper[a] = walls[w].node;
+    }
+  }
+}
+
+/*
+  Half-lengths of the points' domains in cells: the initial ones stretched by the diagonal of U, cut at walls and at the grid's edges.
+  The cut is not remembered.
+*/
+static PetscErrorCode HalfLengths(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], MpmStretch stretch, const MpmPoints *points,
+                                  PetscReal half[], PetscReal *longest)
+{
+  const PetscInt dim = grid->dim;
+
+  PetscFunctionBeginUser;
+  *longest = 0.;
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal *x = &points->x[p * dim];
+    PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+    PetscReal        U[MPM_MAX_DIM];
+
+    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch", points->id[p]);
+    FindEdges(grid, wall_count, walls, x, lower, upper);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
+      PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
+
+      l                 = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
+      half[p * dim + a] = PetscMax(l, 0.);
+      *longest          = PetscMax(*longest, half[p * dim + a]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Weights and gradients of all points, axis by axis. */
+static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count, const MpmWall walls[],
+                                     MpmStretch stretch, const MpmPoints *points)
+{
+  const PetscInt dim     = grid->dim;
+  PetscReal     *half    = NULL, longest = 0.;
+
+  PetscFunctionBeginUser;
+  space->dim         = dim;
+  space->point_count = points->count;
+  if (MpmShapeHasDomain(shape)) {
+    PetscCall(PetscMalloc1((points->count * dim), &half));
+    PetscCall(HalfLengths(grid, wall_count, walls, stretch, points, half, &longest));
+    /* the Jacobian's window, and with it the colours, must be the same on all ranks */
+    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, grid->comm));
+  }
+  space->width = MpmShapeWidth(shape, longest);
+  PetscCheck(space->width <= MPM_MAX_WIDTH, grid->comm, PETSC_ERR_FP, "a point's domain spans %" PetscInt_FMT " nodes, more than %d",
+             space->width, MPM_MAX_WIDTH);
+  PetscCall(PetscMalloc2((points->count * dim), &space->first, (points->count * dim), &space->count));
+  PetscCall(PetscMalloc2((points->count * dim * space->width), &space->weight, (points->count * dim * space->width), &space->gradient));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+    FindEdges(grid, wall_count, walls, &points->x[p * dim], lower, upper);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscInt  k  = p * dim + a;
+      const PetscReal xi = (points->x[k] - grid->lower[a]) / grid->h[a];
+      PetscReal      *g  = &space->gradient[k * space->width];
+
+      MpmShapeEvaluate(shape, xi, half ? half[k] : 0., lower[a], upper[a], &space->first[k], &space->count[k],
+                       &space->weight[k * space->width], g);
+      for (PetscInt i = 0; i < space->count[k]; i++) g[i] /= grid->h[a];
+    }
+  }
+  PetscCall(PetscFree(half));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One stable pass of a counting sort: order_out lists the entries of order_in by ascending key. */
+static PetscErrorCode CountingSort(PetscInt count, const PetscInt key[], PetscInt64 keys, const PetscInt order_in[], PetscInt order_out[])
+{
+  PetscInt *start;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((keys + 1), &start));
+  for (PetscInt i = 0; i < count; i++) start[key[i] + 1]++;
+  for (PetscInt64 k = 0; k < keys; k++) start[k + 1] += start[k];
+  for (PetscInt i = 0; i < count; i++) {
+    const PetscInt p = order_in ? order_in[i] : i;
+
+    order_out[start[key[p]]++] = p;
+  }
+  PetscCall(PetscFree(start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Orders the points by first node, then by the shape of their node box, and marks off the groups. */
+static PetscErrorCode MakeGroups(MpmSpace *space)
+{
+  const PetscInt n = space->point_count, dim = space->dim;
+  PetscInt       lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
+  PetscInt64     cells = 1, shapes = 1;
+  PetscInt      *cell_key, *shape_key, *order, groups = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < n * dim; k++) {
+    lower[k % dim] = PetscMin(lower[k % dim], space->first[k]);
+    upper[k % dim] = PetscMax(upper[k % dim], space->first[k]);
+  }
+  for (PetscInt a = 0; n && a < dim; a++) {
+    cells *= upper[a] - lower[a] + 1;
+    shapes *= space->width;
+  }
+  PetscCheck(cells < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "the points of one rank span %" PetscInt64_FMT " cells", cells);
+  PetscCall(PetscMalloc3(n, &cell_key, n, &shape_key, n, &order));
+  PetscCall(PetscMalloc1(n, &space->order));
+  for (PetscInt p = 0; p < n; p++) {
+    cell_key[p] = shape_key[p] = 0;
+    for (PetscInt a = dim - 1; a >= 0; a--) {
+      cell_key[p]  = cell_key[p] * (upper[a] - lower[a] + 1) + space->first[p * dim + a] - lower[a];
+      shape_key[p] = shape_key[p] * space->width + space->count[p * dim + a] - 1;
+    }
+  }
+  PetscCall(CountingSort(n, shape_key, shapes, NULL, order));
+  PetscCall(CountingSort(n, cell_key, cells, order, space->order));
+#define NEW_GROUP(i) \
+  (!(i) || cell_key[space->order[i]] != cell_key[space->order[(i)-1]] || shape_key[space->order[i]] != shape_key[space->order[(i)-1]])
+  for (PetscInt i = 0; i < n; i++) groups += NEW_GROUP(i);
+  PetscCall(PetscMalloc1(groups, &space->groups));
+  space->group_count = groups;
+  for (PetscInt i = 0, g = -1, offset = 0; i < n; i++) {
+    if (NEW_GROUP(i)) {
+      MpmGroup *group = &space->groups[++g];
+
+      group->node_count = 1;
+      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+        group->first[a] = a < dim ? space->first[space->order[i] * dim + a] : 0;
+        group->count[a] = a < dim ? space->count[space->order[i] * dim + a] : 1;
+        group->node_count *= group->count[a];
+      }
+      group->node_offset = offset;
+      group->point_begin = i;
+      offset += group->node_count;
+    }
+    space->groups[g].point_end = i + 1;
+  }
+#undef NEW_GROUP
+  PetscCall(PetscFree3(cell_key, shape_key, order));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count, const MpmWall walls[],
+                             MpmStretch stretch, const MpmPoints *points)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmSpaceReset(space));
+  PetscCall(EvaluateShapes(space, grid, shape, wall_count, walls, stretch, points));
+  PetscCall(MakeGroups(space));
+  PetscCall(MpmSpaceNumberNodes(space, grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmSpaceEvaluate(const MpmSpace *space, PetscInt point, PetscBool with_weight, MpmBasis *basis)
+{
+  const PetscInt   dim = space->dim, W = space->width, *count = &space->count[point * dim];
+  const PetscReal *wx = &space->weight[point * dim * W], *gx = &space->gradient[point * dim * W];
+  const PetscReal *wy = wx + W, *gy = gx + W, *wz = wx + 2 * W, *gz = gx + 2 * W;
+  PetscInt         i  = 0;
+
+  if (dim == 2) {
+    for (PetscInt j = 0; j < count[1]; j++) {
+      for (PetscInt k = 0; k < count[0]; k++, i++) {
+        basis->basis[1][i] = gx[k] * wy[j];
+        basis->basis[2][i] = wx[k] * gy[j];
+        if (with_weight) basis->basis[0][i] = wx[k] * wy[j];
+      }
+    }
+  } else {
+    for (PetscInt l = 0; l < count[2]; l++) {
+      for (PetscInt j = 0; j < count[1]; j++) {
+        const PetscReal ww = wy[j] * wz[l], gw = gy[j] * wz[l], wg = wy[j] * gz[l];
+
+        for (PetscInt k = 0; k < count[0]; k++, i++) {
+          basis->basis[1][i] = gx[k] * ww;
+          basis->basis[2][i] = wx[k] * gw;
+          basis->basis[3][i] = wx[k] * wg;
+          if (with_weight) basis->basis[0][i] = wx[k] * ww;
+        }
+      }
+    }
+  }
+}

@@ -1,0 +1,200 @@
+/*
+  One step: space, conditions and loads, Newton, commit.
+*/
+#include "mpmimpl.h"
+
+/* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
+static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
+{
+  const MpmSpace *space = &model->space;
+  const PetscInt  rates = model->layout.rates, bs = model->layout.block, most = PetscPowInt(space->width, space->dim);
+  PetscReal      *sums, *storage;
+  MpmBasis        basis;
+
+  PetscFunctionBeginUser;
+  if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1((space->local * (rates + 1)), &sums));
+  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      MpmSpaceEvaluate(space, p, PETSC_TRUE, &basis);
+      for (PetscInt i = 0; i < group->node_count; i++) {
+        const PetscReal weight = basis.basis[0][i] * model->points.volume0[p];
+
+        sums[nodes[i] * (rates + 1) + rates] += weight;
+        for (PetscInt r = 0; r < rates; r++) sums[nodes[i] * (rates + 1) + r] += weight * model->points.value[p * rates + r];
+      }
+    }
+  }
+  PetscCall(MpmSpaceAddToOwners(space, rates + 1, sums));
+  for (PetscInt i = 0; i < space->owned; i++) {
+    for (PetscInt r = 0; r < rates; r++) {
+      const PetscReal weight = sums[i * (rates + 1) + rates];
+
+      u[i * bs + model->layout.rate_component[r]] = weight != 0. ? sums[i * (rates + 1) + r] / weight : 0.;
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscCall(PetscFree(sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The start of Newton: nothing moves, totals stay, held unknowns take their values. */
+static PetscErrorCode InitialGuess(MpmModel model)
+{
+  const PetscInt n = model->space.owned * model->layout.block;
+  PetscScalar   *x;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecZeroEntries(model->x));
+  PetscCall(VecGetArray(model->x, &x));
+  PetscCall(ProjectRates(model, x));
+  for (PetscInt k = 0; k < n; k++)
+    if (model->constraints.condition[k] >= 0) x[k] = model->constraints.value[k];
+  PetscCall(VecRestoreArray(model->x, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What does not depend on the step's length: arrays, space, pattern. Retries of a cut step use it again. */
+static PetscErrorCode PrepareSpace(MpmModel model)
+{
+  PetscLogDouble since;
+  const PetscInt bs = model->layout.block;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  PetscCall(MpmParticlesGetArrays(&model->particles, &model->points));
+  PetscCall(MpmSpaceSetUp(&model->space, &model->grid, model->shape, model->wall_count, model->walls, model->stretch, &model->points));
+  PetscCall(PetscFree3(model->u, model->residual, model->force));
+  PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual, (model->space.local * bs), &model->force));
+  PetscCall(MpmSolverSetUp(model));
+  model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
+  model->noise           = 2. * PETSC_MACHINE_EPSILON * model->diagonal * model->grid.h[0] * PetscSqrtReal((PetscReal)model->space.global_count * bs);
+  MpmClock(model, MPM_TIME_TRANSFER, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Conditions and loads at the step's end. */
+static PetscErrorCode PrepareConditions(MpmModel model, PetscReal time)
+{
+  const PetscInt bs = model->layout.block;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout, &model->space, model->time, time));
+  PetscCall(PetscArrayzero(model->force, model->space.local * bs));
+  for (PetscInt l = 0; l < model->load_count; l++) {
+    PetscCall(MpmLoadApply(&model->loads[l], time, &model->grid, model->shape, &model->space, &model->particles, &model->points, model->materials,
+                           model->stretch, bs, model->force));
+  }
+  MpmClock(model, MPM_TIME_TRANSFER, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReportLost(PetscInt dim, PetscInt id, const PetscReal x[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, "talus: point %" PetscInt_FMT " left the grid at (%g, %g", id, (double)x[0], (double)x[1]));
+  if (dim > 2) PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, ", %g", (double)x[2]));
+  PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, ")\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A point that the converged step has carried out of the grid; rounding at the edge is forgiven. */
+static PetscErrorCode KeepInside(MpmModel model, PetscBool *lost)
+{
+  const MpmGrid *grid = &model->grid;
+  PetscInt       out  = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < model->points.count; p++) {
+    PetscReal *x      = &model->points.x[p * grid->dim];
+    PetscBool  inside = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      const PetscReal slack = 1e-9 * grid->h[a];
+
+      if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) inside = PETSC_FALSE;
+      else x[a] = PetscMin(PetscMax(x[a], grid->lower[a]), grid->upper[a]);
+    }
+    if (inside) continue;
+    if (!out++) PetscCall(ReportLost(grid->dim, model->points.id[p], x));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &out, 1, MPIU_INT, MPI_SUM, model->comm));
+  *lost = (PetscBool)(out > 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The converged step becomes the state; reactions are what the held nodes lack in balance. */
+static PetscErrorCode Commit(MpmModel model, const char **why)
+{
+  const PetscInt bs = model->layout.block;
+  PetscInt       failed;
+  PetscBool      lost = PETSC_FALSE;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  for (PetscInt k = 0; k < model->space.local * bs; k++) model->residual[k] = -model->force[k];
+  PetscCall(MpmCommitLocal(&model->sum, model->u, model->residual, &failed));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer", failed);
+  PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
+  PetscCall(PetscArrayzero(model->reaction, model->bc_count * bs));
+  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
+    if (model->constraints.condition[k] >= 0) model->reaction[model->constraints.condition[k] * bs + k % bs] += model->residual[k];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->reaction, (PetscMPIInt)(model->bc_count * bs), MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(KeepInside(model, &lost));
+  if (lost) *why = "a point left the grid";
+  MpmClock(model, MPM_TIME_RESIDUAL, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const char *ReasonText(SNESConvergedReason reason)
+{
+  switch (reason) {
+  case SNES_DIVERGED_FUNCTION_DOMAIN: return "a point had no stress (domain error)";
+  case SNES_DIVERGED_FNORM_NAN: return "the residual was not finite";
+  case SNES_DIVERGED_LINEAR_SOLVE: return "the linear solver failed";
+  case SNES_DIVERGED_MAX_IT: return "Newton reached its iteration limit";
+  case SNES_DIVERGED_LINE_SEARCH: return "the line search failed";
+  case SNES_DIVERGED_DTOL: return "the residual grew without bound";
+  default: return "Newton did not converge";
+  }
+}
+
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool retry, const char **why)
+{
+  SNESConvergedReason reason;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  if (!retry) PetscCall(PrepareSpace(model));
+  PetscCall(PrepareConditions(model, time));
+  model->sum = (MpmSum){.grid              = &model->grid,
+                        .space             = &model->space,
+                        .layout            = &model->layout,
+                        .materials         = model->materials,
+                        .points            = &model->points,
+                        .constraints       = &model->constraints,
+                        .physics_parameter = model->physics.parameters,
+                        .state_size        = model->particles.state_size,
+                        .dt                = dt};
+  PetscCall(InitialGuess(model));
+  PetscCall(MpmSolverSolve(model, &reason));
+  if (reason < 0) {
+    *why = ReasonText(reason);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Commit(model, why));
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

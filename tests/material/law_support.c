@@ -1,0 +1,299 @@
+/* Registry of the laws under test, random parameters, states and rotations, small matrices. */
+#include "laws.h"
+#include <math.h>
+#include <string.h>
+
+/* ---- the registered laws, from the build's list ---- */
+
+#define JOIN3(name, dim, directions) name##_##dim##d_##directions
+#define JOIN2(name, dim, directions) JOIN3(name, dim, directions)
+#define AT_PLAIN(name)               JOIN2(name, MPM_DIM, 0)
+#define AT_ONE(name)                 JOIN2(name, MPM_DIM, 1)
+#if MPM_DIM == 2
+#define AT_ALL(name) JOIN2(name, 2, 4)
+#else
+#define AT_ALL(name) JOIN2(name, 3, 9)
+#endif
+
+#define DECLARE_TANGENT(name) \
+  int name(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state, const double *F_n, \
+    const double *dF, double *tau, double *dtau);
+DECLARE_TANGENT(AT_PLAIN(LawTangent))
+DECLARE_TANGENT(AT_ONE(LawTangent))
+DECLARE_TANGENT(AT_ALL(LawTangent))
+
+typedef void (*Constructor)(MpmLawInfo *info);
+
+#define MPM_MATERIAL(name) \
+  void AT_PLAIN(MpmMaterialCreate_##name)(MpmLawInfo *info); \
+  void AT_ONE(MpmMaterialCreate_##name)(MpmLawInfo *info); \
+  void AT_ALL(MpmMaterialCreate_##name)(MpmLawInfo *info);
+#include "mpm_material_list.h"
+#undef MPM_MATERIAL
+
+static const Constructor constructors[][3] = {
+#define MPM_MATERIAL(name) \
+  {AT_PLAIN(MpmMaterialCreate_##name), AT_ONE(MpmMaterialCreate_##name), AT_ALL(MpmMaterialCreate_##name)},
+#include "mpm_material_list.h"
+#undef MPM_MATERIAL
+};
+
+enum { LAW_COUNT = sizeof(constructors) / sizeof(constructors[0]) };
+
+int LawCount(void) { return LAW_COUNT; }
+
+const Law *LawGet(int i)
+{
+  static Law       laws[LAW_COUNT];
+  const LawTangent tangent[3] = {AT_PLAIN(LawTangent), AT_ONE(LawTangent), AT_ALL(LawTangent)};
+
+  for (int k = 0; k < 3 && !laws[i].tangent[2]; ++k) constructors[i][k](&laws[i].info[k]);
+  memcpy(laws[i].tangent, tangent, sizeof tangent);
+  return &laws[i];
+}
+
+const Law *LawFind(const char *name)
+{
+  for (int i = 0; i < LAW_COUNT; ++i)
+    if (!strcmp(LawGet(i)->info[PLAIN].name, name)) return LawGet(i);
+  return NULL;
+}
+
+static int StateWidth(const MpmStateVariable *variable) { return variable->kind == MPM_STATE_SYM ? SYM : 1; }
+
+int LawStateSize(const Law *law)
+{
+  int size = 0;
+
+  for (size_t s = 0; s < law->info[PLAIN].state_count; ++s) size += StateWidth(&law->info[PLAIN].states[s]);
+  return size;
+}
+
+int LawParameter(const Law *law, const char *name)
+{
+  for (size_t p = 0; p < law->info[PLAIN].parameter_count; ++p)
+    if (!strcmp(law->info[PLAIN].parameters[p].name, name)) return (int)p;
+  return -1;
+}
+
+int LawState(const Law *law, const char *name)
+{
+  int offset = 0;
+
+  for (size_t s = 0; s < law->info[PLAIN].state_count; ++s) {
+    if (!strcmp(law->info[PLAIN].states[s].name, name)) return offset;
+    offset += StateWidth(&law->info[PLAIN].states[s]);
+  }
+  return -1;
+}
+
+/* ---- random numbers: xorshift64*, Vigna (2016), doi:10.1145/2845077 ---- */
+
+static unsigned long long random_state = 1;
+
+void RandomSeed(unsigned seed) { random_state = 0x9e3779b97f4a7c15ULL * (seed + 1ULL); }
+
+double RandomUniform(double lower, double upper)
+{
+  random_state ^= random_state >> 12;
+  random_state ^= random_state << 25;
+  random_state ^= random_state >> 27;
+  return lower + (upper - lower) * (double)((random_state * 0x2545f4914f6cdd1dULL) >> 11) * 0x1p-53;
+}
+
+void RandomMatrix(double amplitude, double *A)
+{
+  Identity(A);
+  for (int i = 0; i < DIM2; ++i) A[i] += amplitude * RandomUniform(-1., 1.);
+}
+
+/* One rotation about each axis */
+void RandomRotation(double *R)
+{
+  Identity(R);
+  for (int axis = 0; axis < (DIM == 2 ? 1 : 3); ++axis) {
+    const double angle = RandomUniform(-3., 3.);
+    const int    p = axis, q = (axis + 1) % 3;
+    double       A[DIM2], B[DIM2];
+
+    Identity(A);
+    A[p * DIM + p] = A[q * DIM + q] = cos(angle);
+    A[p * DIM + q]                  = -sin(angle);
+    A[q * DIM + p]                  = sin(angle);
+    memcpy(B, R, sizeof B);
+    Multiply(A, B, R);
+  }
+}
+
+/* ---- points ---- */
+
+/* Moduli of 1 to 100 MPa, strengths of 1e-4 to 1e-2 of Young's modulus so that paths with strains of a few per cent reach them */
+static double RandomParameter(const MpmParameter *parameter, double E, int degenerate)
+{
+  const double upper = isfinite(parameter->upper) ? parameter->upper : 10.;
+
+  if (parameter->choices) return floor(RandomUniform(parameter->lower, parameter->upper + 1.));
+  if (degenerate && !parameter->open && RandomUniform(0., 1.) < 0.25) return parameter->lower;
+  if (!strcmp(parameter->name, "E")) return E;
+  if (!strcmp(parameter->name, "nu")) return RandomUniform(-0.3, 0.48);
+  if (!strcmp(parameter->unit, "Pa")) return E * pow(10., RandomUniform(-4., -2.));
+  if (!strcmp(parameter->unit, "degrees")) return RandomUniform(fmax(1., parameter->lower), fmin(45., upper));
+  return RandomUniform(parameter->lower, upper);
+}
+
+void PointCreate(const Law *law, int degenerate, Point *point)
+{
+  const MpmLawInfo *info = &law->info[PLAIN];
+  const char       *why;
+
+  point->law = law;
+  do {
+    const double E = pow(10., RandomUniform(6., 8.));
+
+    for (size_t p = 0; p < info->parameter_count; ++p)
+      point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
+  } while (info->check && !info->check(point->parameter, &why));
+  PointReset(point);
+}
+
+void PointReset(Point *point)
+{
+  const MpmLawInfo *info   = &point->law->info[PLAIN];
+  double           *target = point->state;
+
+  Identity(point->F);
+  for (size_t s = 0; s < info->state_count; ++s)
+    for (int i = 0, n = StateWidth(&info->states[s]); i < n; ++i) *target++ = i < 3 ? info->states[s].initial : 0.;
+}
+
+int PointStep(Point *point, const double *dF, double *tau)
+{
+  double    state[MAX_STATE], F[DIM2];
+  const int status = point->law->tangent[PLAIN](&point->law->info[PLAIN], point->parameter, point->state, state,
+    point->F, dF, tau, NULL);
+
+  if (status) return status;
+  memcpy(point->state, state, (size_t)LawStateSize(point->law) * sizeof(double));
+  Multiply(dF, point->F, F);
+  memcpy(point->F, F, sizeof F);
+  return 0;
+}
+
+void PointRandomPath(Point *point, int steps, double amplitude)
+{
+  for (int step = 0; step < steps; ++step) {
+    double dF[DIM2], tau[SYM];
+
+    RandomMatrix(amplitude, dF);
+    PointStep(point, dF, tau);
+  }
+}
+
+int PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau)
+{
+  return point->law->tangent[instance](&point->law->info[instance], point->parameter, point->state, NULL, point->F, dF,
+    tau, dtau);
+}
+
+double PointStiffness(const Point *point) { return point->law->info[PLAIN].stiffness(point->parameter); }
+
+void PointSet(Point *point, const char *parameter, double value)
+{
+  point->parameter[LawParameter(point->law, parameter)] = value;
+}
+
+/* ---- small matrices ---- */
+
+void Identity(double *A)
+{
+  for (int i = 0; i < DIM2; ++i) A[i] = i % (DIM + 1) == 0;
+}
+
+void Multiply(const double *A, const double *B, double *C)
+{
+  for (int i = 0; i < DIM; ++i) {
+    for (int j = 0; j < DIM; ++j) {
+      C[i * DIM + j] = 0.;
+      for (int k = 0; k < DIM; ++k) C[i * DIM + j] += A[i * DIM + k] * B[k * DIM + j];
+    }
+  }
+}
+
+double MaxDifference(int n, const double *a, const double *b)
+{
+  double largest = 0.;
+
+  /* written so that a NaN gives infinity */
+  for (int i = 0; i < n; ++i)
+    if (!(fabs(a[i] - b[i]) <= largest)) largest = isnan(a[i] - b[i]) ? HUGE_VAL : fabs(a[i] - b[i]);
+  return largest;
+}
+
+double MaxNorm(int n, const double *a)
+{
+  const double zero[SYM * DIM2] = {0.};
+
+  return MaxDifference(n, a, zero);
+}
+
+int SymAt(int i, int j)
+{
+  static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
+  return at[i][j];
+}
+
+void SymRotate(const double *R, const double *b, double *result)
+{
+  double rotated[SYM];
+
+  memcpy(rotated, b, sizeof rotated);
+  for (int i = 0; i < DIM; ++i) {
+    for (int j = i; j < DIM; ++j) {
+      double sum = 0.;
+
+      for (int k = 0; k < DIM; ++k)
+        for (int l = 0; l < DIM; ++l) sum += R[i * DIM + k] * b[SymAt(k, l)] * R[j * DIM + l];
+      rotated[SymAt(i, j)] = sum;
+    }
+  }
+  memcpy(result, rotated, sizeof rotated);
+}
+
+void Hooke(double E, double nu, const double *H, double *sigma)
+{
+  const double mu = E / (2. * (1. + nu)), lambda = E * nu / ((1. + nu) * (1. - 2. * nu));
+  double       trace = 0.;
+
+  for (int i = 0; i < DIM; ++i) trace += H[i * DIM + i];
+  for (int i = 0; i < SYM; ++i) sigma[i] = i < 3 ? lambda * trace : 0.;
+  for (int i = 0; i < DIM; ++i)
+    for (int j = i; j < DIM; ++j) sigma[SymAt(i, j)] += mu * (H[i * DIM + j] + H[j * DIM + i]);
+}
+
+void Solve(int n, double *A, double *b)
+{
+  for (int k = 0; k < n; ++k) {
+    int pivot = k;
+
+    for (int i = k + 1; i < n; ++i)
+      if (fabs(A[i * n + k]) > fabs(A[pivot * n + k])) pivot = i;
+    for (int j = 0; j <= n; ++j) {
+      double *x = j < n ? &A[k * n + j] : &b[k], *y = j < n ? &A[pivot * n + j] : &b[pivot];
+      const double keep = *x;
+
+      *x = *y;
+      *y = keep;
+    }
+    for (int i = k + 1; i < n; ++i) {
+      const double factor = A[i * n + k] / A[k * n + k];
+
+      for (int j = k; j < n; ++j) A[i * n + j] -= factor * A[k * n + j];
+      b[i] -= factor * b[k];
+    }
+  }
+  for (int i = n - 1; i >= 0; --i) {
+    for (int j = i + 1; j < n; ++j) b[i] -= A[i * n + j] * b[j];
+    b[i] /= A[i * n + i];
+  }
+}

@@ -1,0 +1,72 @@
+#pragma once
+/*
+  What the conformance suite and the value tests share. Compiled once per dimension, MPM_DIM; sees the kernels only through the plain double
+  wrappers of law_instance.c, because the instances' Scalars are different types under one name.
+*/
+#include "mpmtables.h"
+
+#define DIM   MPM_DIM
+#define DIM2  (MPM_DIM * MPM_DIM)
+#define SYM   (MPM_DIM == 2 ? 4 : 6)
+/* As many directions as dF has components: the whole tangent in one evaluation */
+#define FULL  (MPM_DIM == 2 ? 4 : 9)
+
+enum { MAX_PARAMETERS = 32, MAX_STATE = 64 };
+
+/* tau (SYM) and, unless NULL, dtau (SYM x DIM2, row-major) with respect to the components of dF; `state` may be NULL. */
+typedef int (*LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
+  const double *F_n, const double *dF, double *tau, double *dtau);
+
+/* A registered law in its three instances: plain doubles, one direction, all directions */
+typedef struct {
+  MpmLawInfo info[3];
+  LawTangent tangent[3];
+} Law;
+
+enum { PLAIN, ONE_DIRECTION, ALL_DIRECTIONS };
+
+/* A material point of a law */
+typedef struct {
+  const Law *law;
+  double     parameter[MAX_PARAMETERS], state[MAX_STATE], F[DIM2];
+} Point;
+
+int        LawCount(void);
+const Law *LawGet(int i);
+const Law *LawFind(const char *name);
+
+/* Number of doubles of a law's history; index of a parameter by name or -1; offset of a state by name or -1 */
+int LawStateSize(const Law *law);
+int LawParameter(const Law *law, const char *name);
+int LawState(const Law *law, const char *name);
+
+/* Uniform in [lower, upper), from a generator that is the same everywhere */
+void   RandomSeed(unsigned seed);
+double RandomUniform(double lower, double upper);
+void   RandomMatrix(double amplitude, double *A); /* I + amplitude times entries in (-1, 1) */
+void   RandomRotation(double *R);
+
+/* Valid parameters for any law; with `degenerate`, parameters are now and then put on an accepted bound */
+void PointCreate(const Law *law, int degenerate, Point *point);
+/* Virgin state, F = I */
+void PointReset(Point *point);
+/* One committed step; returns the law's status */
+int PointStep(Point *point, const double *dF, double *tau);
+/* A path of random steps of this size */
+void PointRandomPath(Point *point, int steps, double amplitude);
+/* tau and perhaps dtau, nothing committed */
+int    PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau);
+double PointStiffness(const Point *point);
+void   PointSet(Point *point, const char *parameter, double value);
+
+void   Identity(double *A);
+void   Multiply(const double *A, const double *B, double *C);
+double MaxDifference(int n, const double *a, const double *b);
+double MaxNorm(int n, const double *a);
+int    SymAt(int i, int j);
+/* R b R^T of a Sym; zz as it is in plane strain */
+void SymRotate(const double *R, const double *b, double *result);
+/* Hooke's law for eps = sym(H) */
+void Hooke(double E, double nu, const double *H, double *sigma);
+/* Solves A x = b by elimination with pivoting, n <= 9; both are overwritten, x in b */
+void Solve(int n, double *A, double *b);

@@ -1,0 +1,528 @@
+/*
+  What a run leaves behind: points as HDF5 and XDMF, history as CSV, summary as JSON. Runs on any number of ranks.
+
+  Ids are dealt to the ranks at random, with rank 1 left empty; every value of a row can be computed from its id, so
+  that the file alone shows whether each row arrived where it belongs.
+*/
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <check.h>
+#include <hdf5.h>
+#include "mpmoutput.h"
+
+#define CALL(call)  ck_assert_int_eq((int)(call), 0)
+#define PATH_LENGTH 256
+
+static char        directory[PATH_LENGTH];
+static PetscMPIInt my_rank, rank_count;
+static char        message[1024]; /* of the last error that was raised */
+
+/* ------------------------------------------------------------------------------------------------------------
+   helpers */
+
+static const char *PathOf(const char *name)
+{
+  static char path[PATH_LENGTH];
+  snprintf(path, sizeof(path), "%.200s/%s", directory, name);
+  return path;
+}
+
+/* The file's text on every rank; free() it. */
+static char *ReadFile(const char *path)
+{
+  FILE  *file = fopen(path, "r");
+  char  *text;
+  size_t length;
+
+  ck_assert_msg(file != NULL, "cannot read %s", path);
+  fseek(file, 0, SEEK_END);
+  length = (size_t)ftell(file);
+  rewind(file);
+  text = (char *)calloc(length + 1, 1);
+  ck_assert_uint_eq(fread(text, 1, length, file), length);
+  fclose(file);
+  return text;
+}
+
+static PetscInt CountOf(const char *text, const char *word)
+{
+  PetscInt count = 0;
+  for (const char *at = strstr(text, word); at; at = strstr(at + 1, word)) count++;
+  return count;
+}
+
+static PetscErrorCode KeepMessage(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code,
+                                  PetscErrorType type, const char *text, void *context)
+{
+  (void)comm, (void)line, (void)function, (void)file, (void)context;
+  if (type == PETSC_ERROR_INITIAL) snprintf(message, sizeof(message), "%s", text);
+  return code;
+}
+
+/* Whatever happens, a write leaves no file, group, dataset or attribute open. */
+static void CheckNothingOpen(void)
+{
+  ck_assert_int_eq(H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL), 0);
+}
+
+/* The rank that holds an id: anywhere but on rank 1, if there is another. */
+static PetscMPIInt HolderOf(PetscInt id, unsigned salt)
+{
+  unsigned    hash   = ((unsigned)id + salt) * 2654435761u;
+  PetscMPIInt holder = (PetscMPIInt)((hash >> 8) % (unsigned)rank_count);
+  return holder == 1 ? 0 : holder;
+}
+
+/* Every number of the test state follows from what it is and whose. */
+static PetscReal RealOf(PetscInt step, PetscInt id, PetscInt component)
+{
+  return 1e3 * (PetscReal)step + (PetscReal)id + 0.1 * (PetscReal)component + 1. / 3.;
+}
+
+typedef struct {
+  PetscInt   count;
+  PetscInt  *id, *material;
+  PetscReal *position, *stress, *F, *volume;
+} State;
+
+/* The state's rows on this rank, in the reverse order of ids. */
+static void StateCreate(PetscInt step, PetscInt points, PetscInt dim, State *state)
+{
+  state->count = 0;
+  for (PetscInt id = 0; id < points; ++id) state->count += HolderOf(id, (unsigned)step) == my_rank;
+  CALL(PetscMalloc6(state->count, &state->id, state->count, &state->material, (size_t)(dim * state->count),
+                    &state->position, (size_t)(6 * state->count), &state->stress, (size_t)(9 * state->count), &state->F,
+                    state->count, &state->volume));
+  for (PetscInt id = points - 1, row = 0; id >= 0; --id) {
+    if (HolderOf(id, (unsigned)step) != my_rank) continue;
+    state->id[row]       = id;
+    state->material[row] = 7 * id + step;
+    state->volume[row]   = RealOf(step, id, 0);
+    for (PetscInt c = 0; c < dim; ++c) state->position[dim * row + c] = RealOf(step, id, c);
+    for (PetscInt c = 0; c < 6; ++c) state->stress[6 * row + c] = RealOf(step, id, c);
+    for (PetscInt c = 0; c < 9; ++c) state->F[9 * row + c] = RealOf(step, id, c);
+    row++;
+  }
+}
+
+static void StateDestroy(State *state)
+{
+  CALL(PetscFree6(state->id, state->material, state->position, state->stress, state->F, state->volume));
+}
+
+#define STATE_DATASETS(state, dim) \
+  { \
+    {"material", 1, NULL, (state).material}, {"position", dim, (state).position, NULL}, \
+      {"stress", 6, (state).stress, NULL}, {"F", 9, (state).F, NULL}, {"volume", 1, (state).volume, NULL}, \
+  }
+#define STATE_DATASET_COUNT 5
+
+static PetscErrorCode WriteState(MpmOutput output, PetscInt step, PetscInt points, PetscInt dim)
+{
+  State          state;
+  PetscErrorCode code;
+
+  StateCreate(step, points, dim, &state);
+  {
+    const MpmDataset datasets[] = STATE_DATASETS(state, dim);
+    code = MpmOutputWrite(output, step, 0.1 * (PetscReal)step, state.count, state.id, STATE_DATASET_COUNT, datasets);
+  }
+  StateDestroy(&state);
+  return code;
+}
+
+/* --------------------------------------------------------------------------------------------------------- reading
+   back */
+
+/* A dataset of a state as doubles, converted by HDF5; also checks its shape. free() it. */
+static double *ReadDataset(hid_t group, const char *name, PetscInt points, PetscInt components)
+{
+  hid_t   dataset = H5Dopen2(group, name, H5P_DEFAULT), space = H5Dget_space(dataset);
+  hsize_t extent[2] = {0, 1};
+  double *values    = (double *)calloc((size_t)(points * components) + 1, sizeof(double));
+
+  ck_assert_msg(dataset >= 0, "no dataset %s", name);
+  ck_assert_int_eq(H5Sget_simple_extent_ndims(space), components > 1 ? 2 : 1);
+  H5Sget_simple_extent_dims(space, extent, NULL);
+  ck_assert_int_eq((PetscInt)extent[0], points);
+  ck_assert_int_eq((PetscInt)extent[1], components);
+  ck_assert_int_ge(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+  H5Sclose(space);
+  H5Dclose(dataset);
+  return values;
+}
+
+static void CheckReals(hid_t group, const char *name, PetscInt step, PetscInt points, PetscInt components)
+{
+  double *values = ReadDataset(group, name, points, components);
+  for (PetscInt id = 0; id < points; ++id)
+    for (PetscInt c = 0; c < components; ++c)
+      ck_assert_msg(values[components * id + c] == (double)RealOf(step, id, c), "%s[%d,%d]", name, (int)id, (int)c);
+  free(values);
+}
+
+static void CheckIntegers(hid_t group, const char *name, PetscInt factor, PetscInt offset, PetscInt points)
+{
+  double *values = ReadDataset(group, name, points, 1);
+  for (PetscInt id = 0; id < points; ++id)
+    ck_assert_msg(values[id] == (double)(factor * id + offset), "%s[%d]", name, (int)id);
+  free(values);
+}
+
+static double ReadNumber(hid_t group, const char *name)
+{
+  hid_t  attribute = H5Aopen(group, name, H5P_DEFAULT);
+  double value     = -1.;
+
+  ck_assert_msg(attribute >= 0, "no attribute %s", name);
+  H5Aread(attribute, H5T_NATIVE_DOUBLE, &value);
+  H5Aclose(attribute);
+  return value;
+}
+
+static void CheckState(const char *path, PetscInt step, PetscInt points, PetscInt dim)
+{
+  char  name[32];
+  hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), group;
+
+  ck_assert_msg(file >= 0, "cannot open %s", path);
+  snprintf(name, sizeof(name), "/points/%06d", (int)step);
+  group = H5Gopen2(file, name, H5P_DEFAULT);
+  ck_assert_msg(group >= 0, "no group %s", name);
+  ck_assert(ReadNumber(group, "time") == (double)(0.1 * (PetscReal)step));
+  ck_assert(ReadNumber(group, "step") == (double)step);
+  CheckIntegers(group, "id", 1, 0, points);
+  CheckIntegers(group, "material", 7, step, points);
+  CheckReals(group, "position", step, points, dim);
+  CheckReals(group, "stress", step, points, 6);
+  CheckReals(group, "F", step, points, 9);
+  CheckReals(group, "volume", step, points, 1);
+  H5Gclose(group);
+  H5Fclose(file);
+  MPI_Barrier(PETSC_COMM_WORLD); /* nobody writes while somebody reads */
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   points */
+
+START_TEST(test_rows_follow_their_ids)
+{
+  const PetscInt sizes[] = {1, 3, 1000, 4099};
+  PetscInt       points = sizes[_i], dim = _i % 2 ? 3 : 2;
+  char           name[32];
+  MpmOutput      output;
+
+  snprintf(name, sizeof(name), "rows%d", _i);
+  CALL(MpmOutputCreate(PETSC_COMM_WORLD, PathOf(name), &output));
+  strcat(name, ".h5");
+  CALL(WriteState(output, 0, points, dim));
+  CheckState(PathOf(name), 0, points, dim);
+  CALL(WriteState(output, 50, points, dim));
+  CheckState(PathOf(name), 0, points, dim); /* the earlier state is still there */
+  CheckState(PathOf(name), 50, points, dim);
+  CALL(MpmOutputDestroy(&output));
+  ck_assert_ptr_null(output);
+}
+END_TEST
+
+START_TEST(test_no_points_at_all)
+{
+  MpmOutput output;
+
+  CALL(MpmOutputCreate(PETSC_COMM_WORLD, PathOf("none"), &output));
+  CALL(WriteState(output, 3, 0, 2));
+  CheckState(PathOf("none.h5"), 3, 0, 2);
+  CALL(WriteState(output, 1234567, 5, 2)); /* steps beyond six digits keep theirs */
+  CheckState(PathOf("none.h5"), 1234567, 5, 2);
+  CALL(MpmOutputDestroy(&output));
+}
+END_TEST
+
+START_TEST(test_a_new_run_truncates)
+{
+  hid_t     file;
+  MpmOutput output;
+
+  for (PetscInt run = 0; run < 2; ++run) {
+    CALL(MpmOutputCreate(PETSC_COMM_WORLD, PathOf("again"), &output));
+    CALL(WriteState(output, run, 10, 2));
+    CALL(MpmOutputDestroy(&output));
+  }
+  CheckState(PathOf("again.h5"), 1, 10, 2);
+  file = H5Fopen(PathOf("again.h5"), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ck_assert_int_eq(H5Lexists(file, "/points/000000", H5P_DEFAULT), 0);
+  H5Fclose(file);
+}
+END_TEST
+
+START_TEST(test_index_lists_every_state)
+{
+  char     *text;
+  MpmOutput output;
+
+  CALL(MpmOutputCreate(PETSC_COMM_WORLD, PathOf("index"), &output));
+  for (PetscInt step = 0; step < 3; ++step) CALL(WriteState(output, 10 * step, 20, step ? 3 : 2));
+  CALL(MpmOutputDestroy(&output));
+  text = ReadFile(PathOf("index.xdmf"));
+  ck_assert_int_eq(CountOf(text, "CollectionType=\"Temporal\""), 1);
+  ck_assert_int_eq(CountOf(text, "<Grid Name=\"points\""), 3);
+  ck_assert_int_eq(CountOf(text, "<Time Value=\"2\"/>"), 1);
+  ck_assert_int_eq(CountOf(text, "NumberOfElements=\"20\""), 3);
+  ck_assert_int_eq(CountOf(text, "GeometryType=\"XY\""), 1);
+  ck_assert_int_eq(CountOf(text, "GeometryType=\"XYZ\""), 2);
+  ck_assert_int_eq(CountOf(text, "Dimensions=\"20 6\">index.h5:/points/000010/stress<"), 1);
+  ck_assert_int_eq(CountOf(text, "Name=\"stress\" AttributeType=\"Matrix\""), 3);
+  ck_assert_int_eq(CountOf(text, "Name=\"F\" AttributeType=\"Tensor\""), 3);
+  ck_assert_int_eq(CountOf(text, "Name=\"volume\" AttributeType=\"Scalar\""), 3);
+  ck_assert_int_eq(CountOf(text, "<Grid"), CountOf(text, "</Grid>"));
+  ck_assert_ptr_nonnull(strstr(text, "</Xdmf>"));
+  free(text);
+  ck_assert_int_ne(access(PathOf("index.xdmf.tmp"), F_OK), 0);
+}
+END_TEST
+
+START_TEST(test_bad_rows_are_refused)
+{
+  PetscReal        position[4] = {0., 0., 1., 1.};
+  PetscInt         id[2]       = {0, 0};
+  PetscInt         count       = my_rank == 0 ? 2 : 0;
+
+  const MpmDataset good[] = {{"position", 2, position, NULL}};
+  const MpmDataset lost[] = {{"stress", 2, position, NULL}};
+  MpmOutput        output;
+
+  CALL(MpmOutputCreate(PETSC_COMM_WORLD, PathOf("bad"), &output));
+  CALL(PetscPushErrorHandler(KeepMessage, NULL));
+  ck_assert_int_eq(MpmOutputWrite(output, 0, 0., count, id, 1, good), PETSC_ERR_ARG_WRONG);
+  ck_assert_ptr_nonnull(strstr(message, "same id"));
+  id[1] = 2;
+  ck_assert_int_eq(MpmOutputWrite(output, 0, 0., count, id, 1, good), PETSC_ERR_ARG_OUTOFRANGE);
+  id[1] = 1;
+  ck_assert_int_eq(MpmOutputWrite(output, 0, 0., count, id, 1, lost), PETSC_ERR_ARG_WRONG);
+  ck_assert_ptr_nonnull(strstr(message, "position"));
+  CALL(PetscPopErrorHandler());
+  CALL(MpmOutputWrite(output, 0, 0., count, id, 1, good));
+  CALL(MpmOutputDestroy(&output));
+}
+END_TEST
+
+/* ------------------------------------------------------------------------------------------------------ failing
+   writes */
+
+/* One line that names the file, on every rank, and HDF5 itself says nothing. */
+static void CheckFailure(PetscErrorCode code, const char *path)
+{
+  ck_assert_int_eq((int)code, PETSC_ERR_FILE_WRITE);
+  ck_assert_msg(strstr(message, path) != NULL, "message does not name %s: %s", path, message);
+  ck_assert_ptr_null(strchr(message, '\n'));
+}
+
+START_TEST(test_unwritable_place)
+{
+  MpmOutput   output;
+  MpmHistory  history;
+  MpmSummary  summary = {.status = "completed"};
+  const char *names[] = {"step"};
+
+  CALL(PetscPushErrorHandler(KeepMessage, NULL));
+  CALL(MpmOutputCreate(PETSC_COMM_WORLD, "/nowhere/run", &output));
+  CheckFailure(WriteState(output, 0, 10, 2), "/nowhere/run.h5");
+  CALL(MpmOutputDestroy(&output));
+  CheckFailure(MpmHistoryCreate(PETSC_COMM_WORLD, "/nowhere/run.csv", 1, names, &history), "/nowhere/run.csv");
+  CALL(MpmHistoryDestroy(&history));
+  CheckFailure(MpmSummaryWrite(PETSC_COMM_WORLD, "/nowhere/run.json", "0", &summary), "/nowhere/run.json");
+  CALL(PetscPopErrorHandler());
+}
+END_TEST
+
+START_TEST(test_failure_amid_a_write_keeps_earlier_states)
+{
+  State     state;
+  MpmOutput output;
+
+  CALL(MpmOutputCreate(PETSC_COMM_WORLD, PathOf("amid"), &output));
+  CALL(WriteState(output, 0, 10, 2));
+  StateCreate(1, 10, 2, &state);
+  {
+    MpmDataset datasets[] = STATE_DATASETS(state, 2);
+    datasets[3].name      = "stress"; /* a second dataset of this name */
+    CALL(PetscPushErrorHandler(KeepMessage, NULL));
+    CheckFailure(MpmOutputWrite(output, 1, 0.1, state.count, state.id, STATE_DATASET_COUNT, datasets),
+                 PathOf("amid.h5"));
+    CALL(PetscPopErrorHandler());
+  }
+  StateDestroy(&state);
+  CheckState(PathOf("amid.h5"), 0, 10, 2);
+  CALL(WriteState(output, 2, 10, 2));
+  CheckState(PathOf("amid.h5"), 2, 10, 2);
+  CALL(MpmOutputDestroy(&output));
+}
+END_TEST
+
+START_TEST(test_full_disk)
+{
+  const char     *names[]  = {"step"};
+  const PetscReal values[] = {1.};
+  MpmHistory      history;
+
+  if (access("/dev/full", W_OK)) return;
+  CALL(PetscPushErrorHandler(KeepMessage, NULL));
+  CheckFailure(MpmHistoryCreate(PETSC_COMM_WORLD, "/dev/full", 1, names, &history), "/dev/full");
+  CheckFailure(MpmHistoryAppend(history, values), "/dev/full");
+  CALL(MpmHistoryDestroy(&history));
+  CALL(PetscPopErrorHandler());
+}
+END_TEST
+
+/* ------------------------------------------------------------------------------------------------- history and
+   summary */
+
+START_TEST(test_history_parses_back)
+{
+  const char     *names[]   = {"step", "time", "reaction_root_x", "track_tip_uy"};
+  const PetscReal rows[][4] = {{1., 0.1, -1.2345678901234567e-30, 1. / 3.},
+                               {20000000., 0.30000000000000004, 1e300, -0.}};
+  char           *text, *at;
+  MpmHistory      history;
+
+  CALL(MpmHistoryCreate(PETSC_COMM_WORLD, PathOf("history.csv"), 4, names, &history));
+  for (int row = 0; row < 2; ++row) {
+    CALL(MpmHistoryAppend(history, rows[row]));
+    text = ReadFile(PathOf("history.csv")); /* flushed: it can be read while the run goes on */
+    ck_assert_int_eq(CountOf(text, "\n"), row + 2);
+    free(text);
+    MPI_Barrier(PETSC_COMM_WORLD);
+  }
+  CALL(MpmHistoryDestroy(&history));
+  text = ReadFile(PathOf("history.csv"));
+  ck_assert_int_eq(strncmp(text, "step,time,reaction_root_x,track_tip_uy\n1,", 41), 0);
+  ck_assert_ptr_nonnull(strstr(text, "\n20000000,"));
+  at = strchr(text, '\n') + 1;
+  for (int row = 0; row < 2; ++row)
+    for (int column = 0; column < 4; ++column) {
+      ck_assert(strtod(at, &at) == (double)rows[row][column]);
+      ck_assert_int_eq(*at++, column < 3 ? ',' : '\n');
+    }
+  ck_assert_int_eq(*at, 0);
+  free(text);
+}
+END_TEST
+
+START_TEST(test_summary_has_its_keys)
+{
+  const char *keys[]  = {"status",
+                         "version",
+                         "title",
+                         "ranks",
+                         "dim",
+                         "physics",
+                         "shape",
+                         "jacobian",
+                         "solver",
+                         "points",
+                         "cells",
+                         "steps",
+                         "active_dofs_max",
+                         "time",
+                         "time_total_s",
+                         "step_cuts",
+                         "setup",
+                         "transfer",
+                         "residual",
+                         "newton_iterations",
+                         "memory_max_bytes",
+                         "solve",
+                         "migrate",
+                         "output",
+                         "linear_iterations"};
+  MpmSummary  summary = {.status     = "completed",
+                         .dim        = 3,
+                         .title      = "a \"quoted\\ \n title",
+                         .physics    = "solid",
+                         .shape      = "gimp",
+                         .jacobian   = "local",
+                         .points     = 5000000000,
+                         .steps      = 40,
+                         .time_total = 1.5};
+  char       *text, key[64];
+
+  summary.time[MPM_TIME_SOLVE] = 1. + my_rank;
+  summary.time[MPM_TIME_SETUP] = (PetscReal)INFINITY;
+  CALL(MpmSummaryReduce(PETSC_COMM_WORLD, &summary));
+  ck_assert(summary.time[MPM_TIME_SOLVE] == (PetscReal)rank_count);
+  ck_assert(summary.memory_max > 1e6 * rank_count);
+  CALL(MpmSummaryWrite(PETSC_COMM_WORLD, PathOf("summary.json"), "0.1.0", &summary));
+  text = ReadFile(PathOf("summary.json"));
+  for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); ++i) {
+    snprintf(key, sizeof(key), "\"%s\": ", keys[i]);
+    ck_assert_msg(CountOf(text, key) == (strcmp(keys[i], "jacobian") ? 1 : 2), "key %s", keys[i]); /* and its time */
+  }
+  ck_assert_ptr_nonnull(strstr(text, "\"title\": \"a \\\"quoted\\\\ \\u000a title\""));
+  ck_assert_ptr_nonnull(strstr(text, "\"points\": 5000000000,"));
+  ck_assert_ptr_nonnull(strstr(text, "\"solver\": null,"));
+  ck_assert_ptr_nonnull(strstr(text, "\"setup\": null,"));
+  free(text);
+}
+END_TEST
+
+/* ----------------------------------------------------------------------------------------------------------------
+   main */
+
+static Suite *OutputSuite(void)
+{
+  Suite *suite   = suite_create("output");
+  TCase *points  = tcase_create("points");
+  TCase *failure = tcase_create("failure");
+  TCase *text    = tcase_create("text");
+
+  tcase_add_loop_test(points, test_rows_follow_their_ids, 0, 4);
+  tcase_add_test(points, test_no_points_at_all);
+  tcase_add_test(points, test_a_new_run_truncates);
+  tcase_add_test(points, test_index_lists_every_state);
+  tcase_add_test(points, test_bad_rows_are_refused);
+  tcase_add_test(failure, test_unwritable_place);
+  tcase_add_test(failure, test_failure_amid_a_write_keeps_earlier_states);
+  tcase_add_test(failure, test_full_disk);
+  tcase_add_test(text, test_history_parses_back);
+  tcase_add_test(text, test_summary_has_its_keys);
+  tcase_add_checked_fixture(points, NULL, CheckNothingOpen);
+  tcase_add_checked_fixture(failure, NULL, CheckNothingOpen);
+  suite_add_tcase(suite, points);
+  suite_add_tcase(suite, failure);
+  suite_add_tcase(suite, text);
+  return suite;
+}
+
+/* One scratch directory for all ranks. */
+static PetscErrorCode MakeDirectory(void)
+{
+  PetscFunctionBeginUser;
+  strcpy(directory, "/tmp/talus_output_XXXXXX");
+  if (my_rank == 0 && !mkdtemp(directory)) directory[0] = 0;
+  PetscCallMPI(MPI_Bcast(directory, sizeof(directory), MPI_CHAR, 0, PETSC_COMM_WORLD));
+  PetscCheck(directory[0], PETSC_COMM_WORLD, PETSC_ERR_FILE_WRITE, "cannot make a directory in /tmp");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  SRunner *runner;
+  int      failed;
+
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &my_rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &rank_count));
+  PetscCall(MakeDirectory());
+  runner = srunner_create(OutputSuite());
+  srunner_set_fork_status(runner, CK_NOFORK);
+  srunner_run_all(runner, CK_NORMAL);
+  failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  if (my_rank == 0) PetscCall(PetscRMTree(directory));
+  PetscCall(PetscFinalize());
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

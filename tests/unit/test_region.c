@@ -1,0 +1,321 @@
+/*
+  Regions and ramps: what they hold, what they refuse.
+*/
+#include "mpmregion.h"
+#include "unit.h"
+
+#include <math.h>
+
+static const PetscReal tolerance[3] = {1e-6, 2e-6, 4e-6};
+
+static MpmOptions      options;
+
+/* Alternating names and values of the block's options, NULL at the end. */
+static void Block(const char *const pairs[])
+{
+  char name[100];
+
+  UNIT_CALL(PetscOptionsClear(NULL));
+  options = (MpmOptions){PETSC_COMM_WORLD, "mpm_a_", NULL};
+  for (; pairs[0]; pairs += 2) {
+    snprintf(name, sizeof(name), "-mpm_a_%s", pairs[0]);
+    UNIT_CALL(PetscOptionsSetValue(NULL, name, pairs[1]));
+  }
+}
+
+#define BLOCK(...) Block((const char *const[]){__VA_ARGS__, NULL})
+
+static MpmRegion Create(PetscInt dim)
+{
+  MpmRegion region;
+
+  UNIT_CALL(MpmRegionCreate(&options, dim, tolerance, &region));
+  return region;
+}
+
+static void Destroy(MpmRegion *region)
+{
+  UNIT_CALL(MpmRegionDestroy(region));
+  ck_assert_ptr_null(*region);
+  UNIT_CALL(PetscOptionsClear(NULL));
+}
+
+static void Refuse(PetscInt dim, const char message[])
+{
+  MpmRegion region;
+
+  UNIT_FAILS(MpmRegionCreate(&options, dim, tolerance, &region), MPM_ERR_INPUT, message);
+}
+
+#define IN(...) \
+  ck_assert_msg(MpmRegionContains(region, (const PetscReal[]){__VA_ARGS__}), "(" #__VA_ARGS__ ") is outside")
+#define OUT(...) \
+  ck_assert_msg(!MpmRegionContains(region, (const PetscReal[]){__VA_ARGS__}), "(" #__VA_ARGS__ ") is inside")
+
+static void CheckBounds(MpmRegion region, PetscInt dim, const PetscReal lower[], const PetscReal upper[])
+{
+  PetscReal low[3] = {-100., -100., -100.}, high[3] = {100., 100., 100.};
+
+  UNIT_CALL(MpmRegionGetBounds(region, low, high));
+  for (PetscInt a = 0; a < dim; a++) {
+    ck_assert_double_eq_tol(low[a], lower[a], 5e-6);
+    ck_assert_double_eq_tol(high[a], upper[a], 5e-6);
+    ck_assert(low[a] <= lower[a] && high[a] >= upper[a]);
+  }
+}
+
+START_TEST(everything)
+{
+  MpmRegion region;
+
+  BLOCK(NULL);
+  region = Create(2);
+  ck_assert_int_eq(MpmRegionGetType(region), MPM_REGION_ALL);
+  IN(1e9, -1e9);
+  CheckBounds(region, 2, (const PetscReal[]){-100., -100.}, (const PetscReal[]){100., 100.});
+  Destroy(&region);
+  BLOCK("region", "file");
+  region = Create(3);
+  ck_assert_int_eq(MpmRegionGetType(region), MPM_REGION_FILE);
+  Destroy(&region);
+  BLOCK("lower", "0,0", "upper", "1,1"); /* a box that lost its name must not become everything */
+  Refuse(2, "-mpm_a_region is missing, but -mpm_a_lower is given: one of box, sphere, cylinder, polygon");
+}
+END_TEST
+
+START_TEST(box)
+{
+  MpmRegion region;
+
+  BLOCK("region", "box", "lower", "0,9", "upper", "10, 10");
+  region = Create(2);
+  ck_assert_int_eq(MpmRegionGetType(region), MPM_REGION_BOX);
+  IN(5., 9.5);
+  IN(0., 9.);
+  IN(10., 10.);
+  IN(-0.9e-6, 10. + 1.9e-6); /* within the tolerance of either axis */
+  OUT(-1.1e-6, 9.5);
+  OUT(5., 10. + 2.1e-6);
+  OUT(5., NAN);
+  CheckBounds(region, 2, (const PetscReal[]){0., 9.}, (const PetscReal[]){10., 10.});
+  Destroy(&region);
+  BLOCK("region", "box", "lower", "0,1,0", "upper", "3,1,3"); /* a plane */
+  region = Create(3);
+  IN(2., 1., 3.);
+  IN(2., 1. - 1.9e-6, 3.);
+  OUT(2., 1.001, 3.);
+  Destroy(&region);
+}
+END_TEST
+
+START_TEST(box_refuses)
+{
+  BLOCK("region", "box", "upper", "10,10");
+  Refuse(2, "-mpm_a_lower is missing: lower corner (m), 2 values");
+  BLOCK("region", "box", "lower", "0,0,0", "upper", "10,10");
+  Refuse(2, "-mpm_a_lower 0,0,0: must have 2 values, has 3");
+  BLOCK("region", "box", "lower", "0,11", "upper", "10,10.5");
+  Refuse(2, "-mpm_a_upper 10.5 on axis y: must be >= -mpm_a_lower, which is 11");
+  BLOCK("region", "cube");
+  Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, file");
+}
+END_TEST
+
+START_TEST(sphere)
+{
+  MpmRegion region;
+
+  BLOCK("region", "sphere", "center", "1,2", "radius", "0.5");
+  region = Create(2);
+  IN(1., 2.);
+  IN(1.3, 2.4);
+  IN(1.5 + 0.9e-6, 2.);
+  OUT(1.5 + 1.1e-6, 2.);
+  IN(1., 2.5 + 1.9e-6);
+  OUT(1.4, 2.4);
+  CheckBounds(region, 2, (const PetscReal[]){0.5, 1.5}, (const PetscReal[]){1.5, 2.5});
+  Destroy(&region);
+  BLOCK("region", "sphere", "center", "1,2,3", "radius", "0.5");
+  region = Create(3);
+  IN(1., 2., 3.5);
+  OUT(1.3, 2.3, 3.3);
+  Destroy(&region);
+  BLOCK("region", "sphere", "center", "1,2", "radius", "0");
+  Refuse(2, "-mpm_a_radius 0: must be > 0");
+  BLOCK("region", "sphere", "radius", "1");
+  Refuse(2, "-mpm_a_center is missing: centre (m), 2 values");
+}
+END_TEST
+
+START_TEST(cylinder)
+{
+  MpmRegion region;
+
+  BLOCK("region", "cylinder", "point", "1,1,1", "radius", "0.5");
+  region = Create(3);
+  IN(1.5, 1., -77.);
+  OUT(1.4, 1.4, 0.);
+  CheckBounds(region, 3, (const PetscReal[]){0.5, 0.5, -100.}, (const PetscReal[]){1.5, 1.5, 100.});
+  Destroy(&region);
+  BLOCK("region", "cylinder", "point", "0,0,0", "radius", "1", "axis", "-3,0,-4", "length", "10");
+  region = Create(3);
+  IN(-6., 0., -8.);
+  IN(-6. - 0.78, 0., -8. + 0.585); /* the rim of the far end */
+  OUT(-6.01, 0., -8.01);
+  OUT(0.01, 0., 0.01);
+  IN(0., 1., 0.);
+  IN(0.78, 0., -0.585);
+  CheckBounds(region, 3, (const PetscReal[]){-6.8, -1., -8.6}, (const PetscReal[]){0.8, 1., 0.6});
+  Destroy(&region);
+  BLOCK("region", "cylinder", "point", "1,1", "radius", "0.5");
+  Refuse(2, "-mpm_a_region cylinder: exists in 3 dimensions only; in 2, a sphere is a disc");
+  BLOCK("region", "cylinder", "point", "1,1,1", "radius", "0.5", "axis", "0,0,0");
+  Refuse(3, "-mpm_a_axis: the direction has no length");
+}
+END_TEST
+
+START_TEST(polygon)
+{
+  MpmRegion region;
+
+  BLOCK("region", "polygon", "vertices", "0,0, 4,0, 4,3, 2,1, 0,3"); /* a notch from above, its tip at (2, 1) */
+  region = Create(2);
+  IN(1., 1.);
+  IN(3., 1.); /* level with the notch's tip */
+  IN(2., 1.); /* on a vertex */
+  IN(2., 0.); /* on an edge */
+  IN(0., 0.);
+  IN(4., 3.);
+  IN(0., 1.5);
+  OUT(2., 1.001);
+  OUT(2., 2.9);
+  OUT(-1., 0.); /* in line with the bottom edge */
+  OUT(5., 0.);
+  OUT(-1., 1.); /* whose ray meets the tip */
+  OUT(-1., 3.);
+  OUT(2., 3.);
+  IN(2., -1.9e-6);
+  OUT(2., -2.1e-6);
+  IN(4. + 0.9e-6, 1.);
+  OUT(4. + 1.1e-6, 1.);
+  CheckBounds(region, 2, (const PetscReal[]){0., 0.}, (const PetscReal[]){4., 3.});
+  Destroy(&region);
+  BLOCK("region", "polygon", "vertices", "0,0, 1,0, 1,1, 0,0", "lower_z", "2"); /* closed by hand; a prism */
+  region = Create(3);
+  IN(0.5, 0.2, 50.);
+  OUT(0.5, 0.2, 1.9);
+  OUT(0.2, 0.5, 50.);
+  Destroy(&region);
+}
+END_TEST
+
+/* Against the even-odd count along another direction, at places no edge comes near. */
+START_TEST(polygon_random)
+{
+  const PetscReal v[] = {0., 0., 5., 1., 9., 0., 8., 4., 9.5, 9., 6., 6., 4., 9., 3., 5., -1., 7., 1., 3.};
+  const PetscInt  n   = sizeof(v) / sizeof(v[0]) / 2;
+  MpmRegion       region;
+
+  BLOCK("region", "polygon", "vertices", "0,0,5,1,9,0,8,4,9.5,9,6,6,4,9,3,5,-1,7,1,3");
+  region = Create(2);
+  for (PetscInt k = 0; k < 20000; k++) {
+    const PetscReal x[2]  = {-2. + 13. * rand() / RAND_MAX, -2. + 13. * rand() / RAND_MAX};
+    PetscReal       turns = 0.;
+
+    for (PetscInt i = 0; i < n; i++) { /* the winding number by angles */
+      const PetscReal *a = v + 2 * i, *b = v + 2 * ((i + 1) % n);
+      const PetscReal  p[2] = {a[0] - x[0], a[1] - x[1]}, q[2] = {b[0] - x[0], b[1] - x[1]};
+
+      turns += atan2(p[0] * q[1] - p[1] * q[0], p[0] * q[0] + p[1] * q[1]);
+    }
+    ck_assert_int_eq(MpmRegionContains(region, x), fabs(turns) > 3.);
+  }
+  Destroy(&region);
+}
+END_TEST
+
+START_TEST(polygon_refuses)
+{
+  static const struct {
+    const char *vertices, *message;
+  } cases[] = {
+    {"0,0,1,0,1", "-mpm_a_vertices: has 5 numbers, must have two a vertex"},
+    {"0,0,1,0", "-mpm_a_vertices: has 2 vertices, must have 3 at least"},
+    {"0,0,1,0,0,0", "-mpm_a_vertices: has 2 vertices, must have 3 at least"},
+    {"0,0,1,0,1,0,0,1", "-mpm_a_vertices: vertices 2 and 3 are the same"},
+    {"0,0,1,1,2,2", "-mpm_a_vertices: the boundary turns back on itself at vertex 3"},
+    {"0,0,2,0,1,0,1,1", "-mpm_a_vertices: the boundary turns back on itself at vertex 2"},
+    {"0,0,1,1,1,0,0,1", "-mpm_a_vertices: the edges from vertex 1 and from vertex 3 cross or touch"},
+    {"0,0,4,0,4,4,2,0,0,4", "-mpm_a_vertices: the edges from vertex 1 and from vertex 3 cross or touch"},
+    {"2,0,0,4,0,0,4,0,4,4", "-mpm_a_vertices: the edges from vertex 1 and from vertex 3 cross or touch"},
+    {"0,0,1,x,1,1", "-mpm_a_vertices 0,0,1,x,1,1: not a list of numbers"},
+  };
+
+  for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    BLOCK("region", "polygon", "vertices", cases[i].vertices);
+    Refuse(2, cases[i].message);
+  }
+  BLOCK("region", "polygon", "vertices", "0,0,1,0,1,1", "lower_z", "2", "upper_z", "1");
+  Refuse(3, "-mpm_a_upper_z: must be >= -mpm_a_lower_z");
+}
+END_TEST
+
+/* ------------------------------------------------------------------------------------------------------------ ramps */
+
+static void CheckRamp(const char text[], PetscInt count, const PetscReal time[], const PetscReal factor[])
+{
+  MpmRamp ramp;
+
+  BLOCK("ramp", text);
+  UNIT_CALL(MpmRampCreate(&options, "ramp", "0:0,1:1", &ramp));
+  for (PetscInt i = 0; i < count; i++) ck_assert_double_eq_tol(MpmRampEvaluate(ramp, time[i]), factor[i], 1e-15);
+  UNIT_CALL(MpmRampDestroy(&ramp));
+  ck_assert_ptr_null(ramp);
+}
+
+START_TEST(ramps)
+{
+  MpmRamp ramp;
+
+  CheckRamp("0:0,1:1", 5, (const PetscReal[]){-1., 0., 0.25, 1., 2.}, (const PetscReal[]){0., 0., 0.25, 1., 1.});
+  CheckRamp(" 1 : -2 , 3 : 2e0 ", 4, (const PetscReal[]){0., 1., 2., 9.}, (const PetscReal[]){-2., -2., 0., 2.});
+  CheckRamp("5:7", 3, (const PetscReal[]){0., 5., 9.}, (const PetscReal[]){7., 7., 7.});
+  /* a jump: the later value at the time itself */
+  CheckRamp("0:0,1:0,1:1,2:3", 4, (const PetscReal[]){1. - 1e-9, 1., 1.5, 2.}, (const PetscReal[]){0., 1., 2., 3.});
+  CheckRamp("0:0,0:1", 2, (const PetscReal[]){-1e-9, 0.}, (const PetscReal[]){0., 1.});
+  BLOCK(NULL);
+  UNIT_CALL(MpmRampCreate(&options, "ramp", "0:1", &ramp));
+  ck_assert_double_eq(MpmRampEvaluate(ramp, 0.5), 1.);
+  UNIT_CALL(MpmRampDestroy(&ramp));
+}
+END_TEST
+
+START_TEST(ramps_refused)
+{
+  static const struct {
+    const char *text, *message;
+  } cases[] = {
+    {"1", "-mpm_a_ramp 1: must be time:factor pairs, separated by commas"},
+    {"0:0,", "-mpm_a_ramp 0:0,: must be time:factor pairs, separated by commas"},
+    {"0:x", "-mpm_a_ramp 0:x: must be time:factor pairs of numbers"},
+    {"0:1:2", "-mpm_a_ramp 0:1:2: must be time:factor pairs of numbers"},
+    {"0:0,2:1,1:0", "-mpm_a_ramp 0:0,2:1,1:0: times must not decrease"},
+    {"0:inf", "-mpm_a_ramp 0:inf: must be time:factor pairs of numbers"},
+  };
+  MpmRamp ramp;
+
+  for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    BLOCK("ramp", cases[i].text);
+    UNIT_FAILS(MpmRampCreate(&options, "ramp", "0:1", &ramp), MPM_ERR_INPUT, cases[i].message);
+    ck_assert_ptr_null(ramp);
+  }
+}
+END_TEST
+
+int main(int argc, char **argv)
+{
+  const TTest *const tests[] = {everything,      box,   box_refuses,  sphere, cylinder, polygon, polygon_random,
+                                polygon_refuses, ramps, ramps_refused};
+
+  return UnitRun(&argc, &argv, "region", sizeof(tests) / sizeof(tests[0]), tests);
+}

@@ -1,0 +1,379 @@
+/*
+  Shape functions: tabulated values, the identities they must keep, and the definition itself by quadrature.
+*/
+#include "mpmshape.h"
+#include "unit.h"
+
+#include <math.h>
+
+#define FAR  1000 /* an edge that does not matter */
+#define WIDE 32   /* room for any shape of these tests */
+
+typedef struct {
+  PetscInt  first, count;
+  PetscReal weight[WIDE], gradient[WIDE];
+} Shape;
+
+static Shape Evaluate(MpmShapeType type, PetscReal xi, PetscReal l, PetscInt lower, PetscInt upper)
+{
+  Shape s;
+
+  for (PetscInt k = 0; k < WIDE; k++) s.weight[k] = s.gradient[k] = 1e300;
+  MpmShapeEvaluate(type, xi, l, lower, upper, &s.first, &s.count, s.weight, s.gradient);
+  ck_assert_msg(s.count >= 1 && s.count <= MpmShapeWidth(type, l), "type %d at %.17g, l %.17g: %d nodes of %d",
+                (int)type, xi, l, (int)s.count, (int)MpmShapeWidth(type, l));
+  ck_assert_msg(s.first >= lower && s.first + s.count - 1 <= upper, "type %d at %.17g, l %.17g: nodes %d..%d",
+                (int)type, xi, l, (int)s.first, (int)(s.first + s.count - 1));
+  /* callers have room for the width and no more */
+  for (PetscInt k = MpmShapeWidth(type, l); k < WIDE; k++) ck_assert(s.weight[k] == 1e300 && s.gradient[k] == 1e300);
+  return s;
+}
+
+static PetscReal Weight(const Shape *s, PetscInt node)
+{
+  return (node < s->first || node >= s->first + s->count) ? 0. : s->weight[node - s->first];
+}
+
+static PetscReal Gradient(const Shape *s, PetscInt node)
+{
+  return (node < s->first || node >= s->first + s->count) ? 0. : s->gradient[node - s->first];
+}
+
+static PetscReal Uniform(PetscReal lower, PetscReal upper)
+{
+  return lower + (upper - lower) * (PetscReal)rand() / (PetscReal)RAND_MAX;
+}
+
+/* ----------------------------------------------------------------------------------------------------------- tables */
+
+typedef struct {
+  PetscReal s, weight, gradient;
+} Row;
+
+static void CheckTable(MpmShapeType type, PetscReal tolerance, PetscInt count, const Row rows[])
+{
+  const PetscInt node = 10;
+
+  for (PetscInt i = 0; i < count; i++) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+      const Shape at = Evaluate(type, (PetscReal)node + sign * rows[i].s, 0.25, 0, 20);
+
+      ck_assert_double_eq_tol(Weight(&at, node), rows[i].weight, tolerance);
+      ck_assert_double_eq_tol(Gradient(&at, node), sign * rows[i].gradient, tolerance);
+    }
+  }
+}
+
+/* Half-length 1/4, from the six-branch form of Coombs & Augarde (2020), Adv. Eng. Softw. 139, 102748 */
+START_TEST(gimp_table)
+{
+  static const Row rows[] = {
+    {0., 0.875, 0.},     {0.1, 0.855, -0.4}, {0.25, 0.75, -1.},   {0.5, 0.5, -1.}, {0.75, 0.25, -1.},
+    {0.9, 0.1225, -0.7}, {1., 0.0625, -0.5}, {1.2, 0.0025, -0.1}, {1.25, 0., 0.},
+  };
+
+  CheckTable(MPM_SHAPE_GIMP, 1e-14, sizeof(rows) / sizeof(rows[0]), rows);
+}
+END_TEST
+
+/* Half-length 1/4, evaluated from the truncated powers of the quadratic B-spline's antiderivative */
+START_TEST(gimp_bspline2_table)
+{
+  static const Row rows[] = {
+    {0., 0.729166667, 0.},      {0.1, 0.719166667, -0.2}, {0.25, 0.666666667, -0.5},  {0.5, 0.494791667, -0.8125},
+    {0.75, 0.291666667, -0.75}, {1., 0.135416667, -0.5},  {1.25, 0.041666667, -0.25}, {1.5, 0.005208333, -0.0625},
+    {1.6, 0.001125, -0.0225},   {1.75, 0., 0.},
+  };
+
+  CheckTable(MPM_SHAPE_GIMP_BSPLINE2, 5.1e-10, sizeof(rows) / sizeof(rows[0]), rows);
+}
+END_TEST
+
+static void CheckNodes(const Shape *s, PetscInt first, PetscInt count, const PetscReal weight[],
+                       const PetscReal gradient[], PetscReal tolerance)
+{
+  ck_assert_int_eq(s->first, first);
+  ck_assert_int_eq(s->count, count);
+  for (PetscInt k = 0; k < count; k++) {
+    ck_assert_double_eq_tol(s->weight[k], weight[k], tolerance);
+    ck_assert_double_eq_tol(s->gradient[k], gradient[k], tolerance);
+  }
+}
+
+START_TEST(edge_values)
+{
+  static const PetscReal half_w[] = {0.505208333, 0.489583333, 0.005208333}, half_g[] = {-0.9375, 0.875, 0.0625};
+  static const PetscReal quarter_w[] = {0.75, 0.25}, quarter_g[] = {-1., 1.};
+  Shape                  s;
+
+  s = Evaluate(MPM_SHAPE_GIMP_BSPLINE2, 0.5, 0.25, 0, FAR);
+  CheckNodes(&s, 0, 3, half_w, half_g, 5.1e-10);
+  s = Evaluate(MPM_SHAPE_GIMP_BSPLINE2, 0.25, 0.25, 0, FAR);
+  CheckNodes(&s, 0, 2, quarter_w, quarter_g, 1e-15);
+  for (PetscInt p = 0; p < 3; p++) { /* the same from the upper edge, mirrored */
+    s = Evaluate(MPM_SHAPE_GIMP_BSPLINE2, 9.5, 0.25, 0, 10);
+    ck_assert_double_eq_tol(Weight(&s, 10 - p), half_w[p], 5.1e-10);
+    ck_assert_double_eq_tol(Gradient(&s, 10 - p), -half_g[p], 5.1e-10);
+  }
+}
+END_TEST
+
+/* A point wholly inside a cell, on a face, on a knot: no more nodes than it touches. */
+START_TEST(node_counts)
+{
+  static const PetscReal at_node_w[] = {1., 0.}, step[] = {-1., 1.}, middle_w[] = {0.5, 0.5},
+                         knot_w[] = {1. / 6., 4. / 6., 1. / 6.};
+  static const PetscReal knot_g[] = {-0.5, 0., 0.5};
+  Shape                  s;
+
+  s = Evaluate(MPM_SHAPE_LINEAR, 3., 0., 0, 10);
+  CheckNodes(&s, 3, 2, at_node_w, step, 1e-300);
+  s = Evaluate(MPM_SHAPE_GIMP, 3.5, 0.25, 0, 10);
+  CheckNodes(&s, 3, 2, middle_w, step, 1e-15);
+  s = Evaluate(MPM_SHAPE_GIMP, 3.5, 0.5, 0, 10); /* fills its cell: touches the faces, not the cells behind them */
+  CheckNodes(&s, 3, 2, middle_w, step, 1e-15);
+  s = Evaluate(MPM_SHAPE_BSPLINE2, 3.5, 0., 0, 10);
+  CheckNodes(&s, 3, 2, middle_w, step, 1e-15);
+  s = Evaluate(MPM_SHAPE_BSPLINE3, 3., 0., 0, 10);
+  CheckNodes(&s, 2, 3, knot_w, knot_g, 1e-15);
+  s = Evaluate(MPM_SHAPE_GIMP, 3.5, 0.6, 0, 10); /* longer than a cell: the fourth node must not be lost */
+  ck_assert_int_eq(s.count, 4);
+  ck_assert_double_eq_tol(s.weight[0], 0.00417, 5e-6);
+}
+END_TEST
+
+START_TEST(widths)
+{
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_LINEAR, 3.), 2);
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_BSPLINE2, 3.), 3);
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_BSPLINE3, 3.), 4);
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_GIMP, 0.25), 3);
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_GIMP, 0.5), 3);
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_GIMP, 0.6), 4);
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_GIMP_BSPLINE2, 0.5), 4);
+  ck_assert_int_eq(MpmShapeWidth(MPM_SHAPE_GIMP_BSPLINE2, 0.6), 5);
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    ck_assert_ptr_nonnull(MpmShapeTypes[type]);
+    ck_assert_int_eq(MpmShapeHasDomain((MpmShapeType)type), type == MPM_SHAPE_GIMP || type == MPM_SHAPE_GIMP_BSPLINE2);
+  }
+  ck_assert_ptr_null(MpmShapeTypes[MPM_SHAPE_COUNT]);
+}
+END_TEST
+
+/* ------------------------------------------------------------------------------------------------------- identities */
+
+/* Awkward places first, then random ones; l is cut at the edges as the points' owner does. */
+static void SamplePoint(PetscInt i, PetscInt cells, PetscReal *xi, PetscReal *l)
+{
+  static const PetscReal lengths[] = {0., 1e-300, 1e-16, 1e-12, 1e-8, 0.25, 0.5, 0.8, 1., 1.5, 3.};
+  static const PetscReal nudges[]  = {0., 1e-17, -1e-17, 1e-16, -1e-16, 1e-15, -1e-15, 1e-12, -1e-12};
+  const PetscInt length_count = sizeof(lengths) / sizeof(lengths[0]), nudge_count = sizeof(nudges) / sizeof(nudges[0]);
+
+  *l  = i % 3 ? lengths[(i / 3) % length_count] : Uniform(0., 3.);
+  *xi = i % 2 ? 0.5 * floor(Uniform(0., 2. * (PetscReal)cells + 1.)) + nudges[(i / 2) % nudge_count]
+              : Uniform(0., (PetscReal)cells);
+  *xi = PetscMin(PetscMax(*xi, 0.), (PetscReal)cells);
+  *l  = PetscMin(*l, PetscMin(*xi, (PetscReal)cells - *xi));
+}
+
+/* Rounding of the average of a gradient over a tiny domain is relative to the gradient, not to the domain. */
+static void CheckIdentities(MpmShapeType type, PetscReal xi, PetscReal l, PetscInt cells)
+{
+  const Shape s   = Evaluate(type, xi, l, 0, cells);
+  PetscReal   sum = 0., sum_gradient = 0., position = 0., slope = 0.;
+
+  for (PetscInt k = 0; k < s.count; k++) {
+    const PetscReal x = (PetscReal)(s.first + k);
+
+    sum += s.weight[k];
+    sum_gradient += s.gradient[k];
+    position += s.weight[k] * x;
+    slope += s.gradient[k] * x;
+    if (type == MPM_SHAPE_LINEAR || type == MPM_SHAPE_GIMP) {
+      ck_assert_msg(s.weight[k] >= 0., "type %d at %.17g, l %.17g: weight %g", (int)type, xi, l, s.weight[k]);
+    }
+  }
+  ck_assert_msg(fabs(sum - 1.) < 4e-15, "type %d at %.17g, l %.17g of %d: weights sum to 1 + %g", (int)type, xi, l,
+                (int)cells, sum - 1.);
+  ck_assert_msg(fabs(sum_gradient) < 1e-14, "type %d at %.17g, l %.17g: gradients sum to %g", (int)type, xi, l,
+                sum_gradient);
+  ck_assert_msg(fabs(position - xi) < 2e-14, "type %d at %.17g, l %.17g: position is off by %g", (int)type, xi, l,
+                position - xi);
+  ck_assert_msg(fabs(slope - 1.) < 4e-14, "type %d at %.17g, l %.17g: slope is off by %g", (int)type, xi, l,
+                slope - 1.);
+}
+
+START_TEST(identities)
+{
+  static const PetscInt cells[] = {1, 2, 3, 4, 9};
+
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    for (PetscInt i = 0; i < 100000; i++) {
+      const PetscInt n = cells[i % 5];
+      PetscReal      xi, l;
+
+      SamplePoint(i / 5, n, &xi, &l);
+      CheckIdentities((MpmShapeType)type, xi, l, n);
+    }
+  }
+}
+END_TEST
+
+/* The edge node carries the edge's value exactly, or prescribed values would not be met. */
+START_TEST(edge_interpolates)
+{
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    for (PetscInt cells = 1; cells < 6; cells++) {
+      const Shape lower = Evaluate((MpmShapeType)type, 0., 0., 0, cells),
+                  upper = Evaluate((MpmShapeType)type, (PetscReal)cells, 0., 0, cells);
+
+      for (PetscInt node = 0; node <= cells; node++) {
+        ck_assert_double_eq(Weight(&lower, node), node == 0 ? 1. : 0.);
+        ck_assert_double_eq(Weight(&upper, node), node == cells ? 1. : 0.);
+      }
+    }
+  }
+}
+END_TEST
+
+/* A wall inside the grid acts as an edge: node numbers shift, values do not. */
+START_TEST(shifted_edge)
+{
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    for (PetscInt i = 0; i <= 64; i++) {
+      const PetscReal xi = i / 32., l = PetscMin(0.25, PetscMin(xi, 2. - xi));
+      const Shape a = Evaluate((MpmShapeType)type, xi, l, 0, 2), b = Evaluate((MpmShapeType)type, xi - 7., l, -7, -5);
+
+      ck_assert_int_eq(a.first - 7, b.first);
+      CheckNodes(&b, a.first - 7, a.count, a.weight, a.gradient, 1e-15);
+    }
+  }
+}
+END_TEST
+
+/* --------------------------------------------------------------------------------------------------- the definition */
+
+/* Cardinal B-spline of degree p by the recurrence of Cox and de Boor: slow, and nothing like the code under test. */
+static PetscReal Spline(PetscInt p, PetscReal t)
+{
+  const PetscReal half = 0.5 * (PetscReal)(p + 1);
+
+  if (p == 0) return (t >= -0.5 && t < 0.5) ? 1. : 0.;
+  return ((half + t) * Spline(p - 1, t + 0.5) + (half - t) * Spline(p - 1, t - 0.5)) / (PetscReal)p;
+}
+
+static PetscReal SplineSlope(PetscInt p, PetscReal t)
+{
+  return Spline(p - 1, t + 0.5) - Spline(p - 1, t - 0.5);
+}
+
+/* The spline of a node with the spline of a missing node folded in: u_{-k} = 2 u_0 - u_k, again until all nodes exist.
+   */
+static PetscReal FoldedSpline(PetscInt p, PetscReal x, PetscInt node, PetscInt cells,
+                              PetscReal (*spline)(PetscInt, PetscReal))
+{
+  PetscReal value = spline(p, x - (PetscReal)node);
+
+  for (PetscInt k = 1; k <= p / 2; k++) {
+    if (node == 0) value += 2. * spline(p, x + (PetscReal)k);
+    if (node == k) value -= spline(p, x + (PetscReal)k);
+    if (node == cells) value += 2. * spline(p, x - (PetscReal)(cells + k));
+    if (node == cells - k) value -= spline(p, x - (PetscReal)(cells + k));
+  }
+  return value;
+}
+
+/* Average over the domain by the midpoint rule, error O(panel^2) with kinks inside panels included. */
+static PetscReal Average(PetscInt p, PetscReal x, PetscReal l, PetscInt node, PetscInt cells,
+                         PetscReal (*spline)(PetscInt, PetscReal))
+{
+  const PetscInt panels = 20000;
+  PetscReal      sum    = 0.;
+
+  if (l == 0.) return FoldedSpline(p, x, node, cells, spline);
+  for (PetscInt i = 0; i < panels; i++) {
+    sum += FoldedSpline(p, x - l + 2. * l * ((PetscReal)i + 0.5) / (PetscReal)panels, node, cells, spline);
+  }
+  return sum / (PetscReal)panels;
+}
+
+START_TEST(against_quadrature)
+{
+  static const PetscInt degree[] = {1, 1, 2, 3, 2};
+
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    for (PetscInt i = 0; i < 60; i++) {
+      const PetscInt  cells = 1 + i % 7;
+      const PetscReal xi    = Uniform(0., (PetscReal)cells),
+                      most  = MpmShapeHasDomain((MpmShapeType)type) ? Uniform(0., 3.) : 0.;
+      const PetscReal l     = PetscMin(most, PetscMin(xi, (PetscReal)cells - xi));
+      const Shape     s     = Evaluate((MpmShapeType)type, xi, l, 0, cells);
+
+      for (PetscInt node = 0; node <= cells; node++) {
+        const PetscReal w = Average(degree[type], xi, l, node, cells, Spline),
+                        g = Average(degree[type], xi, l, node, cells, SplineSlope);
+
+        ck_assert_msg(fabs(Weight(&s, node) - w) < 1e-7, "type %d at %.17g, l %.17g of %d: node %d has %.9g, not %.9g",
+                      type, xi, l, (int)cells, (int)node, Weight(&s, node), w);
+        ck_assert_double_eq_tol(Gradient(&s, node), g, 3e-4); /* the hat's slope jumps: half a panel */
+      }
+    }
+  }
+}
+END_TEST
+
+/* The gradient is the derivative of the weight at fixed domain; away from kinks, central differences see it to second
+   order. */
+START_TEST(gradient_by_differences)
+{
+  const PetscReal eps = 1e-6;
+
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    for (PetscInt i = 0; i < 20000; i++) {
+      const PetscReal xi = Uniform(0.01, 5.99), most = Uniform(0.001, 3.),
+                      l = PetscMin(most, PetscMin(xi, 6. - xi) - 2. * eps);
+      const Shape s     = Evaluate((MpmShapeType)type, xi, l, 0, 6);
+      const Shape a     = Evaluate((MpmShapeType)type, xi - eps, l, 0, 6),
+                  b     = Evaluate((MpmShapeType)type, xi + eps, l, 0, 6);
+
+      if (type == MPM_SHAPE_LINEAR && fabs(xi - round(xi)) <= 2. * eps) continue;
+      for (PetscInt node = 0; node <= 6; node++) {
+        /* averaging the hat leaves a second derivative up to 1/l, which jumps */
+        ck_assert_double_eq_tol((Weight(&b, node) - Weight(&a, node)) / (2. * eps), Gradient(&s, node),
+                                1e-9 + eps * (2. + 1. / l));
+      }
+    }
+  }
+}
+END_TEST
+
+/* Tiny domains: the weights tend to the point's, and a domain centred on a node has no preferred side. */
+START_TEST(tiny_domains)
+{
+  static const PetscReal lengths[] = {1e-6, 1e-9, 1e-12, 1e-16, 1e-50};
+
+  for (size_t i = 0; i < sizeof(lengths) / sizeof(lengths[0]); i++) {
+    const PetscReal l = lengths[i];
+    Shape           s = Evaluate(MPM_SHAPE_GIMP, 4., l, 0, 9);
+
+    ck_assert_int_eq(s.count, 3);
+    ck_assert_double_eq_tol(s.weight[1], 1. - 0.5 * l, 1e-15);
+    ck_assert_double_eq_tol(s.gradient[0], -0.5, 1e-15);
+    ck_assert_double_eq_tol(s.gradient[1], 0., 1e-15);
+    ck_assert_double_eq_tol(s.gradient[2], 0.5, 1e-15);
+    s = Evaluate(MPM_SHAPE_GIMP_BSPLINE2, 4.5, l, 0, 9);
+    ck_assert_double_eq_tol(Weight(&s, 4), 0.5, l);
+    ck_assert_double_eq_tol(Gradient(&s, 5), 1., l);
+  }
+}
+END_TEST
+
+int main(int argc, char **argv)
+{
+  const TTest *const tests[] = {
+    gimp_table,  gimp_bspline2_table, edge_values,  node_counts,        widths,
+    identities,  edge_interpolates,   shifted_edge, against_quadrature, gradient_by_differences,
+    tiny_domains};
+
+  return UnitRun(&argc, &argv, "shape", sizeof(tests) / sizeof(tests[0]), tests);
+}
