@@ -9,7 +9,7 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscNew(model));
-  (*model)->comm = comm;
+  PetscCall(PetscCommDuplicate(comm, &(*model)->comm, NULL));
   PetscCallMPI(MPI_Comm_rank(comm, &(*model)->rank));
   PetscCallMPI(MPI_Comm_size(comm, &(*model)->size));
   PetscCall(MpmRecordCreate(&(*model)->record));
@@ -66,6 +66,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->title));
   PetscCall(PetscFree(model->prefix));
   PetscCall(MpmRecordDestroy(&model->record));
+  PetscCall(PetscCommDestroy(&model->comm));
   PetscCall(PetscFree(*handle));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -342,7 +342,6 @@ struct _p_MpmModel {
   MpmSum         sum;
   PetscReal     *u, *residual, *force; /* local nodes */
   PetscReal      diagonal; /* of held unknowns: a typical stiffness */
-  PetscReal      noise;    /* residuals below it are rounding */
   char           mat_type[64], vec_type[64];
   SNES           snes;
   Mat            jacobian;

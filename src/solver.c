@@ -107,15 +107,20 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PETSc's test, and a floor: a residual as small as the rounding of the points' stresses cannot be reduced. */
+/*
+  PETSc's test, and a floor: a residual as small as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the
+  last from the differences of nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node.
+*/
 static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm, SNESConvergedReason *reason,
                                       void *ctx)
 {
-  MpmModel model = (MpmModel)ctx;
+  const MpmModel  model = (MpmModel)ctx;
+  const PetscReal unknowns = (PetscReal)(model->space.global_count * model->layout.block);
+  const PetscReal floor    = 2. * PETSC_MACHINE_EPSILON * model->diagonal * (model->grid.h[0] * PetscSqrtReal(unknowns) + xnorm);
 
   PetscFunctionBeginUser;
   PetscCall(SNESConvergedDefault(snes, it, xnorm, snorm, fnorm, reason, NULL));
-  if (*reason == SNES_CONVERGED_ITERATING && fnorm <= model->noise) *reason = SNES_CONVERGED_FNORM_ABS;
+  if (*reason == SNES_CONVERGED_ITERATING && fnorm <= floor) *reason = SNES_CONVERGED_FNORM_ABS;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -75,7 +75,6 @@ static PetscErrorCode PrepareSpace(MpmModel model)
   PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual, (model->space.local * bs), &model->force));
   PetscCall(MpmSolverSetUp(model));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
-  model->noise           = 2. * PETSC_MACHINE_EPSILON * model->diagonal * model->grid.h[0] * PetscSqrtReal((PetscReal)model->space.global_count * bs);
   MpmClock(model, MPM_TIME_TRANSFER, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

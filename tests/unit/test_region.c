@@ -260,6 +260,34 @@ START_TEST(polygon_refuses)
 }
 END_TEST
 
+static PetscErrorCode Silent(MPI_Comm comm, const char format[], ...)
+{
+  (void)comm, (void)format;
+  return PETSC_SUCCESS;
+}
+
+/* With -help a block may be incomplete: the manual is printed to the end. */
+START_TEST(incomplete_with_help)
+{
+  static const char *const types[]                           = {"all", "box", "sphere", "cylinder", "polygon", "file"};
+  PetscErrorCode (*const print)(MPI_Comm, const char[], ...) = PetscHelpPrintf;
+
+  PetscHelpPrintf = Silent;
+  for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++) {
+    MpmRegion region;
+
+    BLOCK("region", types[i], "lower", "1,1,1");
+    UNIT_CALL(PetscOptionsInsertString(NULL, "-help"));
+    if (i == 0) UNIT_CALL(PetscOptionsClearValue(NULL, "-mpm_a_lower"));
+    region = Create(3);
+    (void)MpmRegionContains(region, (const PetscReal[]){1., 1., 1.});
+    UNIT_CALL(PetscOptionsClearValue(NULL, "-help"));
+    Destroy(&region);
+  }
+  PetscHelpPrintf = print;
+}
+END_TEST
+
 /* ------------------------------------------------------------------------------------------------------------ ramps */
 
 static void CheckRamp(const char text[], PetscInt count, const PetscReal time[], const PetscReal factor[])
@@ -314,8 +342,9 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {everything,      box,   box_refuses,  sphere, cylinder, polygon, polygon_random,
-                                polygon_refuses, ramps, ramps_refused};
+  const TTest *const tests[] = {
+    everything,           box,   box_refuses,  sphere, cylinder, polygon, polygon_random, polygon_refuses,
+    incomplete_with_help, ramps, ramps_refused};
 
   return UnitRun(&argc, &argv, "region", sizeof(tests) / sizeof(tests[0]), tests);
 }
