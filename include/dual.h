@@ -2,12 +2,14 @@
 /*
   Scalar: the number type of the pointwise kernels.
 
-  With MPM_DIRECTIONS == 0 a Scalar is a double. Otherwise it is a dual number a + sum_k a_k e_k with e_j e_k = 0, which carries the
-  derivatives of everything computed from it in MPM_DIRECTIONS directions at once (forward-mode automatic differentiation, Griewank and
-  Walther 2008, doi:10.1137/1.9780898717761). The number of directions is known at compile time, so the loops over them are vectorised.
+  With MPM_DIRECTIONS == 0 a Scalar is a double. Otherwise it is a dual number a + sum_k a_k e_k with e_j e_k = 0,
+  which carries the derivatives of everything computed from it in MPM_DIRECTIONS directions at once (forward-mode
+  automatic differentiation, Griewank and Walther 2008, doi:10.1137/1.9780898717761). The number of directions is known
+  at compile time, so the loops over them are vectorised.
 
-  Only what stands between #if and #endif knows how a Scalar is stored; all else is built on ScalarChain() and ScalarChain2(), the chain
-  rule for one and two arguments. Branches must test ScalarValue(): a dual number follows the branch that its value takes.
+  Only what stands between #if and #endif knows how a Scalar is stored; all else is built on ScalarChain() and
+  ScalarChain2(), the chain rule for one and two arguments. Branches must test ScalarValue(): a dual number follows the
+  branch that its value takes.
 */
 #include <math.h>
 
@@ -25,7 +27,7 @@
 
 typedef double Scalar;
 
-MPM_FN double ScalarValue(Scalar a)
+MPM_FN double  ScalarValue(Scalar a)
 {
   return a;
 }
@@ -84,9 +86,9 @@ MPM_FN void ScalarAddDirections(Scalar *sum, double alpha, const Scalar *a)
 #else
 
 /*
-  Derivatives are kept in lanes of four where the machine has registers for that: gcc leaves arrays of plain doubles in memory, which makes
-  the same source about twice as slow. The lanes behind the last direction hold numbers that nobody reads. aligned(8): a Scalar may lie
-  wherever a double may.
+  Derivatives are kept in lanes of four where the machine has registers for that: gcc leaves arrays of plain doubles in
+  memory, which makes the same source about twice as slow. The lanes behind the last direction hold numbers that nobody
+  reads. aligned(8): a Scalar may lie wherever a double may.
 */
 #if defined(__AVX__) && defined(__GNUC__) && !defined(__CUDACC__) && MPM_DIRECTIONS > 2
 #define MPM_LANE 4
@@ -128,7 +130,7 @@ MPM_FN Scalar ScalarConstant(double value)
   const ScalarLane zero = {0.};
   Scalar           c;
 
-  c.v = value;
+  c.v                     = value;
   MPM_FOR_LANES(k) c.d[k] = zero;
   return c;
 }
@@ -136,7 +138,7 @@ MPM_FN Scalar ScalarConstant(double value)
 /* An independent variable: derivative 1 in the given direction. */
 MPM_FN Scalar ScalarSeed(double value, int direction)
 {
-  Scalar c = ScalarConstant(value);
+  Scalar c       = ScalarConstant(value);
 
 #if MPM_LANE == 1
   c.d[direction] = 1.;
@@ -151,7 +153,7 @@ MPM_FN Scalar ScalarChain(Scalar a, double f, double fa)
 {
   Scalar c;
 
-  c.v = f;
+  c.v                     = f;
   MPM_FOR_LANES(k) c.d[k] = fa * a.d[k];
   return c;
 }
@@ -161,7 +163,7 @@ MPM_FN Scalar ScalarChain2(Scalar a, Scalar b, double f, double fa, double fb)
 {
   Scalar c;
 
-  c.v = f;
+  c.v                     = f;
   MPM_FOR_LANES(k) c.d[k] = fa * a.d[k] + fb * b.d[k];
   return c;
 }

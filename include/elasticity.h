@@ -1,6 +1,7 @@
 #pragma once
 /*
-  What isotropic elastic laws have in common: parameters, Lame's constants, Hencky's stress. Included by files in materials/.
+  What isotropic elastic laws have in common: parameters, Lame's constants, Hencky's stress. Included by files in
+  materials/.
 */
 #include "mpmkernel.h"
 
@@ -9,8 +10,10 @@ enum { ELASTIC_DENSITY, ELASTIC_E, ELASTIC_NU, ELASTIC_COUNT };
 
 #define ELASTIC_PARAMETERS \
   {"density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL}, \
-  {"E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
-  {"nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL}
+    {"E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
+  { \
+    "nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL \
+  }
 
 /* Pa */
 typedef struct {
@@ -43,7 +46,8 @@ MPM_FN Sym ElasticStress(Lame lame, const Sym *e)
   return SymShift(&deviatoric, ScalarScale(lame.lambda, SymTrace(e)));
 }
 
-/* Excess over a yield surface, in strain, that rounding alone explains: a point at rest on the surface is treated as elastic. */
+/* Excess over a yield surface, in strain, that rounding alone explains: a point at rest on the surface is treated as
+   elastic. */
 #define ELASTIC_STRAIN_NOISE (64. * DBL_EPSILON)
 
 /* Logarithmic strain (1/2) ln b; non-zero when b is not positive definite or not finite */

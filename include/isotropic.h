@@ -2,8 +2,9 @@
 /*
   Isotropic functions of symmetric tensors: logarithm, exponential, square root. Included by tensor.h.
 
-  Value and derivative are exact to rounding for any principal values, equal and nearly equal ones included: an undeformed or hydrostatic
-  point is the commonest point there is, and formulas that divide by differences of principal values fail there.
+  Value and derivative are exact to rounding for any principal values, equal and nearly equal ones included: an
+  undeformed or hydrostatic point is the commonest point there is, and formulas that divide by differences of principal
+  values fail there.
 
   Functions that both dimensions use stand here, the rest in isotropic_plane.h and isotropic_solid.h.
 */
@@ -23,8 +24,8 @@ MPM_FN void IsotropicArtanhSeries(int terms, double s, double *g, double *dg)
 }
 
 /*
-  g(s) = artanh(sqrt s)/sqrt s and g'(s) for 0 <= s < 1; `complement` is 1 - s, which the caller has without cancellation. The derivative's
-  closed form cancels at small s.
+  g(s) = artanh(sqrt s)/sqrt s and g'(s) for 0 <= s < 1; `complement` is 1 - s, which the caller has without
+  cancellation. The derivative's closed form cancels at small s.
 */
 MPM_FN void IsotropicArtanh(double s, double complement, double *g, double *dg)
 {

@@ -2,7 +2,8 @@
 /*
   Isotropic functions in plane strain, without principal directions. Included by isotropic.h.
 
-  With m half the in-plane trace, D the in-plane deviator, r = |D| (a principal value is m +- r) and s = (r/m)^2, in the plane
+  With m half the in-plane trace, D the in-plane deviator, r = |D| (a principal value is m +- r) and s = (r/m)^2, in
+  the plane
 
     ln A  = (1/2) ln(m^2 - r^2) I + (g(s)/m) D,     g(s) = artanh(sqrt s)/sqrt s
     exp A = e^m (cosh r I + (sinh r / r) D)
@@ -101,9 +102,11 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
 }
 
 /*
-  TensorStretchDiagonal - diagonal of the right stretch U = (F^T F)^1/2 of a plain F, row-major, for the update of particle domains
+  TensorStretchDiagonal - diagonal of the right stretch U = (F^T F)^1/2 of a plain F, row-major, for the update of
+  particle domains
 
-  Source: Charlton, Coombs and Augarde (2017), doi:10.1016/j.compstruc.2017.05.004. Non-zero when det F is 0 or F is not finite.
+  Source: Charlton, Coombs and Augarde (2017), doi:10.1016/j.compstruc.2017.05.004. Non-zero when det F is 0 or F is
+  not finite.
 */
 MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
 {

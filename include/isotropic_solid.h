@@ -2,11 +2,11 @@
 /*
   Isotropic functions in 3D. Included by isotropic.h.
 
-  Logarithm and exponential of a tensor whose principal values are close to each other, as elastic strains make them, are power series of the
-  deviator: no principal directions, and nothing that could be singular.
+  Logarithm and exponential of a tensor whose principal values are close to each other, as elastic strains make them,
+  are power series of the deviator: no principal directions, and nothing that could be singular.
 
-  Otherwise A = sum_a w_a n_a n_a by cyclic Jacobi rotations of the values. The derivative in a direction H is, by the theorem of Daleckii and
-  Krein (Bhatia 1997, Matrix Analysis, section V.3, doi:10.1007/978-1-4612-0653-8),
+  Otherwise A = sum_a w_a n_a n_a by cyclic Jacobi rotations of the values. The derivative in a direction H is, by the
+  theorem of Daleckii and Krein (Bhatia 1997, Matrix Analysis, section V.3, doi:10.1007/978-1-4612-0653-8),
 
     sum_ab gamma_ab (n_a . H n_b) n_a n_b,   gamma_aa = f'(w_a),   gamma_ab = (f(w_a) - f(w_b))/(w_a - w_b),
 
@@ -18,7 +18,8 @@
 
 /* ---- nearly isotropic tensors: series ---- */
 
-/* |dev A| up to which (relative to the mean principal value in a logarithm) the series is used, and up to which half its terms do. */
+/* |dev A| up to which (relative to the mean principal value in a logarithm) the series is used, and up to which half
+   its terms do. */
 #define ISOTROPIC_SERIES_RANGE 0.14
 #define ISOTROPIC_SERIES_CLOSE 0.014
 
@@ -28,14 +29,14 @@ typedef struct {
 } IsotropicCoefficients;
 
 /*
-  sum_k a[k] X^k over k = 1..terms for a deviatoric X with J2 = X:X/2, J3 = det X is c0 I + c1 X + c2 X^2. By the theorem of Cayley and Hamilton
-  X^3 = J2 X + J3 I, so X^k = J3 g_{k-1} I + g_{k+1} X + g_k X^2 with g_{k+2} = J2 g_k + J3 g_{k-1}, g_1 = 0, g_2 = 1. Of the derivatives of g_k,
-  p_k by J2 and q_k by J3, the latter is p_{k-1}.
+  sum_k a[k] X^k over k = 1..terms for a deviatoric X with J2 = X:X/2, J3 = det X is c0 I + c1 X + c2 X^2. By the
+  theorem of Cayley and Hamilton X^3 = J2 X + J3 I, so X^k = J3 g_{k-1} I + g_{k+1} X + g_k X^2 with g_{k+2} = J2 g_k +
+  J3 g_{k-1}, g_1 = 0, g_2 = 1. Of the derivatives of g_k, p_k by J2 and q_k by J3, the latter is p_{k-1}.
 */
 MPM_FN IsotropicCoefficients IsotropicSeries(const double *a, int terms, double J2, double J3)
 {
-  double g[4] = {0., 0., 0., 1.}, p[4] = {0., 0., 0., 0.}; /* of k - 2, k - 1, k, k + 1 */
-  double G[3] = {0., 0., 0.}, P[4] = {0., 0., 0., 0.};     /* sums of a_k g_{k-1}.. and a_k p_{k-2}.. */
+  double                g[4] = {0., 0., 0., 1.}, p[4] = {0., 0., 0., 0.}; /* of k - 2, k - 1, k, k + 1 */
+  double                G[3] = {0., 0., 0.}, P[4] = {0., 0., 0., 0.};     /* sums of a_k g_{k-1}.. and a_k p_{k-2}.. */
   IsotropicCoefficients of;
 
   for (int k = 1; k <= terms; ++k) {
@@ -89,8 +90,8 @@ MPM_FN void IsotropicAddAnticommutator(double factor, const double X[6], double 
 }
 
 /*
-  value = sum_k a[k] X^k, k = 1..19, for a deviatoric X of which |X| is known, and, where derivatives are wanted, M: its derivative by X in
-  deviatoric directions
+  value = sum_k a[k] X^k, k = 1..19, for a deviatoric X of which |X| is known, and, where derivatives are wanted, M:
+  its derivative by X in deviatoric directions
 */
 MPM_FN void IsotropicPolynomial(const double a[20], const double X[6], double norm, double value[6], double M[6][6])
 {
@@ -112,16 +113,18 @@ MPM_FN void IsotropicPolynomial(const double a[20], const double X[6], double no
 }
 
 /*
-  From derivatives by X = dev A/s in deviatoric directions, times `factor`, to derivatives by A, s being a constant (slope 0) or the mean
-  principal value m (slope 1); `mean` is what dm adds to each component
+  From derivatives by X = dev A/s in deviatoric directions, times `factor`, to derivatives by A, s being a constant
+  (slope 0) or the mean principal value m (slope 1); `mean` is what dm adds to each component
 */
-MPM_FN void IsotropicByTensor(const double X[6], double factor, double s, double slope, const double mean[6], double M[6][6])
+MPM_FN void IsotropicByTensor(const double X[6], double factor, double s, double slope, const double mean[6],
+                              double M[6][6])
 {
   for (int i = 0; i < 6 && MPM_DIRECTIONS > 0; ++i) {
     double along = 0.;
 
     for (int j = 0; j < 6; ++j) along += M[i][j] * ((j < 3 ? 1. : 0.) + slope * X[j]);
-    for (int j = 0; j < 6; ++j) M[i][j] = factor / s * (M[i][j] - (j < 3 ? along / 3. : 0.)) + (j < 3 ? mean[i] / 3. : 0.);
+    for (int j = 0; j < 6; ++j)
+      M[i][j] = factor / s * (M[i][j] - (j < 3 ? along / 3. : 0.)) + (j < 3 ? mean[i] / 3. : 0.);
   }
 }
 
@@ -140,8 +143,9 @@ MPM_FN Sym IsotropicApply(const double values[6], double M[6][6], const Sym *A)
 /* ln A = ln m I + ln(I + X), X = dev A/m, m = tr A/3 */
 MPM_FN void IsotropicLogSeries(const Sym *A, const double values[6], double m, double norm, Sym *result)
 {
-  const double a[20] = {0., 1., -1. / 2., 1. / 3., -1. / 4., 1. / 5., -1. / 6., 1. / 7., -1. / 8., 1. / 9., -1. / 10.,
-    1. / 11., -1. / 12., 1. / 13., -1. / 14., 1. / 15., -1. / 16., 1. / 17., -1. / 18., 1. / 19.};
+  const double a[20]   = {0.,        1.,       -1. / 2.,  1. / 3.,   -1. / 4.,  1. / 5.,   -1. / 6.,
+                          1. / 7.,   -1. / 8., 1. / 9.,   -1. / 10., 1. / 11.,  -1. / 12., 1. / 13.,
+                          -1. / 14., 1. / 15., -1. / 16., 1. / 17.,  -1. / 18., 1. / 19.};
   const double mean[6] = {1. / m, 1. / m, 1. / m, 0., 0., 0.}, logarithm = log(m);
   double       X[6], value[6], M[6][6];
 
@@ -170,7 +174,7 @@ MPM_FN void IsotropicExpSeries(const Sym *A, const double values[6], double m, d
 /* Values of the mean principal value and of |dev A| */
 MPM_FN void IsotropicSplitValues(const double A[6], double *mean, double *norm)
 {
-  const double m = (A[0] + A[1] + A[2]) / 3.;
+  const double m      = (A[0] + A[1] + A[2]) / 3.;
   double       square = 2. * (A[3] * A[3] + A[4] * A[4] + A[5] * A[5]);
 
   for (int i = 0; i < 3; ++i) square += (A[i] - m) * (A[i] - m);
@@ -180,13 +184,15 @@ MPM_FN void IsotropicSplitValues(const double A[6], double *mean, double *norm)
 
 /* ---- any tensor: principal values and directions ---- */
 
-/* A = sum_a w[a] n_a n_a with n_a in column a of Q (row-major); `rotated` is 0 where A is diagonal and Q the identity. */
+/* A = sum_a w[a] n_a n_a with n_a in column a of Q (row-major); `rotated` is 0 where A is diagonal and Q the identity.
+   */
 typedef struct {
   double w[3], Q[9];
   int    rotated;
 } IsotropicFrame;
 
-/* One Jacobi rotation that makes component k of A, which couples p and q, vanish; kp and kq couple p and q to the third axis. */
+/* One Jacobi rotation that makes component k of A, which couples p and q, vanish; kp and kq couple p and q to the
+   third axis. */
 MPM_FN void IsotropicRotate(double A[6], double Q[9], int p, int q, int k, int kp, int kq)
 {
   const double off = A[k], gap = A[q] - A[p], root = sqrt(gap * gap + 4. * off * off);
@@ -206,7 +212,8 @@ MPM_FN void IsotropicRotate(double A[6], double Q[9], int p, int q, int k, int k
   }
 }
 
-/* An off-diagonal entry this small changes neither its two principal values nor, beyond rounding, their directions' contribution. */
+/* An off-diagonal entry this small changes neither its two principal values nor, beyond rounding, their directions'
+   contribution. */
 MPM_FN int IsotropicNegligible(double off, double ap, double aq)
 {
   return off * off <= 1e-33 * fabs(ap * aq);
@@ -241,10 +248,11 @@ MPM_FN int IsotropicFrameCreate(const double values[6], IsotropicFrame *frame)
 }
 
 /*
-  gamma in the order of a Sym: aa, bb, cc, ab, bc, ac. The result's values are sum_a f[a] n_a n_a, and its derivatives those of A under the
-  operator in the head of this file.
+  gamma in the order of a Sym: aa, bb, cc, ab, bc, ac. The result's values are sum_a f[a] n_a n_a, and its derivatives
+  those of A under the operator in the head of this file.
 */
-MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6], Sym *result)
+MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6],
+                              Sym *result)
 {
   double basis[6][6], M[6][6], values[6]; /* basis[ab]: the symmetric part of n_a n_b */
 
@@ -283,10 +291,13 @@ MPM_FN void IsotropicAssembleDiagonal(const Sym *A, const double f[3], const dou
   *result = c;
 }
 
-MPM_FN void IsotropicJoin(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6], Sym *result)
+MPM_FN void IsotropicJoin(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6],
+                          Sym *result)
 {
-  if (frame->rotated) IsotropicAssemble(A, frame, f, gamma, result);
-  else IsotropicAssembleDiagonal(A, f, gamma, result);
+  if (frame->rotated)
+    IsotropicAssemble(A, frame, f, gamma, result);
+  else
+    IsotropicAssembleDiagonal(A, f, gamma, result);
 }
 
 /* ln A; non-zero when A is not positive definite or not finite */
@@ -362,9 +373,11 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
 }
 
 /*
-  TensorStretchDiagonal - diagonal of the right stretch U = (F^T F)^1/2 of a plain F, row-major, for the update of particle domains
+  TensorStretchDiagonal - diagonal of the right stretch U = (F^T F)^1/2 of a plain F, row-major, for the update of
+  particle domains
 
-  Source: Charlton, Coombs and Augarde (2017), doi:10.1016/j.compstruc.2017.05.004. Non-zero when det F is 0 or F is not finite.
+  Source: Charlton, Coombs and Augarde (2017), doi:10.1016/j.compstruc.2017.05.004. Non-zero when det F is 0 or F is
+  not finite.
 */
 MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
 {
@@ -380,9 +393,7 @@ MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
   if (TensorArrayDet(F) == 0. || IsotropicFrameCreate(C, &frame)) return 1;
   for (int i = 0; i < 3; ++i) {
     diagonal[i] = 0.;
-    for (int a = 0; a < 3; ++a) {
-      diagonal[i] += sqrt(fmax(frame.w[a], 0.)) * frame.Q[3 * i + a] * frame.Q[3 * i + a];
-    }
+    for (int a = 0; a < 3; ++a) { diagonal[i] += sqrt(fmax(frame.w[a], 0.)) * frame.Q[3 * i + a] * frame.Q[3 * i + a]; }
   }
   return 0;
 }

@@ -2,13 +2,13 @@
 /*
   Small tensors of Scalars, so that a kernel reads like its equations.
 
-  Tensor  MPM_DIM x MPM_DIM, row-major. In plane strain (MPM_DIM 2) the in-plane block of a tensor whose zz component is 1 and whose other
-          out-of-plane components are 0, as a deformation gradient is.
-  Sym     symmetric 3 x 3 tensor: xx, yy, zz, xy in plane strain, xx, yy, zz, xy, yz, xz in 3D (MPM_SYM components, off-diagonal ones
-          stored once). Traces, deviators and norms are always those of the 3 x 3 tensor.
+  Tensor  MPM_DIM x MPM_DIM, row-major. In plane strain (MPM_DIM 2) the in-plane block of a tensor whose zz component
+          is 1 and whose other out-of-plane components are 0, as a deformation gradient is.
+  Sym     symmetric 3 x 3 tensor: xx, yy, zz, xy in plane strain, xx, yy, zz, xy, yz, xz in 3D (MPM_SYM components,
+          off-diagonal ones stored once). Traces, deviators and norms are always those of the 3 x 3 tensor.
 
-  Arguments are passed by address, results come back by value; only what can fail returns a status and writes its result through a
-  pointer. No function here allocates, branches on anything but values, or depends on PETSc.
+  Arguments are passed by address, results come back by value; only what can fail returns a status and writes its
+  result through a pointer. No function here allocates, branches on anything but values, or depends on PETSc.
 */
 #include "dual.h"
 
@@ -51,7 +51,8 @@ MPM_FN Tensor TensorFromArray(const double *values)
   return c;
 }
 
-/* I + gradient, row-major: the increment dF of the deformation gradient from the gradient of the displacement increment */
+/* I + gradient, row-major: the increment dF of the deformation gradient from the gradient of the displacement
+   increment */
 MPM_FN Tensor TensorFromGradient(const Scalar *gradient)
 {
   Tensor c;
@@ -300,7 +301,8 @@ MPM_FN double SymNormValue(const Sym *A)
   return sqrt(sum);
 }
 
-/* sqrt(A : A). The norm has no derivative at A = 0, where the derivative 0 is returned: the centre of the subdifferential. */
+/* sqrt(A : A). The norm has no derivative at A = 0, where the derivative 0 is returned: the centre of the
+   subdifferential. */
 MPM_FN Scalar SymNorm(const Sym *A)
 {
   const Scalar square = SymDot(A, A);
@@ -362,8 +364,8 @@ MPM_FN Sym SymPush(const Tensor *F, const double *b)
 }
 
 /*
-  SymTimesInverseTranspose - tau F^{-T}, in-plane block, which turns a Kirchhoff stress into the first Piola-Kirchhoff stress relative to the
-  configuration that F starts from. det F must not be 0; `det` is NULL or takes det F.
+  SymTimesInverseTranspose - tau F^{-T}, in-plane block, which turns a Kirchhoff stress into the first Piola-Kirchhoff
+  stress relative to the configuration that F starts from. det F must not be 0; `det` is NULL or takes det F.
 */
 MPM_FN Tensor SymTimesInverseTranspose(const Sym *tau, const Tensor *F, Scalar *det)
 {

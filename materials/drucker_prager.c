@@ -1,5 +1,6 @@
 /*
-  Drucker-Prager plasticity: Hencky elasticity, a cone in stress space with its apex, optional correction for volume gained at the apex
+  Drucker-Prager plasticity: Hencky elasticity, a cone in stress space with its apex, optional correction for volume
+  gained at the apex
 
     b_trial = dF b_n dF^T,   e = (1/2) ln b + (v_n/3) I,   tau = lambda tr(e) I + 2 mu e
     f = sqrt(J2(tau)) + eta p - xi c <= 0,   p = tr(tau)/3, tension positive
@@ -9,39 +10,46 @@
   b    elastic left Cauchy-Green tensor (history)
   v    volume correction (history)
 
-  eta and xi follow from the friction angle phi by fitting the Mohr-Coulomb surface, eta_bar from the dilation angle as eta from phi:
+  eta and xi follow from the friction angle phi by fitting the Mohr-Coulomb surface, eta_bar from the dilation angle as
+  eta from phi:
 
-    compression   meets it in triaxial compression:  eta = 6 sin phi/(sqrt(3) (3 - sin phi)), xi = 6 cos phi/(sqrt(3) (3 - sin phi))
+    compression   meets it in triaxial compression:  eta = 6 sin phi/(sqrt(3) (3 - sin phi)), xi = 6 cos phi/(sqrt(3)
+                  (3 - sin phi))
     extension     meets it in triaxial extension:    the same with 3 + sin phi
-    plane_strain  same collapse load in plane strain (associated flow):  eta = 3 tan phi/sqrt(9 + 12 tan^2 phi), xi = 3/sqrt(9 + 12 tan^2 phi)
+    plane_strain  same collapse load in plane strain (associated flow):  eta = 3 tan phi/sqrt(9 + 12 tan^2 phi), xi =
+                  3/sqrt(9 + 12 tan^2 phi)
 
-  Return to the cone:  dg = f_trial/(mu + K eta eta_bar),  sqrt(J2) -= mu dg,  p -= K eta_bar dg. Where that would make sqrt(J2) negative, return to
-  the apex: dev tau = 0, p = xi c/eta. At the apex the point has no stiffness: the derivative of its stress is zero.
+  Return to the cone:  dg = f_trial/(mu + K eta eta_bar),  sqrt(J2) -= mu dg,  p -= K eta_bar dg. Where that would make
+  sqrt(J2) negative, return to the apex: dev tau = 0, p = xi c/eta. At the apex the point has no stiffness: the
+  derivative of its stress is zero.
 
-  A point pulled apart at the apex loses volumetric strain and would, on the way back, resist before the gap has closed. Following Tampubolon et al.
-  (2017), v accumulates the volumetric logarithmic strain lost there and is added back to the trial strain (a third to each normal
-  component, in plane strain too). Once the point leaves the apex its elastic strain holds the correction, and v returns to 0.
+  A point pulled apart at the apex loses volumetric strain and would, on the way back, resist before the gap has
+  closed. Following Tampubolon et al. (2017), v accumulates the volumetric logarithmic strain lost there and is added
+  back to the trial strain (a third to each normal component, in plane strain too). Once the point leaves the apex its
+  elastic strain holds the correction, and v returns to 0.
 
   The tangent is not symmetric unless dilation = friction.
 
-  Source: de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, sections 6.4 and 8.3; Tampubolon et al. (2017),
-  doi:10.1145/3072959.3073651; Klar et al. (2016), doi:10.1145/2897824.2925906.
+  Source: de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, sections 6.4 and 8.3; Tampubolon et al.
+  (2017), doi:10.1145/3072959.3073651; Klar et al. (2016), doi:10.1145/2897824.2925906.
 */
 #include "elasticity.h"
 
 enum { COHESION = ELASTIC_COUNT, FRICTION, DILATION, FIT, VOLUME_CORRECTION };
 
-static const MpmParameter parameters[] = {ELASTIC_PARAMETERS,
+static const MpmParameter parameters[] = {
+  ELASTIC_PARAMETERS,
   {"cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL},
   {"friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL},
   {"dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL},
   {"fit", "", 0., 0, 0., 2., 0, "where the cone meets Mohr-Coulomb", "compression|extension|plane_strain"},
-  {"volume_correction", "", 1., 0, 0., 1., 0, "return volume gained at the apex before compression meets resistance", "off|on"}};
+  {"volume_correction", "", 1., 0, 0., 1., 0, "return volume gained at the apex before compression meets resistance",
+   "off|on"}};
 
 enum { STATE_B = 0, STATE_V = MPM_SYM };
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
-  {"volume_correction", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"volume_correction", MPM_STATE_SCALAR, 0., "-"}};
 
 /* Slope eta and cohesion factor xi of the cone for an angle in degrees and a value of `fit` */
 typedef struct {
@@ -65,7 +73,8 @@ MPM_FN Cone ConeFromAngle(double degrees, double fit)
   return cone;
 }
 
-/* The yield condition in elastic strains, |dev e| + slope tr(e) - size <= 0, and tr(e) gained per |dev e| lost in plastic flow */
+/* The yield condition in elastic strains, |dev e| + slope tr(e) - size <= 0, and tr(e) gained per |dev e| lost in
+   plastic flow */
 typedef struct {
   double slope; /* sqrt(2) eta K/(2 mu) */
   double size;  /* sqrt(2) xi c/(2 mu) */
@@ -90,10 +99,10 @@ typedef enum { ELASTIC, ON_CONE, AT_APEX } Regime;
 /* Takes a trial strain to the yield surface if it is outside. */
 MPM_FN Regime ReturnMap(const StrainCone *cone, Sym *e)
 {
-  const Sym    dev    = SymDev(e);
-  const Scalar trace  = SymTrace(e);
-  const double norm   = SymNormValue(&dev);
-  const double excess = norm + cone->slope * ScalarValue(trace) - cone->size;
+  const Sym    dev         = SymDev(e);
+  const Scalar trace       = SymTrace(e);
+  const double norm        = SymNormValue(&dev);
+  const double excess      = norm + cone->slope * ScalarValue(trace) - cone->size;
   const double denominator = 1. + cone->slope * cone->flow;
 
   if (!(excess > ELASTIC_STRAIN_NOISE)) return ELASTIC;
@@ -146,5 +155,5 @@ static int MpmMaterialCheck_drucker_prager(const double *parameter, const char *
   return 0;
 }
 
-MPM_LAW(drucker_prager, 0, "Drucker-Prager plasticity with cohesion, dilation and volume correction", parameters, states,
-  MpmMaterialCheck_drucker_prager, ElasticStiffness, MpmMaterialEvaluate_drucker_prager)
+MPM_LAW(drucker_prager, 0, "Drucker-Prager plasticity with cohesion, dilation and volume correction", parameters,
+        states, MpmMaterialCheck_drucker_prager, ElasticStiffness, MpmMaterialEvaluate_drucker_prager)

@@ -6,18 +6,18 @@
   tau  Kirchhoff stress J sigma, tension positive, Pa
   F    deformation gradient, dx/dX
 
-  Derives from the potential (lambda/2) tr(e)^2 + mu e:e. Plane strain keeps tau_zz = lambda tr(e). Fits metals and soils, whose elastic
-  strains are moderate; the stress in simple shear reaches a maximum at a shear of about 3.
+  Derives from the potential (lambda/2) tr(e)^2 + mu e:e. Plane strain keeps tau_zz = lambda tr(e). Fits metals and
+  soils, whose elastic strains are moderate; the stress in simple shear reaches a maximum at a shear of about 3.
 
   Source: Hencky (1928), Zeitschrift fuer technische Physik 9, 215-220; Anand (1979), doi:10.1115/1.3424532.
 */
 #include "elasticity.h"
 
-static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
+static const MpmParameter     parameters[] = {ELASTIC_PARAMETERS};
 
 static const MpmStateVariable states[] = MPM_NO_STATE;
 
-MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+MPM_FN int                    MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Tensor F = TensorMulArray(dF, point->F_n);
   const Sym    b = SymLeftCauchyGreen(&F);
@@ -28,5 +28,5 @@ MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF
   return 0;
 }
 
-MPM_LAW(hencky, MPM_LAW_SYMMETRIC, "large-strain elasticity, linear in the logarithmic strain", parameters, states, NULL,
-  ElasticStiffness, MpmMaterialEvaluate_hencky)
+MPM_LAW(hencky, MPM_LAW_SYMMETRIC, "large-strain elasticity, linear in the logarithmic strain", parameters, states,
+        NULL, ElasticStiffness, MpmMaterialEvaluate_hencky)

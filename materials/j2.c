@@ -9,35 +9,38 @@
   b      elastic left Cauchy-Green tensor (history)
   alpha  equivalent plastic strain (history)
 
-  Exponential integration of the flow keeps the return map that of small strain, in logarithmic strains, and plastic flow isochoric. Linear hardening makes it
-  explicit:
+  Exponential integration of the flow keeps the return map that of small strain, in logarithmic strains, and plastic
+  flow isochoric. Linear hardening makes it explicit:
 
     dg = (|dev tau_trial| - R)/(2 mu + 2 hardening/3),   R = sqrt(2/3) (yield_stress + hardening alpha_n),   e -= dg n
 
   The step's stress derives from a potential (its tangent is symmetric).
 
-  Source: Simo (1992), doi:10.1016/0045-7825(92)90123-2; de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, sections 7.3 and 14.4.
+  Source: Simo (1992), doi:10.1016/0045-7825(92)90123-2; de Souza Neto, Peric and Owen (2008),
+  doi:10.1002/9780470694626, sections 7.3 and 14.4.
 */
 #include "elasticity.h"
 
 enum { YIELD_STRESS = ELASTIC_COUNT, HARDENING };
 
-static const MpmParameter parameters[] = {ELASTIC_PARAMETERS,
-  {"yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "initial uniaxial yield stress, bound on sqrt(3 J2) of the Kirchhoff stress", NULL},
+static const MpmParameter parameters[] = {
+  ELASTIC_PARAMETERS,
+  {"yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1,
+   "initial uniaxial yield stress, bound on sqrt(3 J2) of the Kirchhoff stress", NULL},
   {"hardening", "Pa", 0., 0, 0., HUGE_VAL, 0, "growth of the yield stress per equivalent plastic strain", NULL}};
 
 enum { STATE_B = 0, STATE_ALPHA = MPM_SYM };
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
-  {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
 
-MPM_FN int MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+MPM_FN int                    MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Lame   lame      = LameFromParameters(point->parameter);
   const double hardening = point->parameter[HARDENING], alpha_n = point->state_n[STATE_ALPHA];
-  const double radius    = sqrt(2. / 3.) * (point->parameter[YIELD_STRESS] + hardening * alpha_n) / (2. * lame.mu);
-  Sym          b         = SymPush(dF, &point->state_n[STATE_B]);
-  double       alpha     = alpha_n;
+  const double radius = sqrt(2. / 3.) * (point->parameter[YIELD_STRESS] + hardening * alpha_n) / (2. * lame.mu);
+  Sym          b      = SymPush(dF, &point->state_n[STATE_B]);
+  double       alpha  = alpha_n;
   Sym          e, dev;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
@@ -58,5 +61,5 @@ MPM_FN int MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sy
   return 0;
 }
 
-MPM_LAW(j2, MPM_LAW_SYMMETRIC, "von Mises plasticity with linear isotropic hardening", parameters, states, NULL, ElasticStiffness,
-  MpmMaterialEvaluate_j2)
+MPM_LAW(j2, MPM_LAW_SYMMETRIC, "von Mises plasticity with linear isotropic hardening", parameters, states, NULL,
+        ElasticStiffness, MpmMaterialEvaluate_j2)

@@ -12,19 +12,20 @@
 */
 #include "elasticity.h" /* brings mpmkernel.h, and with it tensor.h and dual.h */
 
-/* The options -mpm_material_<name>_<parameter>, in the order in which the kernel finds the numbers in point->parameter. Every law has
-   `density`. ELASTIC_PARAMETERS is density, E, nu; further rows look like
-   {"yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "what it is", NULL}: name, unit, default, required, range, open range, help, choices. */
+/* The options -mpm_material_<name>_<parameter>, in the order in which the kernel finds the numbers in
+   point->parameter. Every law has `density`. ELASTIC_PARAMETERS is density, E, nu; further rows look like
+   {"yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "what it is", NULL}: name, unit, default, required, range, open
+   range, help, choices. */
 static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 
-/* What the law remembers of a point, in the order in which the kernel finds it in point->state_n. A law with history has rows such as
-   {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"} instead. */
+/* What the law remembers of a point, in the order in which the kernel finds it in point->state_n. A law with history
+   has rows such as {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"} instead. */
 static const MpmStateVariable states[] = MPM_NO_STATE;
 
 /*
-  The law, written once. Scalar is a double or a dual number that carries derivatives, so all that depends on dF goes through Scalar...(),
-  Tensor...() and Sym...() functions, and the tangent follows of itself. Branches test ScalarValue(). A law with history reads
-  point->state_n and writes point->state, if that is not NULL.
+  The law, written once. Scalar is a double or a dual number that carries derivatives, so all that depends on dF goes
+  through Scalar...(), Tensor...() and Sym...() functions, and the tangent follows of itself. Branches test
+  ScalarValue(). A law with history reads point->state_n and writes point->state, if that is not NULL.
 */
 MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
@@ -37,7 +38,7 @@ MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Te
   return 0;
 }
 
-/* Name (that of this file, and the option's value), traits, one line for -help, tables, check of parameters against each other (NULL: none),
-   modulus that scales tolerances, kernel. */
-MPM_LAW(linear_elastic, MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN, "linear elasticity at small strain", parameters, states, NULL,
-  ElasticStiffness, MpmMaterialEvaluate_linear_elastic)
+/* Name (that of this file, and the option's value), traits, one line for -help, tables, check of parameters against
+   each other (NULL: none), modulus that scales tolerances, kernel. */
+MPM_LAW(linear_elastic, MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN, "linear elasticity at small strain", parameters,
+        states, NULL, ElasticStiffness, MpmMaterialEvaluate_linear_elastic)

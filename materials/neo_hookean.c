@@ -6,17 +6,19 @@
   tau  Kirchhoff stress J sigma, tension positive, Pa
   b    F F^T, J = det F, I1 = tr b; in plane strain b_zz = 1
 
-  Derives from the potential psi (per initial volume). For rubber-like solids; grows without bound both in tension and in compression.
+  Derives from the potential psi (per initial volume). For rubber-like solids; grows without bound both in tension and
+  in compression.
 
-  Source: Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8; Bonet and Wood (2008), doi:10.1017/CBO9780511755446, section 6.4.3.
+  Source: Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8; Bonet and Wood (2008),
+  doi:10.1017/CBO9780511755446, section 6.4.3.
 */
 #include "elasticity.h"
 
-static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
+static const MpmParameter     parameters[] = {ELASTIC_PARAMETERS};
 
 static const MpmStateVariable states[] = MPM_NO_STATE;
 
-MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+MPM_FN int                    MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Lame   lame     = LameFromParameters(point->parameter);
   const Tensor F        = TensorMulArray(dF, point->F_n);
@@ -29,5 +31,5 @@ MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tenso
   return 0;
 }
 
-MPM_LAW(neo_hookean, MPM_LAW_SYMMETRIC, "compressible neo-Hookean elasticity", parameters, states, NULL, ElasticStiffness,
-  MpmMaterialEvaluate_neo_hookean)
+MPM_LAW(neo_hookean, MPM_LAW_SYMMETRIC, "compressible neo-Hookean elasticity", parameters, states, NULL,
+        ElasticStiffness, MpmMaterialEvaluate_neo_hookean)

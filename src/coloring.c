@@ -8,7 +8,7 @@
   With one node a colour the same code is the dense, column-by-column differentiation; with differences of the plain kernel in
   place of duals it is the finite-difference Jacobian. Both are for tests and benchmarks.
 */
-#include "mpmimpl.h"
+#include "sum.h"
 
 /* Central differences: the step that balances truncation and rounding for inputs of order one. */
 #define FD_STEP 6e-6
@@ -18,9 +18,8 @@ typedef struct {
   PetscBool     differences, dense;
   PetscBool     values;
   PetscInt      side;  /* nodes of one colour are this far apart */
-  PetscReal    *nodal; /* values of a group's nodes */
   PetscReal    *y;     /* one column of every window, by rows */
-  MpmBasis      basis;
+  MpmWorkspace  work;
 } Seeds;
 
 /* Derivative of the flux along dinput, by duals or by central differences. */
@@ -60,19 +59,20 @@ static PetscErrorCode AddColumn(Seeds *seeds, const MpmGroup *group, const Petsc
 {
   const MpmSum    *sum    = seeds->sum;
   const MpmLayout *layout = sum->layout;
+  const MpmKnown   known = {layout->dim, layout->block, layout->inputs, PETSC_FALSE};
   const PetscInt   n = group->node_count, bs = layout->block;
   const PetscInt  *nodes = &sum->space->group_nodes[group->node_offset];
 
   PetscFunctionBeginUser;
-  MpmSumGather(sum, group, u, seeds->nodal);
+  MpmSumGather(n, known, sum, group, u, seeds->work.values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     MpmKernelPoint point;
     PetscReal      input[MPM_MAX_INPUTS], dinput[MPM_MAX_INPUTS], dflux[MPM_MAX_INPUTS];
 
-    MpmSpaceEvaluate(sum->space, sum->space->order[s], seeds->values, &seeds->basis);
-    MpmSumInputs(sum, n, seeds->nodal, &seeds->basis, input);
+    MpmSumBasis(layout->dim, sum->space, group->count, sum->space->order[s], seeds->values, &seeds->work.basis);
+    MpmSumInputs(n, known, layout, seeds->work.values, &seeds->work.basis, input);
     for (PetscInt k = 0; k < layout->inputs; k++) {
-      dinput[k] = j >= 0 && layout->component_of[k] == c ? seeds->basis.basis[layout->basis_of[k]][j] : 0.;
+      dinput[k] = j >= 0 && layout->component_of[k] == c ? seeds->work.basis.basis[layout->basis_of[k]][j] : 0.;
     }
     MpmSumPoint(sum, sum->space->order[s], &point);
     if (Direction(seeds, &point, input, dinput, dflux)) {
@@ -80,7 +80,7 @@ static PetscErrorCode AddColumn(Seeds *seeds, const MpmGroup *group, const Petsc
       continue;
     }
     for (PetscInt k = 0; k < layout->inputs; k++) {
-      const PetscReal *phi = seeds->basis.basis[layout->basis_of[k]];
+      const PetscReal *phi = seeds->work.basis.basis[layout->basis_of[k]];
 
       for (PetscInt i = 0; i < n; i++) seeds->y[nodes[i] * bs + layout->component_of[k]] += phi[i] * dflux[k];
     }
@@ -155,7 +155,7 @@ static PetscErrorCode ColorBox(const MpmSum *sum, const MpmPattern *pattern, Pet
 PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern, PetscInt *failed)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->layout->block;
+  const PetscInt  bs    = sum->layout->block;
   Seeds           seeds = {.sum = sum, .differences = (PetscBool)(type == MPM_JACOBIAN_FD), .dense = (PetscBool)(type == MPM_JACOBIAN_DENSE)};
   PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], color[MPM_MAX_DIM];
 
@@ -164,8 +164,7 @@ PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, cons
   seeds.values = MpmLayoutUsesValues(sum->layout);
   PetscCall(ColorBox(sum, pattern, seeds.dense, lower, upper, &seeds.side));
   PetscCall(PetscArrayzero(pattern->value, pattern->row[pattern->local] * bs * bs));
-  PetscCall(PetscMalloc1((most * (bs + MPM_MAX_DIM + 1)), &seeds.nodal));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) seeds.basis.basis[b] = seeds.nodal + most * (bs + b);
+  PetscCall(MpmWorkspaceCreate(sum, &seeds.work));
   PetscCall(PetscCalloc1((pattern->local * bs), &seeds.y));
   for (color[2] = lower[2]; color[2] < upper[2]; color[2]++) {
     for (color[1] = lower[1]; color[1] < upper[1]; color[1]++) {
@@ -183,7 +182,7 @@ PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, cons
       }
     }
   }
-  PetscCall(PetscFree(seeds.nodal));
+  PetscCall(PetscFree(seeds.work.storage));
   PetscCall(PetscFree(seeds.y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

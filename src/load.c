@@ -291,7 +291,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *
 
       if (amount == 0.) continue;
       if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, grid, shape, space, points, stretch, p, group, basis.basis[0]));
-      else MpmSpaceEvaluate(space, p, PETSC_TRUE, &basis);
+      else MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
         for (PetscInt a = 0; a < dim; a++) force[nodes[i] * block + a] += amount * basis.basis[0][i] * load->value[a];
     }

@@ -68,6 +68,7 @@ typedef struct {
   PetscInt            rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
   PetscBool           increment[MPM_MAX_BLOCK];
   const char         *component_name[MPM_MAX_BLOCK];
+  PetscBool           solid; /* the displacement's gradient is all that the kernel sees */
   const MpmKernelSet *kernel;
 } MpmLayout;
 
@@ -187,7 +188,7 @@ PetscErrorCode MpmListsDestroy(MpmLists *lists);
 typedef struct {
   PetscReal *basis[MPM_MAX_DIM + 1];
 } MpmBasis;
-void MpmSpaceEvaluate(const MpmSpace *space, PetscInt point, PetscBool with_weight, MpmBasis *basis);
+void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
 
 /* ------------------------------------------------------------------------------------------------------------- condition.c */
 
@@ -268,12 +269,8 @@ typedef struct {
   PetscReal             dt;
 } MpmSum;
 
-/* The parts of a sum over points: nodal values of a group by component (values[c*n + i]), kernel inputs, and the kernel's view of a point. */
+/* Do any of the kernel's inputs need the weights, not only their derivatives? */
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
-void      MpmSumGather(const MpmSum *sum, const MpmGroup *group, const PetscReal u[], PetscReal values[]);
-void      MpmSumInputs(const MpmSum *sum, PetscInt n, const PetscReal values[], const MpmBasis *basis, PetscReal input[]);
-void      MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point);
-
 /* Local residual += sum over points of phi flux(u). `failed` counts points without an answer on this rank. */
 PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
 /* Like it, and writes history, F, stress, positions and rate values of the converged step. */

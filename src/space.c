@@ -4,7 +4,7 @@
   Grouping is what makes assembly cheap: nodal values are gathered, and element blocks scattered, once a group instead of once a point,
   and no point pays for more nodes than it touches.
 */
-#include "mpmimpl.h"
+#include "sum.h"
 
 PetscErrorCode MpmSpaceReset(MpmSpace *space)
 {
@@ -201,33 +201,7 @@ PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmSpaceEvaluate(const MpmSpace *space, PetscInt point, PetscBool with_weight, MpmBasis *basis)
+void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis)
 {
-  const PetscInt   dim = space->dim, W = space->width, *count = &space->count[point * dim];
-  const PetscReal *wx = &space->weight[point * dim * W], *gx = &space->gradient[point * dim * W];
-  const PetscReal *wy = wx + W, *gy = gx + W, *wz = wx + 2 * W, *gz = gx + 2 * W;
-  PetscInt         i  = 0;
-
-  if (dim == 2) {
-    for (PetscInt j = 0; j < count[1]; j++) {
-      for (PetscInt k = 0; k < count[0]; k++, i++) {
-        basis->basis[1][i] = gx[k] * wy[j];
-        basis->basis[2][i] = wx[k] * gy[j];
-        if (with_weight) basis->basis[0][i] = wx[k] * wy[j];
-      }
-    }
-  } else {
-    for (PetscInt l = 0; l < count[2]; l++) {
-      for (PetscInt j = 0; j < count[1]; j++) {
-        const PetscReal ww = wy[j] * wz[l], gw = gy[j] * wz[l], wg = wy[j] * gz[l];
-
-        for (PetscInt k = 0; k < count[0]; k++, i++) {
-          basis->basis[1][i] = gx[k] * ww;
-          basis->basis[2][i] = wx[k] * gw;
-          basis->basis[3][i] = wx[k] * wg;
-          if (with_weight) basis->basis[0][i] = wx[k] * ww;
-        }
-      }
-    }
-  }
+  MpmSumBasis(space->dim, space, group->count, point, PETSC_TRUE, basis);
 }

@@ -23,7 +23,7 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt p = space->order[s];
 
-      MpmSpaceEvaluate(space, p, PETSC_TRUE, &basis);
+      MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++) {
         const PetscReal weight = basis.basis[0][i] * model->points.volume0[p];
 

@@ -1,23 +1,24 @@
 /*
-  Plain double access to the laws of one instance, so that one test program can hold several. The build compiles this file once per instance, as
-  it does the materials.
+  Plain double access to the laws of one instance, so that one test program can hold several. The build compiles this
+  file once per instance, as it does the materials.
 */
 #include "mpmkernel.h"
 
 int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
-  const double *F_n, const double *dF, double *tau, double *dtau);
+                             const double *F_n, const double *dF, double *tau, double *dtau);
 
 /*
-  tau (MPM_SYM) and, unless NULL, dtau (MPM_SYM x MPM_DIM^2, row-major): derivatives with respect to the components of dF, as many at a time as
-  the instance has directions. The instance without directions leaves dtau alone. Returns the law's status.
+  tau (MPM_SYM) and, unless NULL, dtau (MPM_SYM x MPM_DIM^2, row-major): derivatives with respect to the components of
+  dF, as many at a time as the instance has directions. The instance without directions leaves dtau alone. Returns the
+  law's status.
 */
 int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
-  const double *F_n, const double *dF, double *tau, double *dtau)
+                             const double *F_n, const double *dF, double *tau, double *dtau)
 {
   const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))info->law;
-  const int   n     = MPM_DIM * MPM_DIM;
-  const int   width = MPM_DIRECTIONS > 0 ? MPM_DIRECTIONS : n;
-  MpmLawPoint point = {parameter, state_n, state, F_n, 1.};
+  const int   n                  = MPM_DIM * MPM_DIM;
+  const int   width              = MPM_DIRECTIONS > 0 ? MPM_DIRECTIONS : n;
+  MpmLawPoint point              = {parameter, state_n, state, F_n, 1.};
 
   for (int first = 0; first < (dtau ? n : 1); first += width) {
     Tensor increment = TensorFromArray(dF);

@@ -17,7 +17,7 @@
 
 #define DECLARE_TANGENT(name) \
   int name(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state, const double *F_n, \
-    const double *dF, double *tau, double *dtau);
+           const double *dF, double *tau, double *dtau);
 DECLARE_TANGENT(AT_PLAIN(LawTangent))
 DECLARE_TANGENT(AT_ONE(LawTangent))
 DECLARE_TANGENT(AT_ALL(LawTangent))
@@ -25,9 +25,9 @@ DECLARE_TANGENT(AT_ALL(LawTangent))
 typedef void (*Constructor)(MpmLawInfo *info);
 
 #define MPM_MATERIAL(name) \
-  void AT_PLAIN(MpmMaterialCreate_##name)(MpmLawInfo *info); \
-  void AT_ONE(MpmMaterialCreate_##name)(MpmLawInfo *info); \
-  void AT_ALL(MpmMaterialCreate_##name)(MpmLawInfo *info);
+  void AT_PLAIN(MpmMaterialCreate_##name)(MpmLawInfo * info); \
+  void AT_ONE(MpmMaterialCreate_##name)(MpmLawInfo * info); \
+  void AT_ALL(MpmMaterialCreate_##name)(MpmLawInfo * info);
 #include "mpm_material_list.h"
 #undef MPM_MATERIAL
 
@@ -40,7 +40,10 @@ static const Constructor constructors[][3] = {
 
 enum { LAW_COUNT = sizeof(constructors) / sizeof(constructors[0]) };
 
-int LawCount(void) { return LAW_COUNT; }
+int LawCount(void)
+{
+  return LAW_COUNT;
+}
 
 const Law *LawGet(int i)
 {
@@ -59,7 +62,10 @@ const Law *LawFind(const char *name)
   return NULL;
 }
 
-static int StateWidth(const MpmStateVariable *variable) { return variable->kind == MPM_STATE_SYM ? SYM : 1; }
+static int StateWidth(const MpmStateVariable *variable)
+{
+  return variable->kind == MPM_STATE_SYM ? SYM : 1;
+}
 
 int LawStateSize(const Law *law)
 {
@@ -91,7 +97,10 @@ int LawState(const Law *law, const char *name)
 
 static unsigned long long random_state = 1;
 
-void RandomSeed(unsigned seed) { random_state = 0x9e3779b97f4a7c15ULL * (seed + 1ULL); }
+void                      RandomSeed(unsigned seed)
+{
+  random_state = 0x9e3779b97f4a7c15ULL * (seed + 1ULL);
+}
 
 double RandomUniform(double lower, double upper)
 {
@@ -127,7 +136,8 @@ void RandomRotation(double *R)
 
 /* ---- points ---- */
 
-/* Moduli of 1 to 100 MPa, strengths of 1e-4 to 1e-2 of Young's modulus so that paths with strains of a few per cent reach them */
+/* Moduli of 1 to 100 MPa, strengths of 1e-4 to 1e-2 of Young's modulus so that paths with strains of a few per cent
+   reach them */
 static double RandomParameter(const MpmParameter *parameter, double E, int degenerate)
 {
   const double upper = isfinite(parameter->upper) ? parameter->upper : 10.;
@@ -170,7 +180,7 @@ int PointStep(Point *point, const double *dF, double *tau)
 {
   double    state[MAX_STATE], F[DIM2];
   const int status = point->law->tangent[PLAIN](&point->law->info[PLAIN], point->parameter, point->state, state,
-    point->F, dF, tau, NULL);
+                                                point->F, dF, tau, NULL);
 
   if (status) return status;
   memcpy(point->state, state, (size_t)LawStateSize(point->law) * sizeof(double));
@@ -192,10 +202,13 @@ void PointRandomPath(Point *point, int steps, double amplitude)
 int PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau)
 {
   return point->law->tangent[instance](&point->law->info[instance], point->parameter, point->state, NULL, point->F, dF,
-    tau, dtau);
+                                       tau, dtau);
 }
 
-double PointStiffness(const Point *point) { return point->law->info[PLAIN].stiffness(point->parameter); }
+double PointStiffness(const Point *point)
+{
+  return point->law->info[PLAIN].stiffness(point->parameter);
+}
 
 void PointSet(Point *point, const char *parameter, double value)
 {
@@ -279,7 +292,7 @@ void Solve(int n, double *A, double *b)
     for (int i = k + 1; i < n; ++i)
       if (fabs(A[i * n + k]) > fabs(A[pivot * n + k])) pivot = i;
     for (int j = 0; j <= n; ++j) {
-      double *x = j < n ? &A[k * n + j] : &b[k], *y = j < n ? &A[pivot * n + j] : &b[pivot];
+      double      *x = j < n ? &A[k * n + j] : &b[k], *y = j < n ? &A[pivot * n + j] : &b[pivot];
       const double keep = *x;
 
       *x = *y;

@@ -8,7 +8,8 @@
 
 static void ExpectNear(const char *what, double got, double expected, double tolerance)
 {
-  ck_assert_msg(fabs(got - expected) <= tolerance, "%s: %.12g, expected %.12g within %.1e", what, got, expected, tolerance);
+  ck_assert_msg(fabs(got - expected) <= tolerance, "%s: %.12g, expected %.12g within %.1e", what, got, expected,
+                tolerance);
 }
 
 static Point ElasticPoint(const char *name, double E, double nu)
@@ -46,7 +47,8 @@ START_TEST(test_hencky_simple_shear)
 }
 END_TEST
 
-/* The stress turns with the body: by +45 degrees here; a transposed gradient turns it backwards, which 90 degrees would not show. */
+/* The stress turns with the body: by +45 degrees here; a transposed gradient turns it backwards, which 90 degrees
+   would not show. */
 START_TEST(test_hencky_stretch_and_rotation)
 {
   const double degrees[5] = {10., 10., 10., 10., 5.};
@@ -117,7 +119,8 @@ static double SqrtJ2(const double *tau, double *p, double *deviator)
   return sqrt(J2);
 }
 
-/* Isochoric stretch e^a, e^-a: in perfect plasticity the stress difference is that of plane strain yield, 2 yield_stress/sqrt 3. */
+/* Isochoric stretch e^a, e^-a: in perfect plasticity the stress difference is that of plane strain yield, 2
+   yield_stress/sqrt 3. */
 START_TEST(test_j2_return)
 {
   const double mu = 5000., a = 0.02, yield_stress = 30., hardening = 700.;
@@ -152,10 +155,12 @@ START_TEST(test_j2_yield_surface)
     PointRandomPath(&point, sample % 5, 0.01);
     RandomMatrix(0.005, dF);
     ck_assert_int_eq(PointStep(&point, dF, tau), 0);
-    limit = point.parameter[LawParameter(point.law, "yield_stress")]
-      + point.parameter[LawParameter(point.law, "hardening")] * point.state[LawState(point.law, "equivalent_plastic_strain")];
+    limit = point.parameter[LawParameter(point.law, "yield_stress")] +
+            point.parameter[LawParameter(point.law, "hardening")] *
+              point.state[LawState(point.law, "equivalent_plastic_strain")];
     equivalent = sqrt(3.) * SqrtJ2(tau, &p, deviator);
-    ck_assert_msg(equivalent <= limit + 1e-13 * PointStiffness(&point), "sample %d: %g above %g", sample, equivalent, limit);
+    ck_assert_msg(equivalent <= limit + 1e-13 * PointStiffness(&point), "sample %d: %g above %g", sample, equivalent,
+                  limit);
     on_surface += equivalent > limit * (1. - 1e-10);
   }
   ck_assert_int_gt(on_surface, 50);
@@ -189,7 +194,8 @@ static void StretchFrom(Point *point, double x, double y, double z, double *tau)
   ck_assert_int_eq(PointStep(point, dF, tau), 0);
 }
 
-/* Principal stretches after the return, computed independently from the equations of Klar et al. (2016), nu = 0.3, 30 degrees, c = 0 */
+/* Principal stretches after the return, computed independently from the equations of Klar et al. (2016), nu = 0.3, 30
+   degrees, c = 0 */
 START_TEST(test_drucker_prager_principal)
 {
   Point  point = DruckerPrager(1e6, 0.3, 0., 30., 0., COMPRESSION);
@@ -224,7 +230,8 @@ static void MohrCoulombPoint(int fit, double c, double phi, double p, double *st
     stress[1] = p - 0.5 * zz - r;
     stress[2] = p + zz;
   } else {
-    /* largest - smallest + (largest + smallest) sin phi = 2 c cos phi with two equal ones: p + d, p + d, p - 2 d or p - d, p - d, p + 2 d */
+    /* largest - smallest + (largest + smallest) sin phi = 2 c cos phi with two equal ones: p + d, p + d, p - 2 d or p
+       - d, p - d, p + 2 d */
     const double d = (k - 2. * p * s) / (fit == COMPRESSION ? 3. - s : 3. + s), sign = fit == COMPRESSION ? 1. : -1.;
 
     stress[0] = p + sign * d;
@@ -244,7 +251,8 @@ static void SetStress(Point *point, const double *stress)
     point->state[i] = exp(2. / E * (stress[i] - nu * (stress[(i + 1) % 3] + stress[(i + 2) % 3])));
 }
 
-/* The cone passes through Mohr-Coulomb's surface where its fit says: just inside it is elastic, and from outside, dilation 0, it returns there. */
+/* The cone passes through Mohr-Coulomb's surface where its fit says: just inside it is elastic, and from outside,
+   dilation 0, it returns there. */
 START_TEST(test_drucker_prager_fit)
 {
   const double c = 3e3, phi = 0.5, p = -2e4;
@@ -262,7 +270,8 @@ START_TEST(test_drucker_prager_fit)
 }
 END_TEST
 
-/* Dilation: plastic volume gained is eta_bar times the multiplier, so p falls by K eta_bar/(mu) of what sqrt(J2) loses. */
+/* Dilation: plastic volume gained is eta_bar times the multiplier, so p falls by K eta_bar/(mu) of what sqrt(J2)
+   loses. */
 START_TEST(test_drucker_prager_dilation)
 {
   const double s = sin(PI / 18.), eta_bar = 6. * s / (sqrt(3.) * (3. - s));
@@ -311,9 +320,12 @@ START_TEST(test_drucker_prager_yield_surface)
     excess    = ConeExcess(&point, tau, &scale);
     tolerance = 1e-13 * PointStiffness(&point);
     ck_assert_msg(excess <= tolerance, "sample %d: yield function %g", sample, excess);
-    if (excess < -tolerance) ++inside;
-    else if (SqrtJ2(tau, &p, deviator) > 10. * tolerance) ++on_cone;
-    else ++at_apex;
+    if (excess < -tolerance)
+      ++inside;
+    else if (SqrtJ2(tau, &p, deviator) > 10. * tolerance)
+      ++on_cone;
+    else
+      ++at_apex;
   }
   ck_assert_int_gt(inside, 20);
   ck_assert_int_gt(on_cone, 20);
@@ -322,8 +334,8 @@ START_TEST(test_drucker_prager_yield_surface)
 END_TEST
 
 /*
-  Opening by 2 ln 1.02 and closing again: with the correction the pressure comes back when the volume does, with d = 3 in plane strain too; without it as
-  soon as closing begins.
+  Opening by 2 ln 1.02 and closing again: with the correction the pressure comes back when the volume does, with d = 3
+  in plane strain too; without it as soon as closing begins.
 */
 START_TEST(test_drucker_prager_volume_correction)
 {
@@ -355,11 +367,18 @@ Suite *LawValuesSuite(void);
 
 Suite *LawValuesSuite(void)
 {
-  Suite             *suite = suite_create("values of laws");
-  TCase             *tcase = tcase_create("single points");
-  const TTest *const tests[] = {test_hencky_simple_shear, test_hencky_stretch_and_rotation, test_neo_hookean,
-    test_linear_elastic, test_j2_return, test_j2_yield_surface, test_drucker_prager_principal,
-    test_drucker_prager_dilation, test_drucker_prager_yield_surface, test_drucker_prager_volume_correction};
+  Suite             *suite   = suite_create("values of laws");
+  TCase             *tcase   = tcase_create("single points");
+  const TTest *const tests[] = {test_hencky_simple_shear,
+                                test_hencky_stretch_and_rotation,
+                                test_neo_hookean,
+                                test_linear_elastic,
+                                test_j2_return,
+                                test_j2_yield_surface,
+                                test_drucker_prager_principal,
+                                test_drucker_prager_dilation,
+                                test_drucker_prager_yield_surface,
+                                test_drucker_prager_volume_correction};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   tcase_add_loop_test(tcase, test_drucker_prager_fit, COMPRESSION, PLANE_STRAIN + 1);

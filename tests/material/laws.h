@@ -1,21 +1,21 @@
 #pragma once
 /*
-  What the conformance suite and the value tests share. Compiled once per dimension, MPM_DIM; sees the kernels only through the plain double
-  wrappers of law_instance.c, because the instances' Scalars are different types under one name.
+  What the conformance suite and the value tests share. Compiled once per dimension, MPM_DIM; sees the kernels only
+  through the plain double wrappers of law_instance.c, because the instances' Scalars are different types under one
+  name.
 */
 #include "mpmtables.h"
 
-#define DIM   MPM_DIM
-#define DIM2  (MPM_DIM * MPM_DIM)
-#define SYM   (MPM_DIM == 2 ? 4 : 6)
-/* As many directions as dF has components: the whole tangent in one evaluation */
-#define FULL  (MPM_DIM == 2 ? 4 : 9)
+#define DIM  MPM_DIM
+#define DIM2 (MPM_DIM * MPM_DIM)
+#define SYM  (MPM_DIM == 2 ? 4 : 6)
 
 enum { MAX_PARAMETERS = 32, MAX_STATE = 64 };
 
-/* tau (SYM) and, unless NULL, dtau (SYM x DIM2, row-major) with respect to the components of dF; `state` may be NULL. */
+/* tau (SYM) and, unless NULL, dtau (SYM x DIM2, row-major) with respect to the components of dF; `state` may be NULL.
+   */
 typedef int (*LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
-  const double *F_n, const double *dF, double *tau, double *dtau);
+                          const double *F_n, const double *dF, double *tau, double *dtau);
 
 /* A registered law in its three instances: plain doubles, one direction, all directions */
 typedef struct {

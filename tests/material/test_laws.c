@@ -1,6 +1,6 @@
 /*
-  Conformance suite: what every registered law must fulfil, whatever it models. Each test runs over all laws, with parameters and states
-  drawn at random from fixed seeds; plastic states are reached by random paths.
+  Conformance suite: what every registered law must fulfil, whatever it models. Each test runs over all laws, with
+  parameters and states drawn at random from fixed seeds; plastic states are reached by random paths.
 */
 #include "laws.h"
 #include <check.h>
@@ -11,9 +11,12 @@
 
 enum { SAMPLES = 60 };
 
-Suite *LawValuesSuite(void);
+Suite     *LawValuesSuite(void);
 
-static int IsSmallStrain(const Law *law) { return (law->info[PLAIN].traits & MPM_LAW_SMALL_STRAIN) != 0; }
+static int IsSmallStrain(const Law *law)
+{
+  return (law->info[PLAIN].traits & MPM_LAW_SMALL_STRAIN) != 0;
+}
 
 /* A law's random point after a random path that leaves some points elastic and takes others far into plasticity */
 static void Sample(const Law *law, int sample, Point *point)
@@ -24,13 +27,13 @@ static void Sample(const Law *law, int sample, Point *point)
 
 #define CHECK_SMALL(value, bound, what) \
   ck_assert_msg((value) <= (bound), "%s, sample %d: %s %.3e, accepted %.3e", law->info[PLAIN].name, sample, what, \
-    (double)(value), (double)(bound))
+                (double)(value), (double)(bound))
 
 /* Tables that the engine relies on */
 START_TEST(test_tables)
 {
-  const Law        *law  = LawGet(_i);
-  const MpmLawInfo *info = &law->info[PLAIN];
+  const Law        *law     = LawGet(_i);
+  const MpmLawInfo *info    = &law->info[PLAIN];
   const int         density = LawParameter(law, "density");
   Point             point;
 
@@ -42,7 +45,8 @@ START_TEST(test_tables)
     const MpmParameter *parameter = &info->parameters[p];
 
     ck_assert(parameter->name && parameter->unit && parameter->help && parameter->lower <= parameter->upper);
-    ck_assert(parameter->required || (parameter->fallback >= parameter->lower && parameter->fallback <= parameter->upper));
+    ck_assert(parameter->required ||
+              (parameter->fallback >= parameter->lower && parameter->fallback <= parameter->upper));
   }
   RandomSeed(1);
   PointCreate(law, 0, &point);
@@ -63,7 +67,8 @@ static void Difference(const Point *point, const double *dF, int c, double h, do
   for (int i = 0; i < SYM; ++i) derivative[i] = (plus[i] - minus[i]) / (2. * h);
 }
 
-/* Two Richardson extrapolations from steps h, h/2, h/4; their difference in *doubt tells a kink between the stencil's points */
+/* Two Richardson extrapolations from steps h, h/2, h/4; their difference in *doubt tells a kink between the stencil's
+   points */
 static void Extrapolate(const Point *point, const double *dF, int c, double *derivative, double *doubt)
 {
   const double h = 4e-5;
@@ -175,7 +180,8 @@ static void RotateStates(const Law *law, const double *R, const double *state, d
   }
 }
 
-/* A rotation after the step turns stress and history along; one before the step (of F_n and the spatial history) as well. */
+/* A rotation after the step turns stress and history along; one before the step (of F_n and the spatial history) as
+   well. */
 START_TEST(test_objectivity)
 {
   const Law *law = LawGet(_i);
@@ -212,7 +218,8 @@ START_TEST(test_objectivity)
 }
 END_TEST
 
-/* At rest every law with E and nu is Hooke's: the tangent exactly, the stress at a tiny strain up to its square and rounding. */
+/* At rest every law with E and nu is Hooke's: the tangent exactly, the stress at a tiny strain up to its square and
+   rounding. */
 START_TEST(test_elastic_limit)
 {
   const Law *law = LawGet(_i);
@@ -258,8 +265,8 @@ static void Stretch(const double *R, double x, double y, double z, double *dF)
 }
 
 /*
-  Principal values that are equal, or differ by anything from rounding to 1e-4: the tangent must be finite, close to that of the equal ones, and
-  that one right.
+  Principal values that are equal, or differ by anything from rounding to 1e-4: the tangent must be finite, close to
+  that of the equal ones, and that one right.
 */
 START_TEST(test_equal_principal_values)
 {
@@ -275,8 +282,10 @@ START_TEST(test_equal_principal_values)
 
     PointCreate(law, 0, &point);
     stiffness = PointStiffness(&point);
-    if (k % 2) RandomRotation(R);
-    else Identity(R);
+    if (k % 2)
+      RandomRotation(R);
+    else
+      Identity(R);
     Stretch(R, x, x, z, dF);
     ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, dF, tau, equal), 0);
     CheckTangent(&point, dF, sample, &columns, &kinks);
@@ -321,8 +330,8 @@ static void NewtonSystem(const Point *point, double k, const double *H, double *
 }
 
 /*
-  Newton's method on tau(I + H) + k H = target, k making it solvable where the law has no stiffness. From nearby it must converge as a Newton
-  method does: with a tangent wrong by one per cent it needs twice as many iterations.
+  Newton's method on tau(I + H) + k H = target, k making it solvable where the law has no stiffness. From nearby it
+  must converge as a Newton method does: with a tangent wrong by one per cent it needs twice as many iterations.
 */
 static int NewtonIterations(const Point *point, const double *solution, double perturbation)
 {
@@ -457,11 +466,12 @@ END_TEST
 
 static Suite *LawsSuite(void)
 {
-  Suite *suite = suite_create(DIM == 2 ? "laws in plane strain" : "laws in 3D");
-  TCase *tcase = tcase_create("every law");
-  const TTest *const tests[] = {test_tables, test_tangent_against_differences, test_instances_agree, test_history_access,
-    test_objectivity, test_elastic_limit, test_equal_principal_values, test_newton_rate, test_state_round_trip,
-    test_symmetry, test_no_answer};
+  Suite             *suite   = suite_create(DIM == 2 ? "laws in plane strain" : "laws in 3D");
+  TCase             *tcase   = tcase_create("every law");
+  const TTest *const tests[] = {
+    test_tables,        test_tangent_against_differences, test_instances_agree, test_history_access,   test_objectivity,
+    test_elastic_limit, test_equal_principal_values,      test_newton_rate,     test_state_round_trip, test_symmetry,
+    test_no_answer};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_loop_test(tcase, tests[t], 0, LawCount());
   tcase_set_timeout(tcase, 60.);

@@ -241,7 +241,7 @@ START_TEST(shifted_edge)
 {
   for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
     for (PetscInt i = 0; i <= 64; i++) {
-      const PetscReal xi = i / 32., l = PetscMin(0.25, PetscMin(xi, 2. - xi));
+      const PetscReal xi = (PetscReal)i / 32., l = PetscMin(0.25, PetscMin(xi, 2. - xi));
       const Shape a = Evaluate((MpmShapeType)type, xi, l, 0, 2), b = Evaluate((MpmShapeType)type, xi - 7., l, -7, -5);
 
       ck_assert_int_eq(a.first - 7, b.first);

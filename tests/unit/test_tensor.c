@@ -1,4 +1,5 @@
-/* dual.h and tensor.h: arithmetic against closed forms, isotropic functions against each other, identities and differences. */
+/* dual.h and tensor.h: arithmetic against closed forms, isotropic functions against each other, identities and
+   differences. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,7 +32,7 @@ enum { LOG, EXP, SQRT };
 
 static unsigned long long random_state;
 
-static double Uniform(double lower, double upper)
+static double             Uniform(double lower, double upper)
 {
   random_state = random_state * 6364136223846793005ULL + 1442695040888963407ULL;
   return lower + (upper - lower) * (double)(random_state >> 11) * 0x1p-53;
@@ -47,8 +48,8 @@ static int SymAt(int i, int j)
 static void ExpectNear(const char *what, int n, const double *got, const double *expected, double tolerance)
 {
   for (int i = 0; i < n; ++i)
-    ck_assert_msg(fabs(got[i] - expected[i]) <= tolerance, "%s, entry %d: %.17g, expected %.17g within %.1e", what, i, got[i],
-      expected[i], tolerance);
+    ck_assert_msg(fabs(got[i] - expected[i]) <= tolerance, "%s, entry %d: %.17g, expected %.17g within %.1e", what, i,
+                  got[i], expected[i], tolerance);
 }
 
 /* R: one rotation about each axis (in plane strain about z), 3 x 3 */
@@ -80,9 +81,15 @@ static void FromPrincipal(const double R[9], const double w[3], double *A)
   }
 }
 
-static double Apply(int which, double x) { return which == LOG ? log(x) : which == EXP ? exp(x) : sqrt(x); }
+static double Apply(int which, double x)
+{
+  return which == LOG ? log(x) : which == EXP ? exp(x) : sqrt(x);
+}
 
-static double Slope(int which, double x) { return which == LOG ? 1. / x : which == EXP ? exp(x) : 0.5 / sqrt(x); }
+static double Slope(int which, double x)
+{
+  return which == LOG ? 1. / x : which == EXP ? exp(x) : 0.5 / sqrt(x);
+}
 
 /* (f(a) - f(b))/(a - b) in long double, by the mean of f' (Gauss, 3 points) where the difference would lose digits */
 static double Divided(int which, double a, double b)
@@ -96,7 +103,8 @@ static double Divided(int which, double a, double b)
   return (double)((sqrtl(a) - sqrtl(b)) / ((long double)a - b));
 }
 
-/* Value and derivative from known principal values and directions, by the theorem of Daleckii and Krein in index notation */
+/* Value and derivative from known principal values and directions, by the theorem of Daleckii and Krein in index
+   notation */
 static void Reference(int which, const double R[9], const double w[3], double *f, double *df)
 {
   double values[3];
@@ -111,8 +119,8 @@ static void Reference(int which, const double R[9], const double w[3], double *f
           if (SymAt(i, j) >= SYM || SymAt(k, l) >= SYM) continue;
           for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b)
-              df[SymAt(i, j) * SYM + SymAt(k, l)] += (a == b ? Slope(which, w[a]) : Divided(which, w[a], w[b]))
-                * R[3 * i + a] * R[3 * k + a] * R[3 * l + b] * R[3 * j + b];
+              df[SymAt(i, j) * SYM + SymAt(k, l)] += (a == b ? Slope(which, w[a]) : Divided(which, w[a], w[b])) *
+                                                     R[3 * i + a] * R[3 * k + a] * R[3 * l + b] * R[3 * j + b];
         }
       }
     }
@@ -142,7 +150,7 @@ START_TEST(test_isotropic_functions)
   random_state = 1;
   for (int sample = 0; sample < 400; ++sample) {
     const double gap = sample % 4 == 3 ? 0. : pow(10., Uniform(-17., 0.5)), other = pow(10., Uniform(-17., 0.5));
-    const double m   = Uniform(0.5, 2.);
+    const double m    = Uniform(0.5, 2.);
     double       w[3] = {m, m * (1. + gap), m * (1. + (sample % 3 ? other : gap))}, R[9];
 
     for (int i = 0; i < 9; ++i) R[i] = i % 4 == 0;
@@ -172,7 +180,8 @@ START_TEST(test_logarithm_near_identity)
 }
 END_TEST
 
-/* exp(ln A) = A and (A^1/2)^2 = A, the derivatives inverse to each other, for principal values over 8 orders of magnitude */
+/* exp(ln A) = A and (A^1/2)^2 = A, the derivatives inverse to each other, for principal values over 8 orders of
+   magnitude */
 START_TEST(test_inverse_functions)
 {
   random_state = 3;
@@ -265,7 +274,8 @@ START_TEST(test_stretch_diagonal)
 }
 END_TEST
 
-/* A A^{-1} = I and (A A^T) B^{-T} B^T = A A^T; along dA = A these are of degree 1, -1, 2 in A and det A of degree DIM. */
+/* A A^{-1} = I and (A A^T) B^{-T} B^T = A A^T; along dA = A these are of degree 1, -1, 2 in A and det A of degree DIM.
+   */
 START_TEST(test_algebra)
 {
   random_state = 5;
@@ -303,9 +313,10 @@ END_TEST
 
 START_TEST(test_scalar)
 {
-  const double x = 0.7;
+  const double x    = 0.7;
   const double f[]  = {x * x + 3. * x, (x - 1.) / (x + 2.), exp(0.5 * x), 2.5 * log(x), -log(1. + x * x), x * x - x};
-  const double fx[] = {2. * x + 3., 3. / ((x + 2.) * (x + 2.)), 0.5 * exp(0.5 * x), 2.5 / x, -2. * x / (1. + x * x), 2. * x - 1.};
+  const double fx[] = {2. * x + 3., 3. / ((x + 2.) * (x + 2.)), 0.5 * exp(0.5 * x),
+                       2.5 / x,     -2. * x / (1. + x * x),     2. * x - 1.};
 
   for (int which = 0; which < 6; ++which) {
     double derivative;
