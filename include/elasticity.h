@@ -8,12 +8,12 @@
 /* The first parameters of every isotropic elastic law, in this order. */
 enum { ELASTIC_DENSITY, ELASTIC_E, ELASTIC_NU, ELASTIC_COUNT };
 
+/* clang-format off */
 #define ELASTIC_PARAMETERS \
   {"density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL}, \
-    {"E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
-  { \
-    "nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL \
-  }
+  {"E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
+  {"nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL}
+/* clang-format on */
 
 /* Pa */
 typedef struct {

@@ -31,8 +31,8 @@ MPM_FN void IsotropicArtanh(double s, double complement, double *g, double *dg)
 {
   if (s < 1e-3) {
     IsotropicArtanhSeries(6, s, g, dg);
-  } else if (s < 0.08) {
-    IsotropicArtanhSeries(15, s, g, dg);
+  } else if (s < 0.02) {
+    IsotropicArtanhSeries(10, s, g, dg);
   } else {
     const double r = sqrt(s);
 

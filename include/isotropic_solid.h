@@ -184,8 +184,7 @@ MPM_FN void IsotropicSplitValues(const double A[6], double *mean, double *norm)
 
 /* ---- any tensor: principal values and directions ---- */
 
-/* A = sum_a w[a] n_a n_a with n_a in column a of Q (row-major); `rotated` is 0 where A is diagonal and Q the identity.
-   */
+/* A = sum_a w[a] n_a n_a with n_a in column a of Q (row-major); `rotated` is 0 where A is diagonal, Q the identity. */
 typedef struct {
   double w[3], Q[9];
   int    rotated;

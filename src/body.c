@@ -24,7 +24,7 @@ static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, Mp
   }
   PetscCall(MpmRegionGetBounds(body->region, lower, upper));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscReal tolerance = MPM_TOLERANCE * grid->h[a];
+    const PetscReal tolerance = 3. * MPM_TOLERANCE * grid->h[a]; /* the bounds come with the region's own */
 
     body->cell_lower[a] = 0;
     body->cell_upper[a] = 1;

@@ -180,7 +180,7 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
     upper[a] = PETSC_INFINITY;
   }
   PetscCall(MpmRegionGetBounds(load->region, lower, upper));
-  thin = (PetscBool)(upper[axis] - lower[axis] <= 2. * MPM_TOLERANCE * grid->h[axis]);
+  thin = (PetscBool)(upper[axis] - lower[axis] <= 4. * MPM_TOLERANCE * grid->h[axis]);
   for (PetscInt s = 0; s < 2; s++) { /* the faces below and above the points */
     const PetscInt side = s ? 1 : -1;
 

@@ -8,6 +8,8 @@
   With -help a required option that is missing is no error: the run only prints its manual and ends. The reader then
   leaves the value as it was on entry (lists, texts and names: empty), so callers initialise what they pass, required or
   not.
+
+  A refusal ends the run, so what was allocated on the way to it is not given back.
 */
 #include "optionsimpl.h"
 

@@ -126,7 +126,7 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 
 /* ----------------------------------------------------------------------------------------------------------------- line search */
 
-#define LINE_SEARCH_RATIO   0.9  /* the slope must fall to this part of its start, or the residual must fall */
+#define LINE_SEARCH_RATIO    2.   /* a step is too long when it raises both the residual and, this much, the slope's size */
 #define LINE_SEARCH_TRIALS  8
 #define LINE_SEARCH_SHORTEST 0.02
 

@@ -12,8 +12,7 @@
 
 enum { MAX_PARAMETERS = 32, MAX_STATE = 64 };
 
-/* tau (SYM) and, unless NULL, dtau (SYM x DIM2, row-major) with respect to the components of dF; `state` may be NULL.
-   */
+/* tau (SYM) and, unless NULL, dtau (SYM x DIM2, row-major) by the components of dF; `state` may be NULL. */
 typedef int (*LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
                           const double *F_n, const double *dF, double *tau, double *dtau);
 

@@ -232,8 +232,12 @@ START_TEST(test_not_positive_definite)
       ck_assert_msg(ALL(TestSymFunction)(EXP, A, f, df), "exp accepts overflow in %d", entry);
       A[entry] = NAN;
       ck_assert_msg(ALL(TestSymFunction)(EXP, A, f, df), "exp accepts NaN in %d", entry);
-      A[entry] = 1.;
-      A[3]     = 2.;
+      A[0] = A[1] = -1.;
+      A[2]        = 1.;
+      ck_assert_msg(ALL(TestSymFunction)(LOG, A, f, df), "ln accepts two negative principal values");
+      ck_assert_msg(ALL(TestSymFunction)(SQRT, A, f, df), "the root accepts two negative principal values");
+      A[0] = A[1] = 1.;
+      A[3]        = 2.;
       ck_assert_msg(ALL(TestSymFunction)(LOG, A, f, df), "ln accepts a negative principal value");
     }
   }
@@ -274,8 +278,7 @@ START_TEST(test_stretch_diagonal)
 }
 END_TEST
 
-/* A A^{-1} = I and (A A^T) B^{-T} B^T = A A^T; along dA = A these are of degree 1, -1, 2 in A and det A of degree DIM.
-   */
+/* A A^{-1} = I, (A A^T) B^{-T} B^T = A A^T; along dA = A these are of degree 1, -1, 2 in A, det A of degree DIM. */
 START_TEST(test_algebra)
 {
   random_state = 5;

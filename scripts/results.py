@@ -1,0 +1,167 @@
+"""Reads what a run of Talus leaves behind: <prefix>.h5, _history.csv, _options.yaml and _summary.json.
+
+    results = Results("cantilever")
+    last = results.state("last")            # or "first", or the number of a step
+    last["stress"]                          # (points, 6): xx, yy, zz, xy, yz, xz, in Pa
+    results.history["track_tip_uy"]         # one number a step
+    results.option("mpm_grid_cells")        # text, as in force during the run
+"""
+import csv
+import json
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+SYMMETRIC = ("xx", "yy", "zz", "xy", "yz", "xz")
+FULL = ("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz")
+AXES = ("x", "y", "z")
+
+
+class ResultsError(Exception):
+    """Something that was asked for is not in the result files; the text says what, and what there is."""
+
+
+class State:
+    """The points at one time: fields by name, rows by id."""
+
+    def __init__(self, step, time, fields):
+        self.step, self.time, self.fields = step, time, fields
+
+    def __getitem__(self, name):
+        if name not in self.fields:
+            raise ResultsError(f"step {self.step} has no field '{name}'; it has {', '.join(sorted(self.fields))}")
+        return self.fields[name]
+
+    def __contains__(self, name):
+        return name in self.fields
+
+    @property
+    def dim(self):
+        return self["position"].shape[1]
+
+
+class Results:
+    """The result files of one prefix, read when they are first asked for."""
+
+    def __init__(self, prefix):
+        self.prefix = re.sub(r"\.(h5|xdmf)$", "", str(prefix))
+        self._history = self._options = self._summary = self._initial = None
+
+    def path(self, suffix):
+        path = Path(self.prefix + suffix)
+        if not path.is_file():
+            raise ResultsError(f"there is no file {path}")
+        return path
+
+    def _file(self):
+        path = self.path(".h5")
+        try:
+            return h5py.File(path, "r")
+        except OSError as error:
+            raise ResultsError(f"cannot read {path}: {error}") from error
+
+    @property
+    def steps(self):
+        """The steps that were written, in order."""
+        with self._file() as file:
+            return sorted(int(name) for name in file.get("points", ()))
+
+    def state(self, step="last"):
+        """The points at a step: its number, "first" or "last"."""
+        steps = self.steps
+        if not steps:
+            raise ResultsError(f"{self.prefix}.h5 holds no states")
+        known = {"first": steps[0], "last": steps[-1]}
+        try:
+            number = known[step] if step in known else int(step)
+        except ValueError as error:
+            raise ResultsError(f"'{step}' is not a step: give a number, first or last") from error
+        if number not in steps:
+            raise ResultsError(f"step {number} was not written; there are {', '.join(map(str, steps))}")
+        with self._file() as file:
+            group = file[f"points/{number:06d}"]
+            return State(number, float(group.attrs["time"]), {name: data[()] for name, data in group.items()})
+
+    @property
+    def initial(self):
+        """The first state, which has position0."""
+        if self._initial is None:
+            self._initial = self.state("first")
+        return self._initial
+
+    @property
+    def history(self):
+        """Columns of the history by name."""
+        if self._history is None:
+            with open(self.path("_history.csv"), newline="", encoding="utf-8") as file:
+                rows = list(csv.reader(file))
+            values = np.array([[float(value) for value in row] for row in rows[1:]]).reshape(-1, len(rows[0]))
+            self._history = {name: values[:, i] for i, name in enumerate(rows[0])}
+        return self._history
+
+    def column(self, name):
+        if name not in self.history:
+            raise ResultsError(f"the history has no column '{name}'; it has {', '.join(self.history)}")
+        return self.history[name]
+
+    @property
+    def options(self):
+        """Options in force as text, defaults included (they may stand as comments in the file)."""
+        if self._options is None:
+            text = self.path("_options.yaml").read_text(encoding="utf-8")
+            pairs = re.findall(r'^(?:# )?"?(\w+)"?: (?:"((?:[^"\\]|\\.)*)"|(\S.*?))\s*$', text, re.MULTILINE)
+            self._options = {name: quoted or plain for name, quoted, plain in pairs}
+        return self._options
+
+    def option(self, name, default=None):
+        if default is None and name not in self.options:
+            raise ResultsError(f"{self.prefix}_options.yaml does not hold {name}")
+        return self.options.get(name, default)
+
+    def numbers(self, name, default=None):
+        """An option that is a comma-separated list of numbers."""
+        return [float(part) for part in self.option(name, default).split(",")]
+
+    @property
+    def summary(self):
+        if self._summary is None:
+            self._summary = json.loads(self.path("_summary.json").read_text(encoding="utf-8"))
+        return self._summary
+
+
+def von_mises(stress):
+    """sqrt(3 J2) of symmetric tensors with the components xx, yy, zz, xy, yz, xz."""
+    xx, yy, zz, xy, yz, xz = stress.T
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * (xy**2 + yz**2 + xz**2))
+
+
+def pressure(stress):
+    """Minus the mean stress: positive in compression."""
+    return -stress[:, :3].sum(axis=1) / 3.0
+
+
+def component_names(count):
+    """Names of a field's components."""
+    return {1: ("",), 2: AXES[:2], 3: AXES, 6: SYMMETRIC, 9: FULL}.get(count, tuple(map(str, range(count))))
+
+
+def initial_lengths(initial):
+    """Edge lengths of each point's domain before deformation, (points, dim), from where the points stand.
+
+    Along each axis it is the smallest distance between two points; where that does not give the points' volumes (points
+    that are not on a lattice), the domains are taken as squares or cubes.
+    """
+    position, dim = initial["position0"], initial.dim
+    volume = initial["volume"] / (np.linalg.det(initial["F"].reshape(-1, 3, 3)) if "F" in initial else 1.0)
+    lengths = np.empty(dim)
+    for axis in range(dim):
+        gaps = np.diff(np.unique(np.round(position[:, axis], 9)))
+        lengths[axis] = gaps.min() if gaps.size else 0.0
+    # One point a row on some axis leaves its length open: the volume tells it.
+    if np.count_nonzero(lengths == 0.0) == 1:
+        lengths[lengths == 0.0] = np.median(volume) / np.prod(lengths[lengths > 0.0])
+    if np.allclose(np.prod(lengths), volume, rtol=1e-3):
+        return np.tile(lengths, (len(volume), 1))
+    return np.repeat(volume[:, None] ** (1.0 / dim), dim, axis=1)
