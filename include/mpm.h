@@ -67,10 +67,15 @@ extern const char *const MpmJacobianTypes[];
 
 typedef struct _p_MpmModel *MpmModel;
 
+/* A body force: N per m3 of the initial volume, at a point that stood at X in the initial state. Both have `dim` components. */
+typedef PetscErrorCode (*MpmBodyForce)(PetscInt dim, PetscReal time, const PetscReal X[], PetscReal force[], void *ctx);
+
 /*@
   MpmModelCreate - an empty model
 
   MpmModelSetPhysics - use a physics that is not built in; before MpmModelSetFromOptions(), the struct is borrowed
+
+  MpmModelSetBodyForce - a body force besides the scene's loads; before MpmModelRun()
 
   MpmModelSetFromOptions - read the whole scene from the options database and build grid, bodies and conditions
 
@@ -80,6 +85,7 @@ typedef struct _p_MpmModel *MpmModel;
 @*/
 PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model);
 PetscErrorCode MpmModelSetPhysics(MpmModel model, const MpmPhysics *physics);
+PetscErrorCode MpmModelSetBodyForce(MpmModel model, MpmBodyForce force, void *ctx);
 PetscErrorCode MpmModelSetFromOptions(MpmModel model);
 PetscErrorCode MpmModelRun(MpmModel model, int *status);
 PetscErrorCode MpmModelDestroy(MpmModel *model);

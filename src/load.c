@@ -301,6 +301,33 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space, const MpmPoints *points, PetscInt block,
+                                 PetscReal force[])
+{
+  const PetscInt dim = space->dim, most = PetscPowInt(space->width, dim);
+  PetscReal     *storage, value[MPM_MAX_DIM];
+  MpmBasis       basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      PetscCall((*function)(dim, time, &points->x0[p * dim], value, ctx));
+      MpmSpaceEvaluate(space, group, p, &basis);
+      for (PetscInt i = 0; i < group->node_count; i++)
+        for (PetscInt a = 0; a < dim; a++) force[nodes[i] * block + a] += points->volume0[p] * basis.basis[0][i] * value[a];
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* -------------------------------------------------------------------------------------------------------------------- tracks */
 
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)

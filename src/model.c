@@ -29,6 +29,14 @@ PetscErrorCode MpmModelSetPhysics(MpmModel model, const MpmPhysics *physics)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModelSetBodyForce(MpmModel model, MpmBodyForce force, void *ctx)
+{
+  PetscFunctionBeginUser;
+  model->body_force     = force;
+  model->body_force_ctx = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelDestroy(MpmModel *handle)
 {
   MpmModel model = *handle;

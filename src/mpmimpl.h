@@ -249,6 +249,9 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
 /* Adds the load at `time` to the external force at the local nodes. */
 PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space, MpmParticles *particles,
                             const MpmPoints *points, const MpmMaterial materials[], MpmStretch stretch, PetscInt block, PetscReal force[]);
+/* Adds a body force that is a function of the initial position. */
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space, const MpmPoints *points, PetscInt block,
+                                 PetscReal force[]);
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
 PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
@@ -324,6 +327,8 @@ struct _p_MpmModel {
   MpmTrack         *tracks;
   MpmWall          *walls;
   MpmParticles      particles;
+  MpmBodyForce      body_force;
+  void             *body_force_ctx;
   PetscBool         symmetric;
 
   /* time */

@@ -93,6 +93,9 @@ static PetscErrorCode PrepareConditions(MpmModel model, PetscReal time)
     PetscCall(MpmLoadApply(&model->loads[l], time, &model->grid, model->shape, &model->space, &model->particles, &model->points, model->materials,
                            model->stretch, bs, model->force));
   }
+  if (model->body_force) {
+    PetscCall(MpmBodyForceApply(model->body_force, model->body_force_ctx, time, &model->space, &model->points, bs, model->force));
+  }
   MpmClock(model, MPM_TIME_TRANSFER, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Configures and builds: scripts/build.sh [PRESET [TARGET...]]. Presets (release, debug, asan) are those of
+# CMakePresets.json; without targets, everything is built.
+set -euo pipefail
+# shellcheck source=scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+cd "$ROOT"
+
+preset="${1:-release}"
+shift || true
+targets=()
+for target in "$@"; do targets+=(--target "$target"); done
+
+if ! log="$(cmake --preset "$preset" 2>&1)"; then
+  echo "$log" >&2
+  exit 1
+fi
+grep -A4 -i "warning" <<<"$log" >&2 || true
+cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" -- --no-print-directory --silent

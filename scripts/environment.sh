@@ -1,0 +1,8 @@
+# Sourced by the other scripts: the repository's root, and what Open MPI and the BLAS need to be told.
+# shellcheck shell=bash
+ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+export ROOT
+export OMP_NUM_THREADS=1                     # ranks are the parallelism; threads under them only fight for the cores
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+export ASAN_OPTIONS="${ASAN_OPTIONS:-detect_leaks=0}" # Open MPI and PETSc keep memory to the end; -malloc_dump looks for our leaks
+export MPLBACKEND=Agg                        # pictures go to files

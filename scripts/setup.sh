@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Installs what building and testing need on Debian 12: only what is missing, and nothing otherwise. As root or with sudo.
+set -euo pipefail
+
+# OpenBLAS because Debian's default BLAS is the reference one, several times slower in 3D; libyaml comes with PETSc.
+packages=(
+  gcc libc6-dev make cmake pkg-config check
+  petsc-dev libhypre-dev libmumps-dev libmetis-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin libopenblas0-serial
+  python3 python3-numpy python3-h5py python3-matplotlib
+)
+
+if ! command -v apt-get >/dev/null; then
+  echo "setup: this is not Debian; install these packages' counterparts by hand: ${packages[*]}" >&2
+  exit 1
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  [[ "$(dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null)" == *installed* ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  echo "setup: all ${#packages[@]} packages are installed"
+  exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "setup: run it as root, or install sudo; missing are ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+echo "setup: installing ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null

@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and runs every test; the unit and material tests under the address and
+# undefined-behaviour sanitizers too. Arguments go to the last ctest: scripts/test.sh -R cantilever
+set -euo pipefail
+# shellcheck source=scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+"$ROOT/scripts/setup.sh"
+"$ROOT/scripts/build.sh" asan
+"$ROOT/scripts/build.sh" release
+cd "$ROOT"
+jobs="$(nproc)"
+ctest --preset asan --parallel "$jobs"
+ctest --preset release --parallel "$jobs" "$@"
