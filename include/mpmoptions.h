@@ -38,6 +38,9 @@ typedef struct {
 
 typedef enum { MPM_OPTIONAL, MPM_REQUIRED } MpmNeed;
 
+/* Is this run only for -help? Then values are not to be relied on, and what follows from them must be skipped. */
+PetscBool MpmOptionsHelp(void);
+
 /* Prints the heading of a block when -help asks for it. */
 PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title);
 

@@ -57,7 +57,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
     (*body)->per_cell[a] = a < grid->dim ? 2 : 1;
     tolerance[a]         = MPM_TOLERANCE * grid->h[a];
   }
-  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(MpmOptionsHeading(&block, "Body"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &(*body)->region));
   PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim, (*body)->per_cell, NULL));
   MpmCheckInput(MpmRegionGetType((*body)->region) != MPM_REGION_FILE, "-%sregion file: not available in this version; accepted are box, sphere, "
@@ -66,7 +66,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
   PetscCall(PetscFree(names));
-  PetscCall(FindCells(&block, grid, *body));
+  if (!MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -51,9 +51,9 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_bc_%s_", name));
   PetscCall(PetscStrallocpy(name, &bc->name));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
-  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(MpmOptionsHeading(&block, "Condition"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &bc->region));
-  PetscCall(CheckRegion(&block, grid, bc->region));
+  if (!MpmOptionsHelp()) PetscCall(CheckRegion(&block, grid, bc->region));
   PetscCall(MpmOptionsNames(&block, "components", "which unknowns are held: x, y, z, p", MPM_REQUIRED, &count, &components));
   MpmCheckInput(count <= layout->block, "-%scomponents: %" PetscInt_FMT " given, a node has %" PetscInt_FMT " unknowns", prefix, count, layout->block);
   for (PetscInt k = 0; k < count; k++) {
@@ -81,6 +81,7 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
 {
   PetscFunctionBeginUser;
   *count = 0;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (MpmRegionGetType(bc->region) != MPM_REGION_BOX) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < bc->component_count; k++) {
     const PetscInt axis = bc->component[k];

@@ -23,7 +23,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscCall(MpmOptionsReals(&block, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->upper, NULL));
   PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 1000000000, MPM_REQUIRED, dim, grid->cells, NULL));
   PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
-  for (PetscInt a = 0; a < dim; a++) {
+  for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a], "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],
                   (double)grid->upper[a], (double)grid->lower[a]);
     MpmCheckInput((PetscInt64)grid->cells[a] * refine < 1000000000, "-mpm_grid_refine %" PetscInt_FMT ": too many cells on axis %c", refine,

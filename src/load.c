@@ -16,6 +16,7 @@ static PetscErrorCode ReadSelection(const MpmOptions *block, const MpmGrid *grid
   PetscCall(MpmOptionsReals(block, "at", "m", "a place in the initial state", MPM_RANGE_ANY, MPM_OPTIONAL, grid->dim, at, &has_at));
   if (has_at) PetscCall(MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL, nearest, NULL));
   else *nearest = 0;
+  if (MpmOptionsHelp()) has_at = (PetscBool)!(has_region = PETSC_TRUE);
   MpmCheckInput(!(has_at && has_region), "-%sat and -%sregion: give one of them, not both", block->prefix, block->prefix);
   MpmCheckInput(has_at || has_region, "-%sat is missing: give a place and the number of nearest points, or a region", block->prefix);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
@@ -35,7 +36,7 @@ static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, Mpm
                            MPM_OPTIONAL, &face, &load->face_given));
   load->face_axis = face / 2;
   load->face_side = face % 2 ? 1 : -1;
-  if (load->face_given) PetscFunctionReturn(PETSC_SUCCESS);
+  if (load->face_given || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     lower[a] = grid->lower[a];
     upper[a] = grid->upper[a];
@@ -63,15 +64,15 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_load_%s_", name));
   PetscCall(PetscSNPrintf(field, sizeof(field), "load_%s", name));
   PetscCall(PetscStrallocpy(name, &load->name));
-  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(MpmOptionsHeading(&block, "Load"));
   PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa)", types, MPM_REQUIRED, &type, NULL));
   load->type = (MpmLoadType)type;
   PetscCall(MpmOptionsReals(&block, "value", "N, m/s2 or Pa", "the load's vector", MPM_RANGE_ANY, MPM_REQUIRED, grid->dim, load->value, NULL));
   PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
-  if (load->type == MPM_LOAD_GRAVITY) PetscFunctionReturn(PETSC_SUCCESS);
+  if (load->type == MPM_LOAD_GRAVITY && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrallocpy(field, &load->share_field));
   PetscCall(ReadSelection(&block, grid, load->at, &load->nearest, &load->region));
-  if (load->type == MPM_LOAD_TRACTION) {
+  if (load->type == MPM_LOAD_TRACTION || MpmOptionsHelp()) {
     MpmCheckInput(load->region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
     PetscCall(ReadFace(&block, grid, load));
   }
@@ -341,7 +342,7 @@ PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const
   PetscCall(PetscSNPrintf(field, sizeof(field), "track_%s", name));
   PetscCall(PetscStrallocpy(name, &track->name));
   PetscCall(PetscStrallocpy(field, &track->share_field));
-  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(MpmOptionsHeading(&block, "Track"));
   PetscCall(ReadSelection(&block, grid, track->at, &track->nearest, &track->region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

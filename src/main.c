@@ -73,7 +73,7 @@ static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *sta
   PetscCall(ReadOptions(argc, argv, context));
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
   PetscCall(MpmModelSetFromOptions(model));
-  PetscCall(PetscOptionsHasHelp(NULL, &wants_help));
+  wants_help = MpmOptionsHelp();
   if (wants_help) PetscCall(MpmLawsPrintHelp(PETSC_COMM_WORLD));
   else PetscCall(MpmModelRun(model, status));
   PetscCall(MpmModelDestroy(&model));

@@ -106,7 +106,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscMemzero(material, sizeof(*material)));
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", name));
   PetscCall(PetscStrallocpy(name, &material->name));
-  PetscCall(MpmOptionsHeading(&block, name));
+  PetscCall(MpmOptionsHeading(&block, "Material"));
   PetscCall(LawNames(&names));
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, NULL));
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
@@ -123,7 +123,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   if (material->info.check) {
     const char *why = "contradictory parameters";
 
-    MpmCheckInput(!material->info.check(material->parameter, &why), "-mpm_material_%s: %s", name, why);
+    MpmCheckInput(MpmOptionsHelp() || material->info.check(material->parameter, &why), "-mpm_material_%s: %s", name, why);
   }
   material->stiffness = material->info.stiffness(material->parameter);
   for (size_t i = 0; i < material->info.state_count; i++) material->state_size += MpmStateComponents(&material->info.states[i], dim);

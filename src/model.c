@@ -81,6 +81,18 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 
 /* ----------------------------------------------------------------------------------------------------------------- the scene */
 
+/* The names of a list of blocks. For -help, a list that the scene does not give becomes one block called NAME. */
+static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need, PetscInt *count, char ***names)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsNames(options, list, help, need, count, names));
+  if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  *count = 1;
+  PetscCall(PetscMalloc1(1, names));
+  PetscCall(PetscStrallocpy("NAME", *names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Dimension, physics, shape: what everything else depends on. */
 static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
 {
@@ -123,7 +135,7 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->dt_max, NULL));
   PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again", (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL,
                            &model->growth, NULL));
-  MpmCheckInput(model->dt_min <= model->dt_nominal, "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
+  MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(), "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
                 (double)model->dt_nominal);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -145,12 +157,28 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What later versions do; the names are part of the scene file's contract. */
+static PetscErrorCode ReadStabilization(const MpmOptions *options)
+{
+  static const char *const ghosts[] = {"auto", "off", NULL};
+  const MpmOptions         block    = {options->comm, "mpm_stabilization_", options->record};
+  PetscInt                 ghost    = 0;
+  PetscBool                fbar     = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(&block, "Stabilization"));
+  PetscCall(MpmOptionsWord(&block, "ghost", "penalty on the faces of edge cells; direct solvers need none", ghosts, MPM_OPTIONAL, &ghost, NULL));
+  PetscCall(MpmOptionsBool(&block, "fbar", "against volumetric locking", &fbar, NULL));
+  MpmCheckInput(!fbar, "-mpm_stabilization_fbar true: not available in this version, must be false");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *options)
 {
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count, &model->material_names));
+  PetscCall(ReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count, &model->material_names));
   PetscCall(PetscCalloc1(model->material_count, &model->materials));
   model->symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++) {
@@ -160,7 +188,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
   model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
-  PetscCall(MpmOptionsNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
+  PetscCall(ReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
   PetscCall(PetscCalloc1(model->body_count, &model->bodies));
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials, &model->bodies[b]));
@@ -171,7 +199,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
+  PetscCall(ReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
   PetscCall(PetscCalloc1(model->bc_count, &model->bcs));
   PetscCall(PetscMalloc1((model->bc_count * 2 * MPM_MAX_BLOCK), &model->walls));
   for (PetscInt b = 0; b < model->bc_count; b++) {
@@ -182,16 +210,16 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     model->wall_count += walls;
   }
   PetscCall(PetscCalloc1((model->bc_count * model->layout.block), &model->reaction));
-  PetscCall(MpmOptionsNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
+  PetscCall(ReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
   PetscCall(PetscCalloc1(model->load_count, &model->loads));
   for (PetscInt l = 0; l < model->load_count; l++) {
     PetscCall(MpmLoadCreate(options, model->load_names[l], &model->grid, &model->loads[l]));
-    for (PetscInt m = 0; model->loads[l].type == MPM_LOAD_GRAVITY && m < model->material_count; m++) {
+    for (PetscInt m = 0; model->loads[l].type == MPM_LOAD_GRAVITY && m < model->material_count && !MpmOptionsHelp(); m++) {
       MpmCheckInput(model->materials[m].density > 0., "-mpm_material_%s_density is missing: load %s is gravity", model->material_names[m],
                     model->load_names[l]);
     }
   }
-  PetscCall(MpmOptionsNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count, &model->track_names));
+  PetscCall(ReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count, &model->track_names));
   PetscCall(PetscCalloc1(model->track_count, &model->tracks));
   for (PetscInt t = 0; t < model->track_count; t++) {
     PetscCall(MpmTrackCreate(options, model->track_names[t], &model->grid, &model->tracks[t]));
@@ -227,20 +255,19 @@ static PetscErrorCode CreateParticles(MpmModel model)
 PetscErrorCode MpmModelSetFromOptions(MpmModel model)
 {
   const MpmOptions options = {model->comm, "mpm_", model->record};
-  PetscBool        help;
   PetscLogDouble   since;
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  PetscCall(PetscOptionsHasHelp(NULL, &help));
   PetscCall(ReadKind(model, &options));
   PetscCall(MpmGridSetFromOptions(&model->grid, &options, model->layout.dim));
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
+  PetscCall(ReadStabilization(&options));
   PetscCall(ReadTime(model, &options));
   PetscCall(ReadOutput(model, &options));
   PetscCall(MpmSolverSetFromOptions(model, &options));
-  if (help) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options));
   PetscCall(CreateParticles(model));
   MpmClock(model, MPM_TIME_SETUP, since);

@@ -246,6 +246,14 @@ static PetscErrorCode CheckCount(const Item *item, const ItemSpec *spec, PetscIn
 
 /* ---------------------------------------------------------------------------------------------------------- readers */
 
+PetscBool MpmOptionsHelp(void)
+{
+  PetscBool help = PETSC_FALSE;
+
+  (void)PetscOptionsHasHelp(NULL, &help);
+  return help;
+}
+
 PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title)
 {
   PetscBool help;

@@ -203,6 +203,23 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 
 /* ---------------------------------------------------------------------------------------------------------------------- set-up */
 
+static PetscErrorCode CreateSNES(MpmModel model)
+{
+  SNESLineSearch search;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESCreate(model->comm, &model->snes));
+  PetscCall(SNESSetType(model->snes, SNESNEWTONLS));
+  PetscCall(SNESSetTolerances(model->snes, PETSC_DEFAULT, 1e-8, 0., 25, PETSC_DEFAULT));
+  PetscCall(SNESSetDivergenceTolerance(model->snes, 1e12));
+  PetscCall(SNESGetLineSearch(model->snes, &search));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
+  PetscCall(MpmLineSearchShellSet(search, LineSearch, NULL));
+  PetscCall(SNESSetConvergenceTest(model->snes, TestConvergence, model, NULL));
+  PetscCall(SNESSetFromOptions(model->snes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(presets) + 2] = {"auto"};
@@ -230,23 +247,7 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
     if (type) PetscCall(PetscStrncpy(model->vec_type, type, sizeof(model->vec_type)));
     PetscCall(PetscFree(type));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode CreateSNES(MpmModel model)
-{
-  SNESLineSearch search;
-
-  PetscFunctionBeginUser;
-  PetscCall(SNESCreate(model->comm, &model->snes));
-  PetscCall(SNESSetType(model->snes, SNESNEWTONLS));
-  PetscCall(SNESSetTolerances(model->snes, PETSC_DEFAULT, 1e-9, 0., 25, PETSC_DEFAULT));
-  PetscCall(SNESSetDivergenceTolerance(model->snes, 1e12));
-  PetscCall(SNESGetLineSearch(model->snes, &search));
-  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
-  PetscCall(MpmLineSearchShellSet(search, LineSearch, NULL));
-  PetscCall(SNESSetFromOptions(model->snes));
-  PetscCall(SNESSetConvergenceTest(model->snes, TestConvergence, model, NULL));
+  PetscCall(CreateSNES(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -255,7 +256,6 @@ PetscErrorCode MpmSolverSetUp(MpmModel model)
   PetscBool changed;
 
   PetscFunctionBeginUser;
-  if (!model->snes) PetscCall(CreateSNES(model));
   PetscCall(MpmPatternSetUp(&model->pattern, &model->space, model->comm, model->layout.block, &changed));
   if (!changed && model->jacobian) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESReset(model->snes));

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""The column under its own weight: errors against theory by number of cells, convergence, Newton's iterations."""
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import EXAMPLES, Test, example, read_table  # noqa: E402
+
+HEIGHT = 50.0  # m
+NEWTON_TOLERANCE = 1e-11
+
+
+def run_column(test, name, count, **options):
+    """A run with square cells, tight Newton tolerance, and states at the two ends only."""
+    return test.run(example(name), mpm_grid_cells=f"1,{count}", mpm_grid_upper=f"{HEIGHT / count},{HEIGHT}", mpm_output_every=40,
+                    mpm_quiet=None, snes_rtol=NEWTON_TOLERANCE, **options)
+
+
+def against_table(test, name, reach, most_newton):
+    """Every tabulated number of cells: error within `reach` of the table, Newton's iterations in every step."""
+    table = read_table(EXAMPLES / name / "reference.csv")
+    for count, error in zip(table["cells"].astype(int), table["error"]):
+        label = f"{name}_{count}"
+        run = run_column(test, name, count)
+        quantities = test.check_example(label, run, name)
+        test.near(f"{label}.stress_error_over_table", quantities["stress_error"] / error, 1.0, absolute=reach)
+        test.check(f"{label}.newton", run.newton.max(), 1, most_newton)
+        test.check(f"{label}.steps", run.newton.size, 40, 40)
+
+
+def splines(test):
+    """The domain-integrated quadratic B-spline: bounds, and second order until the domains' own error shows."""
+    bounds = {32: 1.2e-3, 64: 2.3e-4, 128: 5.5e-5, 256: 2.2e-5}
+    errors = {}
+    for count, bound in bounds.items():
+        label = f"bspline_{count}"
+        run = run_column(test, "bar_elastic", count, mpm_shape="gimp_bspline2")
+        errors[count] = test.check_example(label, run, "bar_elastic")["stress_error"]
+        test.check(f"{label}.stress_error_bound", errors[count], None, bound)
+        test.check(f"{label}.newton", run.newton.max(), 1, 4)
+    test.check("bspline.order_32_to_128", 0.5 * np.log2(errors[32] / errors[128]), 1.8, None)
+
+
+def residual_norms(output):
+    """The residual's norms that -snes_monitor printed, a list for every step."""
+    steps = []
+    for iteration, norm in re.findall(r"^ *(\d+) SNES Function norm (\S+)", output, re.MULTILINE):
+        if iteration == "0":
+            steps.append([])
+        steps[-1].append(float(norm))
+    return steps
+
+
+def newton_rate(test, name, count):
+    """The printed residuals: their drop in every step, and quadratic convergence where it shows, between 1e-2 and 1e-12."""
+    steps = residual_norms(run_column(test, name, count, snes_monitor=None).output)
+    drops, orders = [], []
+    for norms in steps:
+        relative = np.array(norms) / norms[0]
+        drops.append(relative[-1])
+        for now, after in zip(relative[:-1], relative[1:]):
+            if now < 1e-2 and after > 1e-12:
+                orders.append(np.log(after) / np.log(now))
+    test.check(f"{name}_{count}.monitored_steps", len(steps), 40, 40)
+    test.check(f"{name}_{count}.residual_drop", max(drops), None, NEWTON_TOLERANCE)
+    test.check(f"{name}_{count}.newton_order", min(orders), 1.7, None)
+
+
+with Test() as test:
+    against_table(test, "bar_elastic", 0.01, 4)
+    against_table(test, "bar_j2", 0.02, 5)
+    splines(test)
+    for column in ("bar_elastic", "bar_j2"):
+        newton_rate(test, column, 64)

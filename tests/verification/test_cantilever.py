@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+"""The cantilever: tip displacements against an independent program's, by cell size, and against the elastica."""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import EXAMPLES, Test, example, read_table  # noqa: E402
+
+LENGTH = 10.0  # m
+REACH = 1e-3  # of the length
+ALPHA = 10.0  # F L^2/(E I) at full load
+
+with Test() as test:
+    table = read_table(EXAMPLES / "cantilever" / "reference.csv")
+    for refine, size in ((1, 0.25), (2, 0.125), (4, 0.0625)):
+        label = f"h={size:g}"
+        run = test.run(example("cantilever"), ranks=2, mpm_grid_refine=refine, mpm_output_every=50, mpm_quiet=None)
+        values = test.check_example(label, run, "cantilever")
+        row = np.flatnonzero((table["h"] == size) & (table["alpha"] == ALPHA))[0]
+        for name in "uv":  # a check.py that fell back on loose bounds would not show it
+            test.near(f"{label}.{name}_at_full_load", values[f"{name}_at_{ALPHA:g}"], table[name][row], absolute=REACH)
+        test.check(f"{label}.tabulated_loads", sum(name.startswith("u_at_") for name in values), np.sum(table["h"] == size))
+        test.check(f"{label}.v_over_elastica_bound", values["v_over_elastica"], 0.975, 1.025)
+        test.check(f"{label}.newton_mean", run.newton.mean(), None, 5.0)
+        test.check(f"{label}.step_cuts", run.results.summary["step_cuts"], None, 0)
