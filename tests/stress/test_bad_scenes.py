@@ -1,0 +1,255 @@
+#!/usr/bin/env python3
+"""Scenes with one thing wrong: each must end with exit status 2 and one line that names the option, and write nothing.
+
+The table holds the change that spoils a good scene (None removes an option) and what the line must contain. Some cases
+run on 2 ranks too, where the line must still appear once.
+"""
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Run, Test  # noqa: E402
+
+GOOD = {
+    "mpm_dim": "2",
+    "mpm_grid_lower": "0,0",
+    "mpm_grid_upper": "4,4",
+    "mpm_grid_cells": "4,4",
+    "mpm_materials": "soil",
+    "mpm_material_soil_type": "hencky",
+    "mpm_material_soil_E": "1e6",
+    "mpm_material_soil_nu": "0.3",
+    "mpm_material_soil_density": "1000",
+    "mpm_bodies": "block",
+    "mpm_body_block_region": "box",
+    "mpm_body_block_lower": "0,0",
+    "mpm_body_block_upper": "2,2",
+    "mpm_body_block_points_per_cell": "2,2",
+    "mpm_body_block_material": "soil",
+    "mpm_bcs": "base",
+    "mpm_bc_base_region": "box",
+    "mpm_bc_base_lower": "0,0",
+    "mpm_bc_base_upper": "4,0",
+    "mpm_bc_base_components": "x,y",
+    "mpm_loads": "weight,push",
+    "mpm_load_weight_type": "gravity",
+    "mpm_load_weight_value": "0,-1",
+    "mpm_load_push_type": "force",
+    "mpm_load_push_at": "2,2",
+    "mpm_load_push_nearest": "1",
+    "mpm_load_push_value": "10,0",
+    "mpm_time_step": "0.5",
+    "mpm_tracks": "top",
+    "mpm_track_top_at": "2,2",
+    "mpm_output_prefix": "bad",
+}
+J2 = {"mpm_material_soil_type": "j2", "mpm_material_soil_yield_stress": "1e4"}
+PRAGER = {"mpm_material_soil_type": "drucker_prager", "mpm_material_soil_friction": "30",
+          "mpm_material_soil_dilation": "0", "mpm_material_soil_cohesion": "1e3"}
+NO_BOX = {"mpm_body_block_lower": None, "mpm_body_block_upper": None}
+ON_REGION = {"mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_region": "box"}
+
+# name, change, what the line must contain
+CASES = [
+    # names and words
+    ("unknown option", {"mpm_colour": "red"}, "-mpm_colour"),
+    ("unknown option of a block", {"mpm_body_block_colour": "red"}, "-mpm_body_block_colour"),
+    ("option with a slip", {"mpm_body_block_point_per_cell": "2,2"}, "-mpm_body_block_point_per_cell"),
+    ("block that is not declared", {"mpm_material_rock_E": "1e9"}, "-mpm_material_rock_E"),
+    ("parameter of another law", {"mpm_material_soil_yield_stress": "1e4"}, "-mpm_material_soil_yield_stress"),
+    ("at with gravity", {"mpm_load_weight_at": "1,1"}, "-mpm_load_weight_at"),
+    ("no dimension", {"mpm_dim": None}, "-mpm_dim"),
+    ("one dimension", {"mpm_dim": "1"}, "-mpm_dim"),
+    ("four dimensions", {"mpm_dim": "4"}, "-mpm_dim"),
+    ("unknown physics", {"mpm_physics": "fluid"}, "-mpm_physics"),
+    ("unknown shape", {"mpm_shape": "cubic"}, "-mpm_shape"),
+    ("unknown solver", {"mpm_solver": "magic"}, "-mpm_solver"),
+    ("unknown Jacobian", {"mpm_jacobian": "exact"}, "-mpm_jacobian"),
+    ("unknown matrix type", {"mpm_mat_type": "round"}, "-mpm_mat_type"),
+    ("neither true nor false", {"mpm_quiet": "perhaps"}, "-mpm_quiet"),
+    ("empty name", {"mpm_materials": "soil,"}, "-mpm_materials"),
+    ("equal names", {"mpm_materials": "soil,soil"}, "-mpm_materials"),
+    ("names equal but for case", {"mpm_bodies": "block,Block"}, "-mpm_bodies"),
+    ("name with a blank", {"mpm_tracks": "the top"}, "-mpm_tracks"),
+    # materials
+    ("no materials", {"mpm_materials": None}, "-mpm_materials"),
+    ("empty list of materials", {"mpm_materials": ""}, "-mpm_materials"),
+    ("material without a block", {"mpm_materials": "soil,rock"}, "-mpm_material_rock_type"),
+    ("material without a type", {"mpm_material_soil_type": None}, "-mpm_material_soil_type"),
+    ("unknown law", {"mpm_material_soil_type": "henky"}, "-mpm_material_soil_type"),
+    ("no Young's modulus", {"mpm_material_soil_E": None}, "-mpm_material_soil_E"),
+    ("Young's modulus zero", {"mpm_material_soil_E": "0"}, "-mpm_material_soil_E"),
+    ("Young's modulus negative", {"mpm_material_soil_E": "-1e6"}, "-mpm_material_soil_E"),
+    ("Young's modulus infinite", {"mpm_material_soil_E": "inf"}, "-mpm_material_soil_E"),
+    ("Young's modulus with a unit", {"mpm_material_soil_E": "1 MPa"}, "-mpm_material_soil_E"),
+    ("Young's modulus empty", {"mpm_material_soil_E": ""}, "-mpm_material_soil_E"),
+    ("nu = 0.5", {"mpm_material_soil_nu": "0.5"}, "-mpm_material_soil_nu"),
+    ("nu = -1", {"mpm_material_soil_nu": "-1"}, "-mpm_material_soil_nu"),
+    ("nu is not a number", {"mpm_material_soil_nu": "third"}, "-mpm_material_soil_nu"),
+    ("nu is NaN", {"mpm_material_soil_nu": "nan"}, "-mpm_material_soil_nu"),
+    ("two values for nu", {"mpm_material_soil_nu": "0.3,0.3"}, "-mpm_material_soil_nu"),
+    ("density negative", {"mpm_material_soil_density": "-1000"}, "-mpm_material_soil_density"),
+    ("gravity without density", {"mpm_material_soil_density": None}, "-mpm_material_soil_density"),
+    ("no yield stress", {**J2, "mpm_material_soil_yield_stress": None}, "-mpm_material_soil_yield_stress"),
+    ("yield stress zero", {**J2, "mpm_material_soil_yield_stress": "0"}, "-mpm_material_soil_yield_stress"),
+    ("hardening NaN", {**J2, "mpm_material_soil_hardening": "nan"}, "-mpm_material_soil_hardening"),
+    ("friction of a right angle", {**PRAGER, "mpm_material_soil_friction": "90"}, "-mpm_material_soil_friction"),
+    ("cohesion negative", {**PRAGER, "mpm_material_soil_cohesion": "-1"}, "-mpm_material_soil_cohesion"),
+    ("unknown fit", {**PRAGER, "mpm_material_soil_fit": "tight"}, "-mpm_material_soil_fit"),
+    # grid
+    ("no cells", {"mpm_grid_cells": None}, "-mpm_grid_cells"),
+    ("zero cells", {"mpm_grid_cells": "0,4"}, "-mpm_grid_cells"),
+    ("negative cells", {"mpm_grid_cells": "4,-4"}, "-mpm_grid_cells"),
+    ("broken number of cells", {"mpm_grid_cells": "4.5,4"}, "-mpm_grid_cells"),
+    ("cells on one axis only", {"mpm_grid_cells": "4"}, "-mpm_grid_cells"),
+    ("cells on three axes in 2D", {"mpm_grid_cells": "4,4,4"}, "-mpm_grid_cells"),
+    ("cells beyond counting", {"mpm_grid_cells": "99999999999999999999,4"}, "-mpm_grid_cells"),
+    ("grid without extent", {"mpm_grid_upper": "4,0"}, "-mpm_grid_upper"),
+    ("grid upside down", {"mpm_grid_upper": "4,-4"}, "-mpm_grid_upper"),
+    ("refined by zero", {"mpm_grid_refine": "0"}, "-mpm_grid_refine"),
+    # bodies
+    ("no bodies", {"mpm_bodies": None}, "-mpm_bodies"),
+    ("body without material", {"mpm_body_block_material": None}, "-mpm_body_block_material"),
+    ("material that is not defined", {"mpm_body_block_material": "granite"}, "-mpm_body_block_material"),
+    ("body outside the grid", {"mpm_body_block_lower": "10,10", "mpm_body_block_upper": "12,12"}, "-mpm_body_block"),
+    ("body half outside the grid", {"mpm_body_block_upper": "5,2"}, "-mpm_body_block"),
+    ("disc outside the grid", {**NO_BOX, "mpm_body_block_region": "sphere", "mpm_body_block_center": "4,4",
+                               "mpm_body_block_radius": "1"}, "-mpm_body_block_center"),
+    ("region between the points", {"mpm_body_block_lower": "0.1,0.1", "mpm_body_block_upper": "0.2,0.2"},
+     "-mpm_body_block_region"),
+    ("body upside down", {"mpm_body_block_upper": "2,-2"}, "-mpm_body_block_upper"),
+    ("no points per cell", {"mpm_body_block_points_per_cell": "0,2"}, "-mpm_body_block_points_per_cell"),
+    ("negative points per cell", {"mpm_body_block_points_per_cell": "-2,2"}, "-mpm_body_block_points_per_cell"),
+    ("points per cell on one axis", {"mpm_body_block_points_per_cell": "2"}, "-mpm_body_block_points_per_cell"),
+    ("unknown region", {"mpm_body_block_region": "ball"}, "-mpm_body_block_region"),
+    ("geometry without a region", {"mpm_body_block_region": None}, "-mpm_body_block_region"),
+    ("box without a corner", {"mpm_body_block_upper": None}, "-mpm_body_block_upper"),
+    ("disc without a radius", {**NO_BOX, "mpm_body_block_region": "sphere", "mpm_body_block_center": "1,1"},
+     "-mpm_body_block_radius"),
+    ("disc of radius zero", {**NO_BOX, "mpm_body_block_region": "sphere", "mpm_body_block_center": "1,1",
+                             "mpm_body_block_radius": "0"}, "-mpm_body_block_radius"),
+    ("cylinder in 2D", {"mpm_body_block_region": "cylinder"}, "-mpm_body_block_region"),
+    ("polygon of two vertices", {**NO_BOX, "mpm_body_block_region": "polygon", "mpm_body_block_vertices": "0,0,1,1"},
+     "-mpm_body_block_vertices"),
+    ("polygon that lacks a number", {**NO_BOX, "mpm_body_block_region": "polygon",
+                                     "mpm_body_block_vertices": "0,0,2,0,2"}, "-mpm_body_block_vertices"),
+    ("polygon that crosses itself", {**NO_BOX, "mpm_body_block_region": "polygon",
+                                     "mpm_body_block_vertices": "0,0,2,2,2,0,0,2"}, "-mpm_body_block_vertices"),
+    ("body from a file that is not there", {**NO_BOX, "mpm_body_block_region": "file"}, "-mpm_body_block_"),
+    # conditions
+    ("condition without a block", {"mpm_bcs": "base,wall"}, "-mpm_bc_wall"),
+    ("condition without components", {"mpm_bc_base_components": None}, "-mpm_bc_base_components"),
+    ("component z in 2D", {"mpm_bc_base_components": "z"}, "-mpm_bc_base_components"),
+    ("pressure of a solid", {"mpm_bc_base_components": "p"}, "-mpm_bc_base_components"),
+    ("component that does not exist", {"mpm_bc_base_components": "q"}, "-mpm_bc_base_components"),
+    ("component twice", {"mpm_bc_base_components": "x,x"}, "-mpm_bc_base_components"),
+    ("fewer values than components", {"mpm_bc_base_value": "0"}, "-mpm_bc_base_value"),
+    ("value is not a number", {"mpm_bc_base_value": "0,down"}, "-mpm_bc_base_value"),
+    ("condition between the nodes", {"mpm_bc_base_lower": "0.1,0.1", "mpm_bc_base_upper": "0.9,0.9"},
+     "-mpm_bc_base_region"),
+    ("condition outside the grid", {"mpm_bc_base_lower": "0,9", "mpm_bc_base_upper": "4,9"}, "-mpm_bc_base_region"),
+    # loads, ramps, tracks
+    ("load without a type", {"mpm_load_push_type": None}, "-mpm_load_push_type"),
+    ("unknown type of load", {"mpm_load_push_type": "kick"}, "-mpm_load_push_type"),
+    ("load without a value", {"mpm_load_push_value": None}, "-mpm_load_push_value"),
+    ("load with too many values", {"mpm_load_push_value": "1,0,0"}, "-mpm_load_push_value"),
+    ("load with an infinite value", {"mpm_load_push_value": "inf,0"}, "-mpm_load_push_value"),
+    ("load at a place and in a region", {"mpm_load_push_region": "all"}, "-mpm_load_push_region"),
+    ("load at no place", {"mpm_load_push_at": None, "mpm_load_push_nearest": None}, "-mpm_load_push_at"),
+    ("load on zero points", {"mpm_load_push_nearest": "0"}, "-mpm_load_push_nearest"),
+    ("load on more points than there are", {"mpm_load_push_nearest": "17"}, "-mpm_load_push_nearest"),
+    ("load on an empty region", {**ON_REGION, "mpm_load_push_lower": "3,3", "mpm_load_push_upper": "4,4"},
+     "-mpm_load_push_region"),
+    ("traction without a region", {"mpm_load_push_type": "traction"}, "-mpm_load_push_region"),
+    ("traction where there is no face", {**ON_REGION, "mpm_load_push_type": "traction", "mpm_load_push_lower": "0,3",
+                                         "mpm_load_push_upper": "4,3"}, "-mpm_load_push_region"),
+    ("ramp without pairs", {"mpm_load_push_ramp": "0,1"}, "-mpm_load_push_ramp"),
+    ("ramp of words", {"mpm_load_push_ramp": "start:0,end:1"}, "-mpm_load_push_ramp"),
+    ("ramp back in time", {"mpm_load_push_ramp": "1:0,0:1"}, "-mpm_load_push_ramp"),
+    ("ramp to NaN", {"mpm_load_push_ramp": "0:0,1:nan"}, "-mpm_load_push_ramp"),
+    ("ramp with a loose end", {"mpm_load_push_ramp": "0:0,1:1,"}, "-mpm_load_push_ramp"),
+    ("empty ramp", {"mpm_load_push_ramp": ""}, "-mpm_load_push_ramp"),
+    ("track at no place", {"mpm_track_top_at": None}, "-mpm_track_top_at"),
+    ("track without a block", {"mpm_tracks": "top,toe"}, "-mpm_track_toe_at"),
+    # time and output
+    ("no step", {"mpm_time_step": None}, "-mpm_time_step"),
+    ("step zero", {"mpm_time_step": "0"}, "-mpm_time_step"),
+    ("step negative", {"mpm_time_step": "-0.1"}, "-mpm_time_step"),
+    ("step NaN", {"mpm_time_step": "nan"}, "-mpm_time_step"),
+    ("end zero", {"mpm_time_end": "0"}, "-mpm_time_end"),
+    ("smallest step above the step", {"mpm_time_step_min": "1"}, "-mpm_time_step_min"),
+    ("largest step below the step", {"mpm_time_adaptive": "true", "mpm_time_step_max": "0.1"}, "-mpm_time_step_max"),
+    ("growth that shrinks", {"mpm_time_growth": "0.5"}, "-mpm_time_growth"),
+    ("output every minus one steps", {"mpm_output_every": "-1"}, "-mpm_output_every"),
+    ("results in a folder that is not there", {"mpm_output_prefix": "nowhere/bad"}, "-mpm_output_prefix"),
+    ("no prefix", {"mpm_output_prefix": ""}, "-mpm_output_prefix"),
+    # further than options go
+    ("unknown linear solver of PETSc", {"ksp_type": "magic"}, "-ksp_type"),
+    ("unknown preconditioner of PETSc", {"pc_type": "magic"}, "-pc_type"),
+]
+
+# name, text of the scene file (None: there is none), what the line must contain
+FILES = [
+    ("scene that is not there", None, "scene.yaml"),
+    ("empty scene", "", "-mpm_dim"),
+    ("broken YAML", "mpm:\n  dim: 2\n grid: {cells: [1, 2\n", "scene.yaml"),
+    ("not YAML", "\x01\x02\x03 { [ : \n", "scene.yaml"),
+]
+
+TWO_RANKS = {"unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
+             "condition between the nodes", "results in a folder that is not there", "broken YAML"}
+
+
+def write_scene(folder, options):
+    path = folder / "scene.yaml"
+    path.write_text("".join(f'{name}: "{value}"\n' for name, value in options.items()), encoding="utf-8")
+    return path
+
+
+def changed(change):
+    return {name: value for name, value in {**GOOD, **change}.items() if value is not None}
+
+
+def faults(run, expected, ranks):
+    """What is wrong with the way in which a run refused its scene."""
+    lines = [line for line in run.errors.splitlines() if line.strip()]
+    told = [line for line in lines if line.startswith("talus: error:")]
+    if run.status != 2:
+        yield f"exit status {run.status}"
+    if len(told) != 1:
+        yield f"{len(told)} lines 'talus: error:'"
+    if ranks == 1 and len(lines) != len(told):  # mpiexec adds lines of its own
+        yield "more on stderr"
+    if told and expected not in told[0]:
+        yield f"no {expected}"
+    if "PETSC ERROR" in run.errors + run.output or "Caught signal" in run.errors:
+        yield "traceback"
+    extra = [name for name in run.files if name != "scene.yaml"]
+    if extra:
+        yield "wrote " + ", ".join(extra)
+
+
+def refuse(test, name, folder, expected, ranks):
+    run = Run(test.program, folder / "scene.yaml", ranks, {}, folder)
+    found = list(faults(run, expected, ranks))
+    label = name.replace(" ", "_") + ("" if ranks == 1 else f"_on_{ranks}_ranks")
+    test.check(label, len(found), None, 0)
+    if found:
+        print(f"    {'; '.join(found)}: {run.errors.strip()[:400]}")
+
+
+with Test() as test:
+    place = test.folder()
+    good = Run(test.program, write_scene(place, GOOD), 1, {}, place)
+    test.check("the_good_scene", good.status, 0, 0)
+    for case, change, contains in CASES:
+        for count in (1, 2) if case in TWO_RANKS else (1,):
+            place = test.folder()
+            write_scene(place, changed(change))
+            refuse(test, case, place, contains, count)
+    for case, text, contains in FILES:
+        for count in (1, 2) if case in TWO_RANKS else (1,):
+            place = test.folder()
+            if text is not None:
+                (place / "scene.yaml").write_text(text, encoding="utf-8")
+            refuse(test, case, place, contains, count)
