@@ -27,7 +27,7 @@
 
 typedef double Scalar;
 
-MPM_FN double  ScalarValue(Scalar a)
+MPM_FN double ScalarValue(Scalar a)
 {
   return a;
 }

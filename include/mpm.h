@@ -2,8 +2,8 @@
 /*
   Talus - implicit material point method on PETSc.
 
-  The model has PETSc's life cycle: Create, SetFromOptions, Run, Destroy; Destroy takes the address and sets NULL. All calls are
-  collective. The examples use SI units; the engine itself does not know units. Tension is positive.
+  The model has PETSc's life cycle: Create, SetFromOptions, Run, Destroy; Destroy takes the address and sets NULL. All
+  calls are collective. The examples use SI units; the engine itself does not know units. Tension is positive.
 
   A step, as data flows through it:
 
@@ -33,8 +33,9 @@
 /*
   One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.
 
-  An increment field (the displacement) restarts at zero each step. Any other field is solved for as a total. With `rate` the engine keeps
-  the field's value at the points, hands it to the kernel as value_n, and starts the step from its projection to the nodes.
+  An increment field (the displacement) restarts at zero each step. Any other field is solved for as a total. With
+  `rate` the engine keeps the field's value at the points, hands it to the kernel as value_n, and starts the step from
+  its projection to the nodes.
 */
 typedef struct {
   const char *name;
@@ -46,8 +47,8 @@ typedef struct {
 } MpmField;
 
 /*
-  A physics: its fields, in the order of their unknowns at a node, and its kernel. Inputs of the kernel, in this order: for every field,
-  for every component, its value (if used) and then its derivatives along the axes (if used).
+  A physics: its fields, in the order of their unknowns at a node, and its kernel. Inputs of the kernel, in this order:
+  for every field, for every component, its value (if used) and then its derivatives along the axes (if used).
 
   The first field must be the displacement increment with as many components as dimensions: it moves the points.
 */
@@ -62,12 +63,21 @@ typedef struct {
 } MpmPhysics;
 
 /* How the Jacobian is made; the names are the values of -mpm_jacobian. */
-typedef enum { MPM_JACOBIAN_AUTO, MPM_JACOBIAN_LOCAL, MPM_JACOBIAN_COLORING, MPM_JACOBIAN_DENSE, MPM_JACOBIAN_FD } MpmJacobianType;
+typedef enum {
+  MPM_JACOBIAN_AUTO,
+  MPM_JACOBIAN_LOCAL,
+  MPM_JACOBIAN_COLORING,
+  MPM_JACOBIAN_DENSE,
+  MPM_JACOBIAN_FD
+} MpmJacobianType;
 extern const char *const MpmJacobianTypes[];
 
 typedef struct _p_MpmModel *MpmModel;
 
-/* A body force: N per m3 of the initial volume, at a point that stood at X in the initial state. Both have `dim` components. */
+/*
+  A body force: N per m3 of the initial volume, at a point that stood at X in the initial state. Both have `dim`
+  components.
+*/
 typedef PetscErrorCode (*MpmBodyForce)(PetscInt dim, PetscReal time, const PetscReal X[], PetscReal force[], void *ctx);
 
 /*@
@@ -81,7 +91,8 @@ typedef PetscErrorCode (*MpmBodyForce)(PetscInt dim, PetscReal time, const Petsc
 
   Fails with MPM_ERR_INPUT and one line that names the option.
 
-  MpmModelRun - all steps; writes the results; status is 0, or MPM_EXIT_GAVEUP with the reason printed and in the summary
+  MpmModelRun - all steps; writes the results; status is 0, or MPM_EXIT_GAVEUP with the reason printed and in the
+  summary
 @*/
 PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model);
 PetscErrorCode MpmModelSetPhysics(MpmModel model, const MpmPhysics *physics);

@@ -9,16 +9,16 @@
   `parameters` and `states` are the file's static tables; a law without history passes MPM_NO_STATE for `states`.
 */
 #define MPM_LAW(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_) \
-  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo *info); \
-  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo *info) \
+  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
+  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
   { \
     const MPM_INSTANCE(MpmLaw) law = kernel_; \
-    info->name            = #name_; \
-    info->summary         = summary_; \
-    info->parameters      = parameters_; \
-    info->parameter_count = sizeof(parameters_) / sizeof((parameters_)[0]); \
-    info->states          = states_; \
-    info->state_count     = sizeof(states_) / sizeof((states_)[0]); \
+    info->name                     = #name_; \
+    info->summary                  = summary_; \
+    info->parameters               = parameters_; \
+    info->parameter_count          = sizeof(parameters_) / sizeof((parameters_)[0]); \
+    info->states                   = states_; \
+    info->state_count              = sizeof(states_) / sizeof((states_)[0]); \
     if (info->state_count == 1 && !info->states[0].name) info->state_count = 0; \
     info->traits    = traits_; \
     info->check     = check_; \
@@ -27,16 +27,22 @@
   }
 
 /* The state table of a law without history: static const MpmStateVariable states[] = MPM_NO_STATE; */
-#define MPM_NO_STATE {{NULL, MPM_STATE_SCALAR, 0., NULL}}
+#define MPM_NO_STATE \
+  { \
+    { \
+      NULL, MPM_STATE_SCALAR, 0., NULL \
+    } \
+  }
 
 /*
-  MPM_KERNEL(name, inputs, kernel) - a physics' kernel of this instance, in plain doubles: it fills its slot of the kernel set
+  MPM_KERNEL(name, inputs, kernel) - a physics' kernel of this instance, in plain doubles: it fills its slot of the
+  kernel set
 */
 #if MPM_DIRECTIONS == 0
 #define MPM_KERNEL_FORM MPM_FORM_RESIDUAL
 #define MPM_KERNEL(name_, inputs_, kernel_) \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet *set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet *set) \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
   { \
     set->inputs   = inputs_; \
     set->residual = kernel_; \
@@ -44,7 +50,8 @@
 #elif MPM_DIRECTIONS == 1
 #define MPM_KERNEL_FORM MPM_FORM_DIRECTION
 #define MPM_KERNEL(name_, inputs_, kernel_) \
-  static int Direction_##name_(const MpmKernelPoint *point, const double *input, const double *dinput, double *flux, double *dflux) \
+  static int Direction_##name_(const MpmKernelPoint *point, const double *input, const double *dinput, double *flux, \
+                               double *dflux) \
   { \
     Scalar in[inputs_], out[inputs_]; \
     for (int k = 0; k < inputs_; k++) in[k] = ScalarShift(ScalarScale(dinput[k], ScalarSeed(0., 0)), input[k]); \
@@ -55,8 +62,11 @@
     } \
     return failed; \
   } \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet *set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet *set) { set->direction = Direction_##name_; }
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
+  { \
+    set->direction = Direction_##name_; \
+  }
 #else
 #define MPM_KERNEL_FORM MPM_FORM_TANGENT
 #define MPM_KERNEL(name_, inputs_, kernel_) \
@@ -71,6 +81,9 @@
     } \
     return failed; \
   } \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet *set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet *set) { set->tangent = Tangent_##name_; }
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
+  { \
+    set->tangent = Tangent_##name_; \
+  }
 #endif

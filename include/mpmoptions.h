@@ -2,14 +2,18 @@
 /*
   Typed reading of -mpm_ options, one line of manual and one line of complaint for each.
 
-  Every reader states name, unit, range and meaning once: the same words make the text of -help, the check of the value, and the record
-  of the options in force. Input errors carry MPM_ERR_INPUT; main() turns them into one line and exit status 2.
+  Every reader states name, unit, range and meaning once: the same words make the text of -help, the check of the value,
+  and the record of the options in force. Input errors carry MPM_ERR_INPUT; main() turns them into one line and exit
+  status 2.
 */
 #include <petscsys.h>
 
 #define MPM_ERR_INPUT PETSC_ERR_USER_INPUT
 
-/* Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the same on all ranks. */
+/*
+  Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the
+  same on all ranks.
+*/
 #define MpmCheckInput(condition, ...) \
   do { \
     if (PetscUnlikely(!(condition))) SETERRQ(PETSC_COMM_SELF, MPM_ERR_INPUT, __VA_ARGS__); \
@@ -17,10 +21,12 @@
 
 /* What has been read so far, with the values in force. */
 typedef struct _p_MpmRecord *MpmRecord;
-PetscErrorCode MpmRecordCreate(MpmRecord *record);
-PetscErrorCode MpmRecordDestroy(MpmRecord *record);
+PetscErrorCode               MpmRecordCreate(MpmRecord *record);
+PetscErrorCode               MpmRecordDestroy(MpmRecord *record);
 
-/* Where a block of options lives: `prefix` without the leading dash, like "mpm_material_beam_". `record` may be NULL. */
+/*
+  Where a block of options lives: `prefix` without the leading dash, like "mpm_material_beam_". `record` may be NULL.
+*/
 typedef struct {
   MPI_Comm    comm;
   const char *prefix;
@@ -44,33 +50,42 @@ PetscBool MpmOptionsHelp(void);
 /* Prints the heading of a block when -help asks for it. */
 PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title);
 
-/* `value` holds the default on entry. `set` (may be NULL) tells whether the option was given. Not-a-number is never accepted. */
-PetscErrorCode MpmOptionsReal(const MpmOptions *options, const char *name, const char *unit, const char *help, MpmRange range, MpmNeed need,
-                              PetscReal *value, PetscBool *set);
-PetscErrorCode MpmOptionsInt(const MpmOptions *options, const char *name, const char *help, PetscInt lower, PetscInt upper, MpmNeed need,
-                             PetscInt *value, PetscBool *set);
-PetscErrorCode MpmOptionsBool(const MpmOptions *options, const char *name, const char *help, PetscBool *value, PetscBool *set);
+/*
+  `value` holds the default on entry. `set` (may be NULL) tells whether the option was given. Not-a-number is never
+  accepted.
+*/
+PetscErrorCode MpmOptionsReal(const MpmOptions *options, const char *name, const char *unit, const char *help,
+                              MpmRange range, MpmNeed need, PetscReal *value, PetscBool *set);
+PetscErrorCode MpmOptionsInt(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
+                             PetscInt upper, MpmNeed need, PetscInt *value, PetscBool *set);
+PetscErrorCode MpmOptionsBool(const MpmOptions *options, const char *name, const char *help, PetscBool *value,
+                              PetscBool *set);
 /* `count` values exactly, comma-separated; `values` holds the default on entry when the need is optional. */
-PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, const char *unit, const char *help, MpmRange range,
-                               MpmNeed need, PetscInt count, PetscReal values[], PetscBool *set);
-PetscErrorCode MpmOptionsInts(const MpmOptions *options, const char *name, const char *help, PetscInt lower, PetscInt upper, MpmNeed need,
-                              PetscInt count, PetscInt values[], PetscBool *set);
+PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, const char *unit, const char *help,
+                               MpmRange range, MpmNeed need, PetscInt count, PetscReal values[], PetscBool *set);
+PetscErrorCode MpmOptionsInts(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
+                              PetscInt upper, MpmNeed need, PetscInt count, PetscInt values[], PetscBool *set);
 /* Any number of reals; free with PetscFree(). */
-PetscErrorCode MpmOptionsRealList(const MpmOptions *options, const char *name, const char *unit, const char *help, MpmNeed need,
-                                  PetscInt *count, PetscReal **values);
+PetscErrorCode MpmOptionsRealList(const MpmOptions *options, const char *name, const char *unit, const char *help,
+                                  MpmNeed need, PetscInt *count, PetscReal **values);
 /* One word out of `choices` (NULL-terminated); `value` is its index and holds the default on entry. */
-PetscErrorCode MpmOptionsWord(const MpmOptions *options, const char *name, const char *help, const char *const choices[], MpmNeed need,
-                              PetscInt *value, PetscBool *set);
+PetscErrorCode MpmOptionsWord(const MpmOptions *options, const char *name, const char *help,
+                              const char *const choices[], MpmNeed need, PetscInt *value, PetscBool *set);
 /* Free text; `value` is NULL when the option is absent; free with PetscFree(). */
-PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback, MpmNeed need,
-                              char **value);
-/* A comma-separated list of names of blocks: letters, digits and underscores, no two alike. Free with MpmNamesDestroy(). */
-PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need, PetscInt *count, char ***names);
+PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
+                              MpmNeed need, char **value);
+/*
+  A comma-separated list of names of blocks: letters, digits and underscores, no two alike. Free with MpmNamesDestroy().
+*/
+PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
+                               PetscInt *count, char ***names);
 PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
 /* Is the option -<prefix><name> there? Does not mark it as used. */
 PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has);
 
-/* After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name. */
+/*
+  After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name.
+*/
 PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options);
 /* Writes what was in force, defaults included, and all other PETSc options, as YAML that can be run again (rank 0). */
 PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path);

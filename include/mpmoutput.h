@@ -1,7 +1,7 @@
 #pragma once
 /*
-  What a run leaves behind: points in HDF5 with an XDMF index, the history as CSV, the account of the run as JSON.
-  These objects know nothing of the model: they are handed names and arrays.
+  What a run leaves behind: points in HDF5 with an XDMF index, the history as CSV, the account of the run as JSON. These
+  objects know nothing of the model: they are handed names and arrays.
 */
 #include <petscsys.h>
 #include "mpmcompat.h"
@@ -29,8 +29,8 @@ typedef struct {
 . datasets - what is written besides id; a dataset called position must be among them (XDMF geometry, 2 or 3 components)
 - dataset_count
 
-  Collective. The first call truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line
-  naming the file.
+  Collective. The first call truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
+  the file.
 */
 PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output);
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],

@@ -1,10 +1,11 @@
 #pragma once
 /*
-  MpmShape - one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and 3D.
+  MpmShape - one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and
+  3D.
 
-  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: hat, 2, 3), evaluated at the point or averaged over
-  the point's domain [x - l, x + l]. Averages are taken knot interval by knot interval, so that they are exact for any l, keep a
-  partition of unity to rounding, and need no case distinction on l/h.
+  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: hat, 2, 3), evaluated at the point
+  or averaged over the point's domain [x - l, x + l]. Averages are taken knot interval by knot interval, so that they
+  are exact for any l, keep a partition of unity to rounding, and need no case distinction on l/h.
 */
 #include <petscsys.h>
 
@@ -33,7 +34,8 @@ PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);
   Input Parameters:
 + type        - the shape
 . xi          - the point, (x - lower)/h: node i stands at xi = i
-. half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has cut it so that the
+. half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has cut it
+so that the
                 domain stays between the edges
 . edge_lower  - first node of the axis, or of the wall that bounds the material
 - edge_upper  - last node
@@ -44,8 +46,8 @@ PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);
 . weight   - weights, count of them
 - gradient - derivatives by xi (divide by h for d/dx), count of them
 
-  Nodes beyond the edges do not exist; their coefficients are the linear extension u_{-k} = 2 u_0 - u_k, so that the edge node carries
-  the edge's value exactly.
+  Nodes beyond the edges do not exist; their coefficients are the linear extension u_{-k} = 2 u_0 - u_k, so that the
+  edge node carries the edge's value exactly.
 */
 void MpmShapeEvaluate(MpmShapeType type, PetscReal xi, PetscReal half_length, PetscInt edge_lower, PetscInt edge_upper,
                       PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[]);

@@ -11,17 +11,20 @@ typedef void (*MpmFunction)(void);
 typedef struct {
   const char *name;
   const char *unit;
-  double      fallback;        /* default value, used when `required` is 0 */
+  double      fallback; /* default value, used when `required` is 0 */
   int         required;
-  double      lower, upper;    /* accepted range */
-  int         open;            /* 1: bounds themselves are not accepted */
+  double      lower, upper; /* accepted range */
+  int         open;         /* 1: bounds themselves are not accepted */
   const char *help;
-  const char *choices;         /* NULL, or names separated by '|': the option is a word and the value its index */
+  const char *choices; /* NULL, or names separated by '|': the option is a word and the value its index */
 } MpmParameter;
 
 typedef enum { MPM_STATE_SCALAR, MPM_STATE_SYM } MpmStateKind;
 
-/* One history variable of a law. A symmetric tensor takes 4 components in plane strain and 6 in 3D, and starts as initial * identity. */
+/*
+  One history variable of a law. A symmetric tensor takes 4 components in plane strain and 6 in 3D, and starts as
+  initial * identity.
+*/
 typedef struct {
   const char  *name; /* as it appears in the results */
   MpmStateKind kind;
@@ -31,7 +34,8 @@ typedef struct {
 
 /*
   MPM_LAW_SYMMETRIC     the law derives from a potential, so its Jacobian is symmetric
-  MPM_LAW_SMALL_STRAIN  the stress is linear in the displacement gradient and is not objective: the physics then leaves the geometry of
+  MPM_LAW_SMALL_STRAIN  the stress is linear in the displacement gradient and is not objective: the physics then leaves
+  the geometry of
                         the step alone, and a step takes one Newton iteration
 */
 typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2 } MpmLawTrait;
@@ -44,9 +48,9 @@ typedef struct {
   size_t                  parameter_count;
   const MpmStateVariable *states;
   size_t                  state_count;
-  unsigned                traits;     /* MpmLawTrait values, or-ed */
+  unsigned                traits;                          /* MpmLawTrait values, or-ed */
   int (*check)(const double *parameter, const char **why); /* NULL, or 0 where parameters contradict each other */
-  double (*stiffness)(const double *parameter);            /* constrained modulus at rest, Pa: scales penalties and tolerances */
+  double (*stiffness)(const double *parameter); /* constrained modulus at rest, Pa: scales penalties and tolerances */
   MpmFunction law;
 } MpmLawInfo;
 
@@ -54,8 +58,8 @@ typedef struct {
 typedef enum { MPM_FORM_RESIDUAL, MPM_FORM_DIRECTION, MPM_FORM_TANGENT, MPM_FORM_COUNT } MpmForm;
 
 /*
-  What a physics kernel is told about one point. The last three are NULL except when the converged step is committed, and then only in
-  the residual form.
+  What a physics kernel is told about one point. The last three are NULL except when the converged step is committed,
+  and then only in the residual form.
 */
 typedef struct {
   const double      *parameter;         /* of the point's material */
@@ -73,7 +77,8 @@ typedef struct {
 } MpmKernelPoint;
 
 /*
-  A physics' compiled kernel in one dimension, plain doubles in and out, one function a form; each returns non-zero for a domain error.
+  A physics' compiled kernel in one dimension, plain doubles in and out, one function a form; each returns non-zero for
+  a domain error.
 
   residual    flux[inputs]
   direction   flux and dflux = (d flux / d input) dinput

@@ -13,11 +13,11 @@
 */
 #include "elasticity.h"
 
-static const MpmParameter     parameters[] = {ELASTIC_PARAMETERS};
+static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 
 static const MpmStateVariable states[] = MPM_NO_STATE;
 
-MPM_FN int                    MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Tensor F = TensorMulArray(dF, point->F_n);
   const Sym    b = SymLeftCauchyGreen(&F);

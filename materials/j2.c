@@ -34,7 +34,7 @@ enum { STATE_B = 0, STATE_ALPHA = MPM_SYM };
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
                                           {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
 
-MPM_FN int                    MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+MPM_FN int MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Lame   lame      = LameFromParameters(point->parameter);
   const double hardening = point->parameter[HARDENING], alpha_n = point->state_n[STATE_ALPHA];

@@ -14,11 +14,11 @@
 */
 #include "elasticity.h"
 
-static const MpmParameter     parameters[] = {ELASTIC_PARAMETERS};
+static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 
 static const MpmStateVariable states[] = MPM_NO_STATE;
 
-MPM_FN int                    MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Lame   lame     = LameFromParameters(point->parameter);
   const Tensor F        = TensorMulArray(dF, point->F_n);

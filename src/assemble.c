@@ -11,8 +11,9 @@ PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
 }
 
 /* Residual of one group's points. */
-MPM_INLINE PetscErrorCode ResidualGroup(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscBool weights,
-                                        const PetscReal u[], MpmWorkspace *work, PetscReal residual[], PetscInt *failed)
+MPM_INLINE PetscErrorCode ResidualGroup(const PetscInt n, const MpmKnown known, const MpmSum *sum,
+                                        const MpmGroup *group, PetscBool weights, const PetscReal u[],
+                                        MpmWorkspace *work, PetscReal residual[], PetscInt *failed)
 {
   MpmSumGather(n, known, sum, group, u, work->values);
   for (PetscInt k = 0; k < n * known.block; k++) work->force[k] = 0.;

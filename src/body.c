@@ -1,6 +1,6 @@
 /*
-  Bodies: where the points come from. Points stand on a regular sub-lattice of every cell; a cell that the body's edge cuts keeps the
-  points inside.
+  Bodies: where the points come from. Points stand on a regular sub-lattice of every cell; a cell that the body's edge
+  cuts keeps the points inside.
 */
 #include "mpmimpl.h"
 
@@ -31,12 +31,14 @@ static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, Mp
     if (a >= grid->dim) continue;
     MpmCheckInput(lower[a] <= PETSC_NINFINITY || upper[a] >= PETSC_INFINITY ||
                     (lower[a] >= grid->lower[a] - tolerance && upper[a] <= grid->upper[a] + tolerance),
-                  "-%slower: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]", block->prefix, (double)lower[a], (double)upper[a],
-                  "xyz"[a], (double)grid->lower[a], (double)grid->upper[a]);
-    lower[a]            = PetscMax(lower[a], grid->lower[a]);
-    upper[a]            = PetscMin(upper[a], grid->upper[a]);
-    body->cell_lower[a] = PetscMax((PetscInt)PetscFloorReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE), 0);
-    body->cell_upper[a] = PetscMin((PetscInt)PetscCeilReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->cells[a]);
+                  "-%slower: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]", block->prefix,
+                  (double)lower[a], (double)upper[a], "xyz"[a], (double)(grid->lower[a]), (double)(grid->upper[a]));
+    lower[a] = PetscMax(lower[a], grid->lower[a]);
+    upper[a] = PetscMin(upper[a], grid->upper[a]);
+    body->cell_lower[a] =
+      PetscMax((PetscInt)PetscFloorReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE), 0);
+    body->cell_upper[a] =
+      PetscMin((PetscInt)PetscCeilReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->cells[a]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -59,9 +61,12 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   }
   PetscCall(MpmOptionsHeading(&block, "Body"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &(*body)->region));
-  PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim, (*body)->per_cell, NULL));
-  MpmCheckInput(MpmRegionGetType((*body)->region) != MPM_REGION_FILE, "-%sregion file: not available in this version; accepted are box, sphere, "
-                "cylinder, polygon", prefix);
+  PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
+                           (*body)->per_cell, NULL));
+  MpmCheckInput(MpmRegionGetType((*body)->region) != MPM_REGION_FILE,
+                "-%sregion file: not available in this version; accepted are box, sphere, "
+                "cylinder, polygon",
+                prefix);
   PetscCall(PetscCalloc1((material_count + 1), &names));
   for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
@@ -80,11 +85,14 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where points is given. */
+/*
+  Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where
+  points is given.
+*/
 static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id, PetscInt first, MpmPoints *points)
 {
-  const PetscInt dim = grid->dim;
-  PetscInt64     cells = 1, begin, end;
+  const PetscInt dim      = grid->dim;
+  PetscInt64     cells    = 1, begin, end;
   PetscInt       per_cell = 1, count = 0, extent[MPM_MAX_DIM];
   PetscReal      volume = 1., x[MPM_MAX_DIM] = {0., 0., 0.};
 
@@ -97,15 +105,16 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
   begin = cells * grid->rank / grid->size;
   end   = cells * (grid->rank + 1) / grid->size;
   for (PetscInt64 k = begin; k < end; k++) {
-    const PetscInt64 cell[MPM_MAX_DIM] = {k % extent[0], (k / extent[0]) % extent[1], k / ((PetscInt64)extent[0] * extent[1])};
+    const PetscInt64 cell[MPM_MAX_DIM] = {k % extent[0], (k / extent[0]) % extent[1],
+                                          k / ((PetscInt64)extent[0] * extent[1])};
 
     for (PetscInt q = 0; q < per_cell; q++) {
       const PetscInt *m = body->per_cell, sub[MPM_MAX_DIM] = {q % m[0], (q / m[0]) % m[1], q / (m[0] * m[1])};
       PetscInt        p = first + count;
 
       for (PetscInt a = 0; a < dim; a++) {
-        x[a] = grid->lower[a] +
-               grid->h[a] * ((PetscReal)(body->cell_lower[a] + cell[a]) + ((PetscReal)sub[a] + 0.5) / (PetscReal)body->per_cell[a]);
+        x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)(body->cell_lower[a] + cell[a]) +
+                                              ((PetscReal)sub[a] + 0.5) / (PetscReal)body->per_cell[a]);
       }
       if (!MpmRegionContains(body->region, x)) continue;
       count++;
@@ -135,8 +144,8 @@ static void InitialState(const MpmMaterial *material, PetscInt dim, PetscReal st
   }
 }
 
-PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[], const MpmGrid *grid,
-                                 MpmParticles *particles)
+PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                                 const MpmGrid *grid, MpmParticles *particles)
 {
   PetscInt64 *count, *before, *total, id = 0;
   PetscInt    local = 0, first = 0;
@@ -167,7 +176,8 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   particles->total = id;
-  PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE, "%" PetscInt64_FMT " points need PETSc with 64-bit indices", id);
+  PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "%" PetscInt64_FMT " points need PETSc with 64-bit indices", id);
   PetscCall(PetscFree3(count, before, total));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

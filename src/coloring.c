@@ -1,12 +1,13 @@
 /*
   The Jacobian, column by column: global seeds in dual numbers.
 
-  Nodes that stand a multiple of b = 2w - 1 apart on every axis share no row, w being the most nodes that a point touches on an axis. So
-  b^dim seeds, one for each place in a block of b^dim nodes, times the unknowns of a node, give all columns: 25 or 125 for GIMP and
-  quadratic B-splines. Source: Zhao, Li, Jiang and Choo (2025), GeoWarp, section 3.2.
+  Nodes that stand a multiple of b = 2w - 1 apart on every axis share no row, w being the most nodes that a point
+  touches on an axis. So b^dim seeds, one for each place in a block of b^dim nodes, times the unknowns of a node, give
+  all columns: 25 or 125 for GIMP and quadratic B-splines. Source: Zhao, Li, Jiang and Choo (2025), GeoWarp, section
+  3.2.
 
-  With one node a colour the same code is the dense, column-by-column differentiation; with differences of the plain kernel in
-  place of duals it is the finite-difference Jacobian. Both are for tests and benchmarks.
+  With one node a colour the same code is the dense, column-by-column differentiation; with differences of the plain
+  kernel in place of duals it is the finite-difference Jacobian. Both are for tests and benchmarks.
 */
 #include "sum.h"
 
@@ -17,17 +18,18 @@ typedef struct {
   const MpmSum *sum;
   PetscBool     differences, dense;
   PetscBool     values;
-  PetscInt      side;  /* nodes of one colour are this far apart */
-  PetscReal    *y;     /* one column of every window, by rows */
+  PetscInt      side; /* nodes of one colour are this far apart */
+  PetscReal    *y;    /* one column of every window, by rows */
   MpmWorkspace  work;
 } Seeds;
 
 /* Derivative of the flux along dinput, by duals or by central differences. */
-static int Direction(const Seeds *seeds, const MpmKernelPoint *point, const PetscReal input[], const PetscReal dinput[], PetscReal dflux[])
+static int Direction(const Seeds *seeds, const MpmKernelPoint *point, const PetscReal input[], const PetscReal dinput[],
+                     PetscReal dflux[])
 {
   const MpmKernelSet *kernel = seeds->sum->layout->kernel;
   const PetscInt      N      = seeds->sum->layout->inputs;
-  PetscReal           flux[MPM_MAX_INPUTS], forward[MPM_MAX_INPUTS], backward[MPM_MAX_INPUTS], shifted[MPM_MAX_INPUTS], size = 0.;
+  PetscReal flux[MPM_MAX_INPUTS], forward[MPM_MAX_INPUTS], backward[MPM_MAX_INPUTS], shifted[MPM_MAX_INPUTS], size = 0.;
 
   if (!seeds->differences) return kernel->direction(point, input, dinput, flux, dflux);
   for (PetscInt k = 0; k < N; k++) size = PetscMax(size, PetscAbsReal(dinput[k]));
@@ -55,11 +57,12 @@ static PetscInt NodeOfColor(const Seeds *seeds, const MpmGroup *group, const Pet
 }
 
 /* y += the column of component c of the coloured node, for one group's points. */
-static PetscErrorCode AddColumn(Seeds *seeds, const MpmGroup *group, const PetscReal u[], PetscInt j, PetscInt c, PetscInt *failed)
+static PetscErrorCode AddColumn(Seeds *seeds, const MpmGroup *group, const PetscReal u[], PetscInt j, PetscInt c,
+                                PetscInt *failed)
 {
   const MpmSum    *sum    = seeds->sum;
   const MpmLayout *layout = sum->layout;
-  const MpmKnown   known = {layout->dim, layout->block, layout->inputs, PETSC_FALSE};
+  const MpmKnown   known  = {layout->dim, layout->block, layout->inputs, PETSC_FALSE};
   const PetscInt   n = group->node_count, bs = layout->block;
   const PetscInt  *nodes = &sum->space->group_nodes[group->node_offset];
 
@@ -96,7 +99,7 @@ static void TakeColumn(const Seeds *seeds, const PetscInt color[], PetscInt c, M
   const PetscInt        bs = pattern->block, dim = pattern->dim, side = 2 * pattern->reach + 1;
 
   for (PetscInt i = 0; i < pattern->local; i++) {
-    PetscInt   w = 0, stride = 1, slot;
+    PetscInt       w = 0, stride = 1, slot;
     const PetscInt count = pattern->row[i + 1] - pattern->row[i];
 
     for (PetscInt a = 0; a < dim && w >= 0; a++, stride *= side) {
@@ -124,7 +127,8 @@ static PetscBool ColumnHeld(const MpmSum *sum, const MpmGroup *group, PetscInt j
 }
 
 /* The colours: block places, or, one node a colour, the places in the box of all nodes. */
-static PetscErrorCode ColorBox(const MpmSum *sum, const MpmPattern *pattern, PetscBool dense, PetscInt lower[], PetscInt upper[], PetscInt *side)
+static PetscErrorCode ColorBox(const MpmSum *sum, const MpmPattern *pattern, PetscBool dense, PetscInt lower[],
+                               PetscInt upper[], PetscInt *side)
 {
   PetscInt bound[2 * MPM_MAX_DIM], longest = 1;
 
@@ -152,16 +156,19 @@ static PetscErrorCode ColorBox(const MpmSum *sum, const MpmPattern *pattern, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern, PetscInt *failed)
+PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern,
+                                   PetscInt *failed)
 {
   const MpmSpace *space = sum->space;
   const PetscInt  bs    = sum->layout->block;
-  Seeds           seeds = {.sum = sum, .differences = (PetscBool)(type == MPM_JACOBIAN_FD), .dense = (PetscBool)(type == MPM_JACOBIAN_DENSE)};
+  Seeds           seeds = {.sum = sum};
   PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], color[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  *failed      = 0;
-  seeds.values = MpmLayoutUsesValues(sum->layout);
+  *failed           = 0;
+  seeds.differences = (PetscBool)(type == MPM_JACOBIAN_FD);
+  seeds.dense       = (PetscBool)(type == MPM_JACOBIAN_DENSE);
+  seeds.values      = MpmLayoutUsesValues(sum->layout);
   PetscCall(ColorBox(sum, pattern, seeds.dense, lower, upper, &seeds.side));
   PetscCall(PetscArrayzero(pattern->value, pattern->row[pattern->local] * bs * bs));
   PetscCall(MpmWorkspaceCreate(sum, &seeds.work));
@@ -175,7 +182,8 @@ PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, cons
 
             /* dense differentiation is kept honest: it evaluates every point for every column */
             if (!seeds.dense && (j < 0 || ColumnHeld(sum, &space->groups[g], j, c))) continue;
-            PetscCall(AddColumn(&seeds, &space->groups[g], u, j >= 0 && ColumnHeld(sum, &space->groups[g], j, c) ? -1 : j, c, failed));
+            PetscCall(AddColumn(&seeds, &space->groups[g], u,
+                                j >= 0 && ColumnHeld(sum, &space->groups[g], j, c) ? -1 : j, c, failed));
           }
           TakeColumn(&seeds, color, c, pattern);
         }

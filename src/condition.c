@@ -25,7 +25,8 @@ static PetscErrorCode CheckRegion(const MpmOptions *block, const MpmGrid *grid, 
   PetscCall(MpmRegionGetBounds(region, lower, upper));
   for (PetscInt a = 0; a < grid->dim; a++) {
     first[a] = PetscMax((PetscInt)PetscCeilReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE), 0);
-    last[a]  = PetscMin((PetscInt)PetscFloorReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->nodes[a] - 1);
+    last[a] =
+      PetscMin((PetscInt)PetscFloorReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->nodes[a] - 1);
   }
   for (node[2] = first[2]; node[2] <= last[2]; node[2]++) {
     for (node[1] = first[1]; node[1] <= last[1]; node[1]++) {
@@ -39,7 +40,8 @@ static PetscErrorCode CheckRegion(const MpmOptions *block, const MpmGrid *grid, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, const MpmLayout *layout, MpmCondition *bc)
+PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                                  const MpmLayout *layout, MpmCondition *bc)
 {
   char       prefix[256], **components;
   MpmOptions block = {options->comm, prefix, options->record};
@@ -54,8 +56,10 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
   PetscCall(MpmOptionsHeading(&block, "Condition"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &bc->region));
   if (!MpmOptionsHelp()) PetscCall(CheckRegion(&block, grid, bc->region));
-  PetscCall(MpmOptionsNames(&block, "components", "which unknowns are held: x, y, z, p", MPM_REQUIRED, &count, &components));
-  MpmCheckInput(count <= layout->block, "-%scomponents: %" PetscInt_FMT " given, a node has %" PetscInt_FMT " unknowns", prefix, count, layout->block);
+  PetscCall(
+    MpmOptionsNames(&block, "components", "which unknowns are held: x, y, z, p", MPM_REQUIRED, &count, &components));
+  MpmCheckInput(count <= layout->block, "-%scomponents: %" PetscInt_FMT " given, a node has %" PetscInt_FMT " unknowns",
+                prefix, count, layout->block);
   for (PetscInt k = 0; k < count; k++) {
     bc->component[k] = FindComponent(layout, components[k]);
     if (bc->component[k] < 0 && !strcmp(components[k], "p")) bc->component[k] = FindComponent(layout, "pressure");
@@ -63,7 +67,8 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
   }
   bc->component_count = count;
   PetscCall(MpmNamesDestroy(count, &components));
-  PetscCall(MpmOptionsReals(&block, "value", "m or Pa", "prescribed values, one a component", MPM_RANGE_ANY, MPM_OPTIONAL, count, bc->value, NULL));
+  PetscCall(MpmOptionsReals(&block, "value", "m or Pa", "prescribed values, one a component", MPM_RANGE_ANY,
+                            MPM_OPTIONAL, count, bc->value, NULL));
   PetscCall(MpmRampCreate(&block, "ramp", "0:1", &bc->ramp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -95,8 +100,10 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
     }
     PetscCall(MpmRegionGetBounds(bc->region, wall.lower, wall.upper));
     /* the outermost planes of held nodes; at the grid's edges there is nothing to add */
-    first = (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->lower[axis]) / grid->h[axis], 0.) - MPM_TOLERANCE);
-    last  = (PetscInt)PetscFloorReal(PetscMin((wall.upper[axis] - grid->lower[axis]) / grid->h[axis], (PetscReal)grid->nodes[axis]) + MPM_TOLERANCE);
+    first =
+      (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->lower[axis]) / grid->h[axis], 0.) - MPM_TOLERANCE);
+    last = (PetscInt)PetscFloorReal(
+      PetscMin((wall.upper[axis] - grid->lower[axis]) / grid->h[axis], (PetscReal)grid->nodes[axis]) + MPM_TOLERANCE);
     if (first > last) continue;
     if (last > 0 && last < grid->nodes[axis] - 1) {
       wall.node         = last;
@@ -121,8 +128,9 @@ PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[], const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time)
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
+                                   const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space,
+                                   PetscReal time_n, PetscReal time)
 {
   const PetscInt bs = layout->block;
 
@@ -132,12 +140,14 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_coun
   PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
   for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = -1;
   for (PetscInt b = 0; b < bc_count; b++) {
-    const PetscReal now = MpmRampEvaluate(bcs[b].ramp, time), before = time_n > 0. ? MpmRampEvaluate(bcs[b].ramp, time_n) : 0.;
+    const PetscReal now    = MpmRampEvaluate(bcs[b].ramp, time),
+                    before = time_n > 0. ? MpmRampEvaluate(bcs[b].ramp, time_n) : 0.;
 
     for (PetscInt i = 0; i < space->local; i++) {
       PetscReal x[MPM_MAX_DIM];
 
-      for (PetscInt a = 0; a < grid->dim; a++) x[a] = grid->lower[a] + grid->h[a] * (PetscReal)space->node[i * grid->dim + a];
+      for (PetscInt a = 0; a < grid->dim; a++)
+        x[a] = grid->lower[a] + grid->h[a] * (PetscReal)space->node[i * grid->dim + a];
       if (!MpmRegionContains(bcs[b].region, x)) continue;
       for (PetscInt k = 0; k < bcs[b].component_count; k++) {
         const PetscInt c = bcs[b].component[k];

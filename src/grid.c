@@ -5,7 +5,7 @@
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim)
 {
-  const MpmOptions block = {options->comm, "mpm_grid_", options->record};
+  const MpmOptions block  = {options->comm, "mpm_grid_", options->record};
   PetscInt         refine = 1;
 
   PetscFunctionBeginUser;
@@ -24,10 +24,11 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 1000000000, MPM_REQUIRED, dim, grid->cells, NULL));
   PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
-    MpmCheckInput(grid->upper[a] > grid->lower[a], "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],
-                  (double)grid->upper[a], (double)grid->lower[a]);
-    MpmCheckInput((PetscInt64)grid->cells[a] * refine < 1000000000, "-mpm_grid_refine %" PetscInt_FMT ": too many cells on axis %c", refine,
-                  "xyz"[a]);
+    MpmCheckInput(grid->upper[a] > grid->lower[a],
+                  "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],
+                  (double)(grid->upper[a]), (double)(grid->lower[a]));
+    MpmCheckInput((PetscInt64)grid->cells[a] * refine < 1000000000,
+                  "-mpm_grid_refine %" PetscInt_FMT ": too many cells on axis %c", refine, "xyz"[a]);
     grid->cells[a] *= refine;
     grid->nodes[a] = grid->cells[a] + 1;
     grid->h[a]     = (grid->upper[a] - grid->lower[a]) / (PetscReal)grid->cells[a];
@@ -72,7 +73,7 @@ PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
   return (PetscMPIInt)((proc[2] * grid->procs[1] + proc[1]) * grid->procs[0] + proc[0]);
 }
 
-/* --------------------------------------------------------------------------------------------------------------- partition */
+/* ---- partition ---- */
 
 /* How the window is cut: `procs` ranks an axis, rank coordinate k owning window nodes [begin[k], begin[k+1]). */
 typedef struct {
@@ -105,7 +106,8 @@ static PetscErrorCode GridFindWindow(MpmGrid *grid, PetscInt count, const PetscR
     const PetscInt margin = 3 + (upper - lower) / 10;
 
     grid->window_lower[a] = a < grid->dim ? PetscMax(lower - margin, 0) : 0;
-    grid->window_nodes[a] = a < grid->dim ? PetscMin(upper + margin, grid->nodes[a] - 1) - grid->window_lower[a] + 1 : 1;
+    grid->window_nodes[a] =
+      a < grid->dim ? PetscMin(upper + margin, grid->nodes[a] - 1) - grid->window_lower[a] + 1 : 1;
     /* every rank needs a node, even where there is little material */
     while (a < grid->dim && grid->window_nodes[a] < PetscMin(grid->nodes[a], (PetscInt)grid->size)) {
       if (grid->window_lower[a] > 0) grid->window_lower[a]--;
@@ -116,7 +118,8 @@ static PetscErrorCode GridFindWindow(MpmGrid *grid, PetscInt count, const PetscR
 }
 
 /* Points per cell layer of the window along one axis, over all ranks. */
-static PetscErrorCode GridHistogram(const MpmGrid *grid, PetscInt axis, PetscInt count, const PetscReal x[], PetscInt64 **histogram)
+static PetscErrorCode GridHistogram(const MpmGrid *grid, PetscInt axis, PetscInt count, const PetscReal x[],
+                                    PetscInt64 **histogram)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(grid->window_nodes[axis], histogram));
@@ -126,11 +129,14 @@ static PetscErrorCode GridHistogram(const MpmGrid *grid, PetscInt axis, PetscInt
     MpmGridFindCell(grid, &x[p * grid->dim], cell);
     (*histogram)[cell[axis] - grid->window_lower[axis]]++;
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)grid->window_nodes[axis], MPIU_INT64, MPI_SUM, grid->comm));
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)grid->window_nodes[axis], MPIU_INT64, MPI_SUM, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Splits one axis so that every part holds about as many points, and at least one node. Returns the points at the cuts. */
+/*
+  Splits one axis so that every part holds about as many points, and at least one node. Returns the points at the cuts.
+*/
 static PetscInt64 SplitAxis(PetscInt nodes, const PetscInt64 histogram[], PetscInt procs, PetscInt begin[])
 {
   PetscInt64 total = 0, sum = 0, at_cuts = 0;
@@ -151,7 +157,8 @@ static PetscInt64 SplitAxis(PetscInt nodes, const PetscInt64 histogram[], PetscI
 }
 
 /* The cost of a cut: points on the fullest rank, and something for the points beside its faces. */
-static PetscErrorCode CutCost(MpmGrid *grid, const Cut *cut, PetscInt64 at_cuts, PetscInt count, const PetscReal x[], PetscReal *cost)
+static PetscErrorCode CutCost(MpmGrid *grid, const Cut *cut, PetscInt64 at_cuts, PetscInt count, const PetscReal x[],
+                              PetscReal *cost)
 {
   PetscInt64 *load, most = 0;
 
@@ -191,11 +198,12 @@ static PetscErrorCode GridCreateDMDA(MpmGrid *grid, const Cut *cut)
   }
   /* ghost exchange follows the active nodes, not the window: no stencil width is needed here */
   if (grid->dim == 2) {
-    PetscCall(DMDACreate2d(grid->comm, none, none, DMDA_STENCIL_BOX, grid->window_nodes[0], grid->window_nodes[1], cut->procs[0],
-                           cut->procs[1], 1, 0, range[0], range[1], &grid->da));
+    PetscCall(DMDACreate2d(grid->comm, none, none, DMDA_STENCIL_BOX, grid->window_nodes[0], grid->window_nodes[1],
+                           cut->procs[0], cut->procs[1], 1, 0, range[0], range[1], &grid->da));
   } else {
     PetscCall(DMDACreate3d(grid->comm, none, none, none, DMDA_STENCIL_BOX, grid->window_nodes[0], grid->window_nodes[1],
-                           grid->window_nodes[2], cut->procs[0], cut->procs[1], cut->procs[2], 1, 0, range[0], range[1], range[2], &grid->da));
+                           grid->window_nodes[2], cut->procs[0], cut->procs[1], cut->procs[2], 1, 0, range[0], range[1],
+                           range[2], &grid->da));
   }
   PetscCall(DMSetUp(grid->da));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(range[a]));
@@ -203,7 +211,8 @@ static PetscErrorCode GridCreateDMDA(MpmGrid *grid, const Cut *cut)
 }
 
 /* Tries every way to factor the ranks over the axes and keeps the cheapest. */
-static PetscErrorCode GridChooseCut(MpmGrid *grid, PetscInt64 *const histogram[], PetscInt count, const PetscReal x[], Cut *best)
+static PetscErrorCode GridChooseCut(MpmGrid *grid, PetscInt64 *const histogram[], PetscInt count, const PetscReal x[],
+                                    Cut *best)
 {
   PetscReal best_cost = PETSC_MAX_REAL;
   Cut       trial;
@@ -213,8 +222,8 @@ static PetscErrorCode GridChooseCut(MpmGrid *grid, PetscInt64 *const histogram[]
   for (PetscInt n = 1; n <= grid->size; n++) {
     for (PetscInt m = 1; m <= grid->size / n; m++) {
       PetscInt64 at_cuts = 0;
-      PetscReal  cost = 0.;
-      PetscBool  fits = PETSC_TRUE;
+      PetscReal  cost    = 0.;
+      PetscBool  fits    = PETSC_TRUE;
 
       if (grid->size % (m * n)) continue;
       trial.procs[0] = m;
@@ -222,7 +231,8 @@ static PetscErrorCode GridChooseCut(MpmGrid *grid, PetscInt64 *const histogram[]
       trial.procs[2] = grid->size / (m * n);
       for (PetscInt a = 0; a < MPM_MAX_DIM; a++) fits = (PetscBool)(fits && trial.procs[a] <= grid->window_nodes[a]);
       if (!fits) continue;
-      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at_cuts += SplitAxis(grid->window_nodes[a], histogram[a], trial.procs[a], trial.begin[a]);
+      for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+        at_cuts += SplitAxis(grid->window_nodes[a], histogram[a], trial.procs[a], trial.begin[a]);
       PetscCall(CutCost(grid, &trial, at_cuts, count, x, &cost));
       if (cost < best_cost) {
         best_cost = cost;

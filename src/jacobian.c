@@ -1,12 +1,12 @@
 /*
-  The Jacobian, point by point: the kernel on duals that are seeded with the point's inputs gives the point's D, and the element block of
-  a group is the sum of B^T D B over its points.
+  The Jacobian, point by point: the kernel on duals that are seeded with the point's inputs gives the point's D, and the
+  element block of a group is the sum of B^T D B over its points.
 */
 #include "sum.h"
 
 /* element[i][c][d][j] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(j) */
-MPM_INLINE void AddElement(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis, const PetscReal D[],
-                           PetscReal element[])
+MPM_INLINE void AddElement(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis,
+                           const PetscReal D[], PetscReal element[])
 {
   const PetscInt bs = known.block, N = known.inputs;
 
@@ -23,8 +23,8 @@ MPM_INLINE void AddElement(const PetscInt n, const MpmKnown known, const MpmLayo
         for (PetscInt l = 0; l < N; l++) t[l] += phi * D[k * N + l];
       }
       for (PetscInt d = 0; d < bs; d++) {
-        const PetscInt l0    = known.solid ? d * known.dim : layout->component_first[d];
-        const PetscInt count = known.solid ? known.dim : layout->component_first[d + 1] - l0;
+        const PetscInt l0       = known.solid ? d * known.dim : layout->component_first[d];
+        const PetscInt count    = known.solid ? known.dim : layout->component_first[d + 1] - l0;
         PetscReal *restrict row = &element[((i * bs + c) * bs + d) * n];
 
         for (PetscInt j = 0; j < n; j++) {
@@ -39,8 +39,9 @@ MPM_INLINE void AddElement(const PetscInt n, const MpmKnown known, const MpmLayo
 }
 
 /* The element block of one group. */
-MPM_INLINE PetscErrorCode ElementGroup(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscBool weights,
-                                       const PetscReal u[], MpmWorkspace *work, PetscReal element[], PetscInt *failed)
+MPM_INLINE PetscErrorCode ElementGroup(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                       PetscBool weights, const PetscReal u[], MpmWorkspace *work, PetscReal element[],
+                                       PetscInt *failed)
 {
   MpmSumGather(n, known, sum, group, u, work->values);
   for (PetscInt k = 0; k < n * n * known.block * known.block; k++) element[k] = 0.;

@@ -1,11 +1,12 @@
 /*
-  Loads on the material and tracks of points. Both pick their points in the initial state, by place or by region, and keep each point's
-  share in a field of the particles, so that shares travel with the points.
+  Loads on the material and tracks of points. Both pick their points in the initial state, by place or by region, and
+  keep each point's share in a field of the particles, so that shares travel with the points.
 */
 #include "mpmimpl.h"
 
 /* Reads `at` and `nearest`, or a region; exactly one of the two ways. */
-static PetscErrorCode ReadSelection(const MpmOptions *block, const MpmGrid *grid, PetscReal at[], PetscInt *nearest, MpmRegion *region)
+static PetscErrorCode ReadSelection(const MpmOptions *block, const MpmGrid *grid, PetscReal at[], PetscInt *nearest,
+                                    MpmRegion *region)
 {
   PetscBool has_at, has_region;
   PetscReal tolerance[MPM_MAX_DIM];
@@ -13,18 +14,26 @@ static PetscErrorCode ReadSelection(const MpmOptions *block, const MpmGrid *grid
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHas(block, "region", &has_region));
   *nearest = 1;
-  PetscCall(MpmOptionsReals(block, "at", "m", "a place in the initial state", MPM_RANGE_ANY, MPM_OPTIONAL, grid->dim, at, &has_at));
-  if (has_at) PetscCall(MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL, nearest, NULL));
+  PetscCall(MpmOptionsReals(block, "at", "m", "a place in the initial state", MPM_RANGE_ANY, MPM_OPTIONAL, grid->dim,
+                            at, &has_at));
+  if (has_at)
+    PetscCall(
+      MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL, nearest, NULL));
   else *nearest = 0;
-  if (MpmOptionsHelp()) has_at = (PetscBool)!(has_region = PETSC_TRUE);
-  MpmCheckInput(!(has_at && has_region), "-%sat and -%sregion: give one of them, not both", block->prefix, block->prefix);
-  MpmCheckInput(has_at || has_region, "-%sat is missing: give a place and the number of nearest points, or a region", block->prefix);
+  if (MpmOptionsHelp()) has_at = (PetscBool) !(has_region = PETSC_TRUE);
+  MpmCheckInput(!(has_at && has_region), "-%sat and -%sregion: give one of them, not both", block->prefix,
+                block->prefix);
+  MpmCheckInput(has_at || has_region, "-%sat is missing: give a place and the number of nearest points, or a region",
+                block->prefix);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
   if (has_region) PetscCall(MpmRegionCreate(block, grid->dim, tolerance, region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The face of the domains that a traction acts on: an axis and a side, like +y; by default the axis along which the region has no extent. */
+/*
+  The face of the domains that a traction acts on: an axis and a side, like +y; by default the axis along which the
+  region has no extent.
+*/
 static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, MpmLoad *load)
 {
   static const char *const faces[] = {"-x", "+x", "-y", "+y", "-z", "+z", NULL};
@@ -32,8 +41,9 @@ static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, Mpm
   PetscInt                 face = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsWord(block, "face", "face of the points' domains under traction (default: across the region's thinnest axis)", faces,
-                           MPM_OPTIONAL, &face, &load->face_given));
+  PetscCall(MpmOptionsWord(block, "face",
+                           "face of the points' domains under traction (default: across the region's thinnest axis)",
+                           faces, MPM_OPTIONAL, &face, &load->face_given));
   load->face_axis = face / 2;
   load->face_side = face % 2 ? 1 : -1;
   if (load->face_given || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -65,9 +75,11 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
   PetscCall(PetscSNPrintf(field, sizeof(field), "load_%s", name));
   PetscCall(PetscStrallocpy(name, &load->name));
   PetscCall(MpmOptionsHeading(&block, "Load"));
-  PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa)", types, MPM_REQUIRED, &type, NULL));
+  PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa)", types, MPM_REQUIRED,
+                           &type, NULL));
   load->type = (MpmLoadType)type;
-  PetscCall(MpmOptionsReals(&block, "value", "N, m/s2 or Pa", "the load's vector", MPM_RANGE_ANY, MPM_REQUIRED, grid->dim, load->value, NULL));
+  PetscCall(MpmOptionsReals(&block, "value", "N, m/s2 or Pa", "the load's vector", MPM_RANGE_ANY, MPM_REQUIRED,
+                            grid->dim, load->value, NULL));
   PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
   if (load->type == MPM_LOAD_GRAVITY && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrallocpy(field, &load->share_field));
@@ -89,9 +101,11 @@ PetscErrorCode MpmLoadDestroy(MpmLoad *load)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ----------------------------------------------------------------------------------------------------------------- selection */
+/* ---- selection ---- */
 
-/* A candidate for the nearest points: distances that differ by rounding only are equal, and then the smaller id wins. */
+/*
+  A candidate for the nearest points: distances that differ by rounding only are equal, and then the smaller id wins.
+*/
 typedef struct {
   PetscInt64 distance;
   PetscInt   id, index; /* index: where the point stands on its rank */
@@ -106,16 +120,17 @@ static int CompareCandidates(const void *a, const void *b)
 }
 
 /* share = 1/nearest at the nearest points, 0 elsewhere */
-static PetscErrorCode SelectNearest(const MpmGrid *grid, const MpmPoints *points, PetscInt64 total, const char *prefix, const char *name,
-                                    const PetscReal at[], PetscInt nearest, PetscReal share[])
+static PetscErrorCode SelectNearest(const MpmGrid *grid, const MpmPoints *points, PetscInt64 total, const char *prefix,
+                                    const char *name, const PetscReal at[], PetscInt nearest, PetscReal share[])
 {
-  const PetscInt  dim = grid->dim, mine = PetscMin(nearest, points->count);
-  PetscReal       unit = grid->h[0];
-  Candidate      *local, *all;
-  PetscMPIInt    *counts, *starts, bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
+  const PetscInt dim = grid->dim, mine = PetscMin(nearest, points->count);
+  PetscReal      unit = grid->h[0];
+  Candidate     *local, *all;
+  PetscMPIInt   *counts, *starts, bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
 
   PetscFunctionBeginUser;
-  MpmCheckInput(nearest <= total, "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points", prefix, name, nearest, total);
+  MpmCheckInput(nearest <= total, "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points",
+                prefix, name, nearest, total);
   for (PetscInt a = 1; a < dim; a++) unit = PetscMin(unit, grid->h[a]);
   PetscCall(PetscMalloc1(points->count, &local));
   for (PetscInt p = 0; p < points->count; p++) {
@@ -133,7 +148,8 @@ static PetscErrorCode SelectNearest(const MpmGrid *grid, const MpmPoints *points
   PetscCallMPI(MPI_Allgatherv(local, bytes, MPI_BYTE, all, counts, starts, MPI_BYTE, grid->comm));
   qsort(all, (size_t)starts[grid->size] / sizeof(Candidate), sizeof(*all), CompareCandidates);
   PetscCall(PetscArrayzero(share, points->count));
-  for (PetscInt k = 0; k < mine && CompareCandidates(&local[k], &all[nearest - 1]) <= 0; k++) share[local[k].index] = 1. / (PetscReal)nearest;
+  for (PetscInt k = 0; k < mine && CompareCandidates(&local[k], &all[nearest - 1]) <= 0; k++)
+    share[local[k].index] = 1. / (PetscReal)nearest;
   PetscCall(PetscFree(all));
   PetscCall(PetscFree(local));
   PetscCall(PetscFree2(counts, starts));
@@ -141,8 +157,8 @@ static PetscErrorCode SelectNearest(const MpmGrid *grid, const MpmPoints *points
 }
 
 /* share = the point's part of the volume of all points in the region */
-static PetscErrorCode SelectRegion(const MpmGrid *grid, const MpmPoints *points, const char *prefix, const char *name, MpmRegion region,
-                                   PetscReal share[])
+static PetscErrorCode SelectRegion(const MpmGrid *grid, const MpmPoints *points, const char *prefix, const char *name,
+                                   MpmRegion region, PetscReal share[])
 {
   PetscReal volume = 0.;
 
@@ -166,14 +182,15 @@ static PetscReal FacePosition(const MpmLoad *load, PetscInt dim, PetscInt side, 
 }
 
 /*
-  share = the area of the domain's face where it lies in the region, 0 elsewhere. A region without extent along the face's axis is the face
-  itself; in a thicker one it is the outermost face of the points inside.
+  share = the area of the domain's face where it lies in the region, 0 elsewhere. A region without extent along the
+  face's axis is the face itself; in a thicker one it is the outermost face of the points inside.
 */
 static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPoints *points, PetscReal share[])
 {
   const PetscInt dim = grid->dim, axis = load->face_axis;
-  PetscReal      lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], outermost[2] = {PETSC_NINFINITY, PETSC_NINFINITY}, area[2] = {0., 0.};
-  PetscBool      thin;
+  PetscReal      lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], outermost[2] = {PETSC_NINFINITY, PETSC_NINFINITY},
+                                                    area[2] = {0., 0.};
+  PetscBool thin;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
@@ -190,7 +207,8 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
 
       PetscCall(PetscArraycpy(x, &points->x0[p * dim], dim));
       if (thin) x[axis] = FacePosition(load, dim, side, points, p);
-      if (MpmRegionContains(load->region, x)) outermost[s] = PetscMax(outermost[s], (PetscReal)side * FacePosition(load, dim, side, points, p));
+      if (MpmRegionContains(load->region, x))
+        outermost[s] = PetscMax(outermost[s], (PetscReal)side * FacePosition(load, dim, side, points, p));
     }
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, outermost, 2, MPIU_REAL, MPIU_MAX, grid->comm));
@@ -234,26 +252,30 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --------------------------------------------------------------------------------------------------------------- application */
+/* ---- application ---- */
 
 /*
-  Weights of the face's centre instead of the point's: a traction does its work where it acts. Only shapes with a domain have a face; the
-  others take the point.
+  Weights of the face's centre instead of the point's: a traction does its work where it acts. Only shapes with a domain
+  have a face; the others take the point.
 */
-static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space, const MpmPoints *points,
-                                  MpmStretch stretch, PetscInt p, const MpmGroup *group, PetscReal weight[])
+static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space,
+                                  const MpmPoints *points, MpmStretch stretch, PetscInt p, const MpmGroup *group,
+                                  PetscReal weight[])
 {
   const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
   const MpmShapeType at_face = shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
-  PetscReal          line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
-  PetscInt           first, count, n = 0;
+  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
+  PetscInt  first, count, n = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
     for (PetscInt i = 0; i < group->count[a]; i++) line[a][i] = a < dim ? space->weight[(p * dim + a) * W + i] : 1.;
   if (MpmShapeHasDomain(shape)) {
-    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch", points->id[p]);
-    xi = (points->x[p * dim + axis] - grid->lower[axis] + (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) / grid->h[axis];
+    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+               "point %" PetscInt_FMT " has no stretch", points->id[p]);
+    xi = (points->x[p * dim + axis] - grid->lower[axis] +
+          (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
+         grid->h[axis];
     xi = PetscMin(PetscMax(xi, 0.), (PetscReal)grid->cells[axis]);
     MpmShapeEvaluate(at_face, xi, 0., 0, grid->nodes[axis] - 1, &first, &count, face_weight, unused);
     for (PetscInt i = 0; i < group->count[axis]; i++) {
@@ -268,9 +290,9 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmGrid *grid, MpmS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space,
-                            MpmParticles *particles, const MpmPoints *points, const MpmMaterial materials[], MpmStretch stretch, PetscInt block,
-                            PetscReal force[])
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape,
+                            const MpmSpace *space, MpmParticles *particles, const MpmPoints *points,
+                            const MpmMaterial materials[], MpmStretch stretch, PetscInt block, PetscReal force[])
 {
   const PetscReal factor = MpmRampEvaluate(load->ramp, time);
   const PetscInt  dim = grid->dim, most = PetscPowInt(space->width, dim);
@@ -288,10 +310,12 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt  p = space->order[s];
-      const PetscReal amount = factor * (share ? share[p] : materials[points->material[p]].density * points->volume0[p]);
+      const PetscReal amount =
+        factor * (share ? share[p] : materials[points->material[p]].density * points->volume0[p]);
 
       if (amount == 0.) continue;
-      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, grid, shape, space, points, stretch, p, group, basis.basis[0]));
+      if (load->type == MPM_LOAD_TRACTION)
+        PetscCall(FaceWeights(load, grid, shape, space, points, stretch, p, group, basis.basis[0]));
       else MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
         for (PetscInt a = 0; a < dim; a++) force[nodes[i] * block + a] += amount * basis.basis[0][i] * load->value[a];
@@ -302,8 +326,8 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space, const MpmPoints *points, PetscInt block,
-                                 PetscReal force[])
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space,
+                                 const MpmPoints *points, PetscInt block, PetscReal force[])
 {
   const PetscInt dim = space->dim, most = PetscPowInt(space->width, dim);
   PetscReal     *storage, value[MPM_MAX_DIM];
@@ -322,14 +346,15 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
       PetscCall((*function)(dim, time, &points->x0[p * dim], value, ctx));
       MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
-        for (PetscInt a = 0; a < dim; a++) force[nodes[i] * block + a] += points->volume0[p] * basis.basis[0][i] * value[a];
+        for (PetscInt a = 0; a < dim; a++)
+          force[nodes[i] * block + a] += points->volume0[p] * basis.basis[0][i] * value[a];
     }
   }
   PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -------------------------------------------------------------------------------------------------------------------- tracks */
+/* ---- tracks ---- */
 
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)
 {
@@ -365,7 +390,8 @@ PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
   if (track->region) PetscCall(SelectRegion(grid, &points, "track", track->name, track->region, share));
-  else PetscCall(SelectNearest(grid, &points, particles->total, "track", track->name, track->at, track->nearest, share));
+  else
+    PetscCall(SelectNearest(grid, &points, particles->total, "track", track->name, track->at, track->nearest, share));
   PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -390,6 +416,7 @@ PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, 
   PetscCall(DMSwarmRestoreField(particles->swarm, "position0", NULL, NULL, (void **)&x0));
   PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
   PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, displacement, (PetscMPIInt)dim, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)particles->swarm)));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, displacement, (PetscMPIInt)dim, MPIU_REAL, MPIU_SUM,
+                           PetscObjectComm((PetscObject)particles->swarm)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,29 +10,30 @@ PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
 
 /* What the handler knows of the current error. */
 typedef struct {
-  PetscBool reading;      /* options are being read: PETSc's own errors are input errors too */
+  PetscBool reading; /* options are being read: PETSc's own errors are input errors too */
   char      message[1024];
 } ErrorContext;
 
 /* Input errors become one line on rank 0; anything else gets PETSc's traceback. */
-static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code, PetscErrorType type,
-                                  const char *message, void *ctx)
+static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code,
+                                  PetscErrorType type, const char *message, void *ctx)
 {
   ErrorContext *context = (ErrorContext *)ctx;
 
-  if (code != MPM_ERR_INPUT && !context->reading) return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
+  if (code != MPM_ERR_INPUT && !context->reading)
+    return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
   if (type == PETSC_ERROR_INITIAL && message) (void)PetscStrncpy(context->message, message, sizeof(context->message));
   return code;
 }
 
 /*
-  PetscInitialize() would answer a bad options file with a traceback, so it is started without files; they are read afterwards, in the
-  order of the command line.
+  PetscInitialize() would answer a bad options file with a traceback, so it is started without files; they are read
+  afterwards, in the order of the command line.
 */
 static PetscErrorCode Initialize(int *argc, char ***argv, char ***without_files)
 {
   int    count = 0;
-  char **kept = (char **)calloc((size_t)*argc + 1, sizeof(char *));
+  char **kept  = (char **)calloc((size_t)*argc + 1, sizeof(char *));
 
   for (int i = 0; i < *argc; i++) {
     if (!strcmp((*argv)[i], "-options_file") || !strcmp((*argv)[i], "-options_file_yaml")) i++;

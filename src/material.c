@@ -1,6 +1,6 @@
 /*
-  The materials of a scene, and the registry of the constitutive laws that were compiled in: the build scans materials/ and lists every
-  law's constructor, once per kernel instance, in mpm_laws.h.
+  The materials of a scene, and the registry of the constitutive laws that were compiled in: the build scans materials/
+  and lists every law's constructor, once per kernel instance, in mpm_laws.h.
 */
 #include "mpmimpl.h"
 
@@ -13,7 +13,8 @@ static const struct {
   PetscInt    dim, directions;
   void (*create)(MpmLawInfo *info);
 } laws[] = {
-#define MPM_LAW_INSTANCE(name, dim, directions) {#name, dim, directions, MpmMaterialCreate_##name##_##dim##d_##directions},
+#define MPM_LAW_INSTANCE(name, dim, directions) \
+  {#name, dim, directions, MpmMaterialCreate_##name##_##dim##d_##directions},
 #include "mpm_laws.h"
 #undef MPM_LAW_INSTANCE
 };
@@ -50,7 +51,8 @@ PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm)
       PetscCall(PetscPrintf(comm, "    %-20s %s (%s", parameter->name, parameter->help, parameter->unit));
       if (parameter->choices) PetscCall(PetscPrintf(comm, "; %s", parameter->choices));
       if (parameter->required) PetscCall(PetscPrintf(comm, "; required)\n"));
-      else if (parameter->choices) PetscCall(PetscPrintf(comm, "; default: choice %d)\n", (int)parameter->fallback + 1));
+      else if (parameter->choices)
+        PetscCall(PetscPrintf(comm, "; default: choice %d)\n", (int)parameter->fallback + 1));
       else PetscCall(PetscPrintf(comm, "; default %g)\n", parameter->fallback));
     }
   }
@@ -94,7 +96,8 @@ static PetscErrorCode LawNames(const char ***names)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs, MpmMaterial *material)
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs,
+                                 MpmMaterial *material)
 {
   const PetscInt directions[MPM_FORM_COUNT] = {0, 1, inputs};
   char           prefix[256];
@@ -111,7 +114,8 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, NULL));
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
     PetscCheck(MpmLawFind(names[type], dim, directions[form], &material->info), options->comm, PETSC_ERR_SUP,
-               "law %s is not compiled for %" PetscInt_FMT "D and %" PetscInt_FMT " directions", names[type], dim, directions[form]);
+               "law %s is not compiled for %" PetscInt_FMT "D and %" PetscInt_FMT " directions", names[type], dim,
+               directions[form]);
     material->law[form] = material->info.law;
   }
   PetscCall(PetscFree(names));
@@ -123,10 +127,12 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   if (material->info.check) {
     const char *why = "contradictory parameters";
 
-    MpmCheckInput(MpmOptionsHelp() || material->info.check(material->parameter, &why), "-mpm_material_%s: %s", name, why);
+    MpmCheckInput(MpmOptionsHelp() || material->info.check(material->parameter, &why), "-mpm_material_%s: %s", name,
+                  why);
   }
   material->stiffness = material->info.stiffness(material->parameter);
-  for (size_t i = 0; i < material->info.state_count; i++) material->state_size += MpmStateComponents(&material->info.states[i], dim);
+  for (size_t i = 0; i < material->info.state_count; i++)
+    material->state_size += MpmStateComponents(&material->info.states[i], dim);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -55,7 +55,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmHistoryDestroy(&model->history));
   PetscCall(MpmParticlesDestroy(&model->particles));
   PetscCall(MpmGridDestroy(&model->grid));
-  for (PetscInt k = 0; model->materials && k < model->material_count; k++) PetscCall(MpmMaterialDestroy(&model->materials[k]));
+  for (PetscInt k = 0; model->materials && k < model->material_count; k++)
+    PetscCall(MpmMaterialDestroy(&model->materials[k]));
   for (PetscInt k = 0; model->bodies && k < model->body_count; k++) PetscCall(MpmBodyDestroy(&model->bodies[k]));
   for (PetscInt k = 0; model->bcs && k < model->bc_count; k++) PetscCall(MpmConditionDestroy(&model->bcs[k]));
   for (PetscInt k = 0; model->loads && k < model->load_count; k++) PetscCall(MpmLoadDestroy(&model->loads[k]));
@@ -79,10 +80,11 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ----------------------------------------------------------------------------------------------------------------- the scene */
+/* ---- the scene ---- */
 
 /* The names of a list of blocks. For -help, a list that the scene does not give becomes one block called NAME. */
-static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need, PetscInt *count, char ***names)
+static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
+                                PetscInt *count, char ***names)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsNames(options, list, help, need, count, names));
@@ -112,7 +114,8 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
   model->stretch = MpmStretchFind(dim);
   PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
   model->shape = (MpmShapeType)shape;
-  PetscCall(MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
+  PetscCall(
+    MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -125,17 +128,22 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
   model->time_end = 1.;
   model->growth   = 2.;
   PetscCall(MpmOptionsHeading(&block, "Time"));
-  PetscCall(MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
-  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED, &model->dt_nominal, NULL));
+  PetscCall(
+    MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
+  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED,
+                           &model->dt_nominal, NULL));
   model->dt_min = model->dt_nominal / 1024.;
   model->dt_max = model->dt_nominal;
   PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));
   if (model->adaptive) model->dt_max = model->time_end / 4.;
-  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->dt_min, NULL));
-  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->dt_max, NULL));
-  PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again", (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL,
-                           &model->growth, NULL));
-  MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(), "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
+  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
+                           &model->dt_min, NULL));
+  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
+                           &model->dt_max, NULL));
+  PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
+                           (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &model->growth, NULL));
+  MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(),
+                "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
                 (double)model->dt_nominal);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,8 +157,8 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   model->output_every = 1;
   PetscCall(MpmOptionsHeading(&block, "Output"));
   PetscCall(MpmOptionsText(&block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->prefix));
-  PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0, PETSC_INT_MAX, MPM_OPTIONAL,
-                          &model->output_every, NULL));
+  PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
+                          PETSC_INT_MAX, MPM_OPTIONAL, &model->output_every, NULL));
   PetscCall(MpmOptionsBool(&block, "grid", "write the grid too", &grid, NULL));
   MpmCheckInput(!grid, "-mpm_output_grid true: grid output is not available in this version");
   PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->quiet, NULL));
@@ -167,7 +175,8 @@ static PetscErrorCode ReadStabilization(const MpmOptions *options)
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
-  PetscCall(MpmOptionsWord(&block, "ghost", "penalty on the faces of edge cells; direct solvers need none", ghosts, MPM_OPTIONAL, &ghost, NULL));
+  PetscCall(MpmOptionsWord(&block, "ghost", "penalty on the faces of edge cells; direct solvers need none", ghosts,
+                           MPM_OPTIONAL, &ghost, NULL));
   PetscCall(MpmOptionsBool(&block, "fbar", "against volumetric locking", &fbar, NULL));
   MpmCheckInput(!fbar, "-mpm_stabilization_fbar true: not available in this version, must be false");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -178,20 +187,24 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
-  PetscCall(ReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count, &model->material_names));
+  PetscCall(ReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count,
+                      &model->material_names));
   PetscCall(PetscCalloc1(model->material_count, &model->materials));
   model->symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++) {
-    PetscCall(MpmMaterialCreate(options, model->material_names[m], model->grid.dim, model->layout.inputs, &model->materials[m]));
+    PetscCall(MpmMaterialCreate(options, model->material_names[m], model->grid.dim, model->layout.inputs,
+                                &model->materials[m]));
     if (!(model->materials[m].info.traits & MPM_LAW_SYMMETRIC)) model->symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->materials[m].stiffness);
   }
   if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
   model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
-  PetscCall(ReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
+  PetscCall(
+    ReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
   PetscCall(PetscCalloc1(model->body_count, &model->bodies));
   for (PetscInt b = 0; b < model->body_count; b++) {
-    PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials, &model->bodies[b]));
+    PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
+                            &model->bodies[b]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -199,7 +212,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(ReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
+  PetscCall(
+    ReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
   PetscCall(PetscCalloc1(model->bc_count, &model->bcs));
   PetscCall(PetscMalloc1((model->bc_count * 2 * MPM_MAX_BLOCK), &model->walls));
   for (PetscInt b = 0; b < model->bc_count; b++) {
@@ -214,12 +228,14 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->load_count, &model->loads));
   for (PetscInt l = 0; l < model->load_count; l++) {
     PetscCall(MpmLoadCreate(options, model->load_names[l], &model->grid, &model->loads[l]));
-    for (PetscInt m = 0; model->loads[l].type == MPM_LOAD_GRAVITY && m < model->material_count && !MpmOptionsHelp(); m++) {
-      MpmCheckInput(model->materials[m].density > 0., "-mpm_material_%s_density is missing: load %s is gravity", model->material_names[m],
-                    model->load_names[l]);
+    for (PetscInt m = 0; model->loads[l].type == MPM_LOAD_GRAVITY && m < model->material_count && !MpmOptionsHelp();
+         m++) {
+      MpmCheckInput(model->materials[m].density > 0., "-mpm_material_%s_density is missing: load %s is gravity",
+                    model->material_names[m], model->load_names[l]);
     }
   }
-  PetscCall(ReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count, &model->track_names));
+  PetscCall(ReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count,
+                      &model->track_names));
   PetscCall(PetscCalloc1(model->track_count, &model->tracks));
   for (PetscInt t = 0; t < model->track_count; t++) {
     PetscCall(MpmTrackCreate(options, model->track_names[t], &model->grid, &model->tracks[t]));
@@ -236,19 +252,23 @@ static PetscErrorCode CreateParticles(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->load_count + model->track_count), &fields));
-  for (PetscInt m = 0; m < model->material_count; m++) state_size = PetscMax(state_size, model->materials[m].state_size);
+  for (PetscInt m = 0; m < model->material_count; m++)
+    state_size = PetscMax(state_size, model->materials[m].state_size);
   for (PetscInt l = 0; l < model->load_count; l++) {
     if (model->loads[l].type == MPM_LOAD_TRACTION) half_length = PETSC_TRUE;
     if (model->loads[l].share_field) fields[extra++] = model->loads[l].share_field;
   }
   for (PetscInt t = 0; t < model->track_count; t++) fields[extra++] = model->tracks[t].share_field;
-  PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, extra, fields, &model->particles));
+  PetscCall(
+    MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, extra, fields, &model->particles));
   PetscCall(PetscFree(fields));
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));
   PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-  for (PetscInt l = 0; l < model->load_count; l++) PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
-  for (PetscInt t = 0; t < model->track_count; t++) PetscCall(MpmTrackSelect(&model->tracks[t], &model->grid, &model->particles));
+  for (PetscInt l = 0; l < model->load_count; l++)
+    PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
+  for (PetscInt t = 0; t < model->track_count; t++)
+    PetscCall(MpmTrackSelect(&model->tracks[t], &model->grid, &model->particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -274,7 +294,7 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------------------------- the run */
+/* ---- the run ---- */
 
 static PetscErrorCode PrintHeader(MpmModel model)
 {
@@ -283,14 +303,17 @@ static PetscErrorCode PrintHeader(MpmModel model)
   PetscFunctionBeginUser;
   if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, model->title[0] ? model->title : model->prefix));
-  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s, %d rank%s\n", model->physics.name, grid->dim,
-                        MpmShapeTypes[model->shape], MpmJacobianTypes[model->jacobian_type], model->solver, model->size, model->size > 1 ? "s" : ""));
-  PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " points, grid of %" PetscInt_FMT " x %" PetscInt_FMT, model->particles.total, grid->cells[0],
-                        grid->cells[1]));
+  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s, %d rank%s\n",
+                        model->physics.name, grid->dim, MpmShapeTypes[model->shape],
+                        MpmJacobianTypes[model->jacobian_type], model->solver, model->size,
+                        model->size > 1 ? "s" : ""));
+  PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " points, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
+                        model->particles.total, grid->cells[0], grid->cells[1]));
   if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %" PetscInt_FMT, grid->cells[2]));
   PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));
   if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
-  PetscCall(PetscPrintf(model->comm, " m\n%6s %12s %10s %6s %6s %5s %12s\n", "step", "time", "dt", "newton", "linear", "cuts", "time to go"));
+  PetscCall(PetscPrintf(model->comm, " m\n%6s %12s %10s %6s %6s %5s %12s\n", "step", "time", "dt", "newton", "linear",
+                        "cuts", "time to go"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -305,16 +328,18 @@ static PetscErrorCode PrintStep(MpmModel model, PetscReal dt)
   PetscCall(PetscTime(&now));
   left    = (now - model->start) * (model->time_end - model->time) / model->time;
   minutes = (int)(left / 60.);
-  PetscCall(PetscPrintf(model->comm, "%6" PetscInt_FMT " %12.5g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %5" PetscInt_FMT " %4d:%02d:%02d\n", model->step,
-                        (double)model->time, (double)dt, model->newton, model->linear, model->cuts, minutes / 60, minutes % 60,
-                        (int)(left - 60. * minutes)));
+  PetscCall(PetscPrintf(model->comm,
+                        "%6" PetscInt_FMT " %12.5g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %5" PetscInt_FMT
+                        " %4d:%02d:%02d\n",
+                        model->step, (double)model->time, (double)dt, model->newton, model->linear, model->cuts,
+                        minutes / 60, minutes % 60, (int)(left - 60. * minutes)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
 static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
 {
-  const PetscReal small = 1e-9 * model->dt_nominal;
+  const PetscReal small  = 1e-9 * model->dt_nominal;
   PetscReal       target = model->time_end, next;
 
   if (!model->adaptive) {
@@ -392,7 +417,8 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   if (model->output_every && written != model->step) PetscCall(MpmModelWriteOutput(model));
   if (why) {
     *status = MPM_EXIT_GAVEUP;
-    PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n", model->step, (double)model->time, why));
+    PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n",
+                           model->step, (double)model->time, why));
   }
   PetscCall(MpmModelWriteSummary(model, why ? why : "completed"));
   PetscFunctionReturn(PETSC_SUCCESS);

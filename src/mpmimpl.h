@@ -5,15 +5,16 @@
 #include "mpm.h"
 
 #define MPM_MAX_DIM    3
-#define MPM_MAX_BLOCK  8  /* unknowns a node: displacement, pressure, damage, ... */
-#define MPM_MAX_INPUTS 24 /* inputs of a kernel */
+#define MPM_MAX_BLOCK  8    /* unknowns a node: displacement, pressure, damage, ... */
+#define MPM_MAX_INPUTS 24   /* inputs of a kernel */
 #define MPM_TOLERANCE  1e-6 /* of a cell: what counts as "on" a region's edge */
 
-/* ------------------------------------------------------------------------------------------------------ grid.c, partition.c */
+/* ---- grid.c ---- */
 
 /*
-  The background grid: a regular lattice of cells. Only a window of it, the part around the material, is spread over the ranks as a DMDA;
-  what lies outside the window belongs to the rank at the window's nearest edge and costs nothing. Ownership ranges follow the points.
+  The background grid: a regular lattice of cells. Only a window of it, the part around the material, is spread over the
+  ranks as a DMDA; what lies outside the window belongs to the rank at the window's nearest edge and costs nothing.
+  Ownership ranges follow the points.
 */
 typedef struct {
   MPI_Comm    comm;
@@ -37,7 +38,7 @@ PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
 
-/* --------------------------------------------------------------------------------------------------------------- material.c */
+/* ---- material.c ---- */
 
 /* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
 typedef struct {
@@ -51,22 +52,26 @@ typedef struct {
 
 /* The laws' list for one compiled instance; finds a law by name. Returns PETSC_FALSE where there is none. */
 PetscBool      MpmLawFind(const char *name, PetscInt dim, PetscInt directions, MpmLawInfo *info);
-PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs, MpmMaterial *material);
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs,
+                                 MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Components of one history variable. */
-PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+PetscInt       MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
 PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
 
-/* ------------------------------------------------------------------------------------------------------------------ physics.c */
+/* ---- physics.c ---- */
 
-/* The layout that follows from a physics' fields: block size, and which basis function and component each kernel input takes. */
+/*
+  The layout that follows from a physics' fields: block size, and which basis function and component each kernel input
+  takes.
+*/
 typedef struct {
-  PetscInt            dim, block, inputs, rates;
-  PetscInt            component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
-  PetscInt            basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */
-  PetscInt            component_of[MPM_MAX_INPUTS], basis_of[MPM_MAX_INPUTS];
-  PetscInt            rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
-  PetscBool           increment[MPM_MAX_BLOCK];
+  PetscInt  dim, block, inputs, rates;
+  PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
+  PetscInt  basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */
+  PetscInt  component_of[MPM_MAX_INPUTS], basis_of[MPM_MAX_INPUTS];
+  PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
+  PetscBool increment[MPM_MAX_BLOCK];
   const char         *component_name[MPM_MAX_BLOCK];
   PetscBool           solid; /* the displacement's gradient is all that the kernel sees */
   const MpmKernelSet *kernel;
@@ -79,7 +84,7 @@ typedef int (*MpmStretch)(const double *F, double *diagonal);
 /* The function that gives the diagonal of U = sqrt(F^T F). */
 MpmStretch MpmStretchFind(PetscInt dim);
 
-/* ---------------------------------------------------------------------------------------------------------------- particles.c */
+/* ---- particles.c ---- */
 
 /* The points' fields, lent by MpmParticlesGetArrays(); NULL where a field is not registered. */
 typedef struct {
@@ -95,14 +100,14 @@ typedef struct {
 } MpmPoints;
 
 typedef struct {
-  DM        swarm;
-  PetscInt  dim, stress_size, state_size, rates;
-  PetscBool has_half_length;
+  DM         swarm;
+  PetscInt   dim, stress_size, state_size, rates;
+  PetscBool  has_half_length;
   PetscInt64 total;
 } MpmParticles;
 
-PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length, PetscInt extra_count,
-                                  char *const extra[], MpmParticles *particles);
+PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
+                                  PetscInt extra_count, char *const extra[], MpmParticles *particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
@@ -111,27 +116,32 @@ PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Moves the partition when the fullest rank holds too many points; `moved` tells. */
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
 
-/* ------------------------------------------------------------------------------------------------------------------- body.c */
+/* ---- body.c ---- */
 
 typedef struct _p_MpmBody *MpmBody;
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial materials[], MpmBody *body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
-PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[], const MpmGrid *grid,
-                                 MpmParticles *particles);
+PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                                 const MpmGrid *grid, MpmParticles *particles);
 
-/* --------------------------------------------------------------------------------------------------------- space.c, nodes.c */
+/* ---- space.c, nodes.c ---- */
 
-/* A wall: the plane of a Dirichlet condition on the component along its axis. Domains are cut there and splines end there. */
+/*
+  A wall: the plane of a Dirichlet condition on the component along its axis. Domains are cut there and splines end
+  there.
+*/
 typedef struct {
   PetscInt  axis;
-  PetscInt  node;       /* the plane, as a node index on the axis */
-  PetscInt  side;       /* +1: bounds the material above it, -1: below it */
+  PetscInt  node;                                   /* the plane, as a node index on the axis */
+  PetscInt  side;                                   /* +1: bounds the material above it, -1: below it */
   PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* where along the other axes, m */
 } MpmWall;
 
-/* Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side. */
+/*
+  Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side.
+*/
 typedef struct {
   PetscInt first[MPM_MAX_DIM];
   PetscInt count[MPM_MAX_DIM];
@@ -141,28 +151,29 @@ typedef struct {
 } MpmGroup;
 
 /*
-  The step's discrete space: weights of every point, and the active nodes. Local nodes are those that this rank's points touch or that it
-  owns: first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes only.
+  The step's discrete space: weights of every point, and the active nodes. Local nodes are those that this rank's points
+  touch or that it owns: first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes
+  only.
 */
 typedef struct {
-  PetscInt  dim, width;   /* most nodes on an axis */
-  PetscInt  point_count;
-  PetscInt *first, *count; /* dim values a point */
+  PetscInt   dim, width; /* most nodes on an axis */
+  PetscInt   point_count;
+  PetscInt  *first, *count;     /* dim values a point */
   PetscReal *weight, *gradient; /* per point and axis, `width` values; gradients by x */
-  PetscInt *order;        /* points by group */
-  PetscInt  group_count;
-  MpmGroup *groups;
-  PetscInt *group_nodes;  /* local nodes of each group, x fastest */
-  PetscInt  owned, local; /* active nodes owned by this rank, and with ghosts */
-  PetscInt *node;         /* lattice indices of local nodes, dim each */
-  PetscInt *global;       /* number over all ranks, of local nodes */
-  PetscInt  global_begin; /* number of the first owned node */
-  PetscInt  global_count;
-  PetscSF   sf;           /* roots: owned nodes; leaves: ghosts; NULL on one rank */
+  PetscInt  *order;             /* points by group */
+  PetscInt   group_count;
+  MpmGroup  *groups;
+  PetscInt  *group_nodes;  /* local nodes of each group, x fastest */
+  PetscInt   owned, local; /* active nodes owned by this rank, and with ghosts */
+  PetscInt  *node;         /* lattice indices of local nodes, dim each */
+  PetscInt  *global;       /* number over all ranks, of local nodes */
+  PetscInt   global_begin; /* number of the first owned node */
+  PetscInt   global_count;
+  PetscSF    sf; /* roots: owned nodes; leaves: ghosts; NULL on one rank */
 } MpmSpace;
 
-PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count, const MpmWall walls[],
-                             MpmStretch stretch, const MpmPoints *points);
+PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
+                             const MpmWall walls[], MpmStretch stretch, const MpmPoints *points);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
@@ -170,7 +181,10 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
 PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal local[]);
 PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[]);
 
-/* Sends a list of integers to each of some ranks and receives likewise (nodes.c). Received data: from[k] sent data[offset[k] .. offset[k+1]). */
+/*
+  Sends a list of integers to each of some ranks and receives likewise (nodes.c). Received data: from[k] sent
+  data[offset[k] .. offset[k+1]).
+*/
 typedef struct {
   PetscInt     count;
   PetscMPIInt *rank;
@@ -181,8 +195,8 @@ PetscErrorCode MpmListsExchange(MPI_Comm comm, const MpmLists *sent, MpmLists *r
 PetscErrorCode MpmListsDestroy(MpmLists *lists);
 
 /*
-  The weights and derivatives of one point at its group's nodes: basis[0] weights, basis[1..dim] derivatives by x, y, z; each of
-  node_count values, x fastest.
+  The weights and derivatives of one point at its group's nodes: basis[0] weights, basis[1..dim] derivatives by x, y, z;
+  each of node_count values, x fastest.
 */
 #define MPM_MAX_WIDTH 16
 typedef struct {
@@ -190,7 +204,7 @@ typedef struct {
 } MpmBasis;
 void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
 
-/* ------------------------------------------------------------------------------------------------------------- condition.c */
+/* ---- condition.c ---- */
 
 /* A Dirichlet condition on nodes. */
 typedef struct {
@@ -209,15 +223,17 @@ typedef struct {
   PetscBool  any;
 } MpmConstraints;
 
-PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, const MpmLayout *layout, MpmCondition *bc);
+PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                                  const MpmLayout *layout, MpmCondition *bc);
 PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt *count, MpmWall walls[]);
-PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[], const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time);
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
+                                   const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space,
+                                   PetscReal time_n, PetscReal time);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
 
-/* ------------------------------------------------------------------------------------------------------------------- load.c */
+/* ---- load.c ---- */
 
 typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION } MpmLoadType;
 
@@ -247,17 +263,18 @@ PetscErrorCode MpmLoadDestroy(MpmLoad *load);
 /* Finds the points that carry the load, in the initial state. */
 PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles);
 /* Adds the load at `time` to the external force at the local nodes. */
-PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space, MpmParticles *particles,
-                            const MpmPoints *points, const MpmMaterial materials[], MpmStretch stretch, PetscInt block, PetscReal force[]);
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape,
+                            const MpmSpace *space, MpmParticles *particles, const MpmPoints *points,
+                            const MpmMaterial materials[], MpmStretch stretch, PetscInt block, PetscReal force[]);
 /* Adds a body force that is a function of the initial position. */
-PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space, const MpmPoints *points, PetscInt block,
-                                 PetscReal force[]);
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space,
+                                 const MpmPoints *points, PetscInt block, PetscReal force[]);
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
 PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
 PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[]);
 
-/* ----------------------------------------------------------------------------- assemble.c, jacobian.c, coloring.c, pattern.c */
+/* ---- assemble.c, jacobian.c, coloring.c, pattern.c ---- */
 
 /* All that the sums over points need; borrowed from the model for the length of a step. */
 typedef struct {
@@ -280,8 +297,9 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
 
 /*
-  The sparsity pattern, in node blocks, and the values of this rank's contributions in the same order. Rows of owned nodes hold what any
-  rank adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers, ascending.
+  The sparsity pattern, in node blocks, and the values of this rank's contributions in the same order. Rows of owned
+  nodes hold what any rank adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers,
+  ascending.
 */
 typedef struct {
   PetscInt   block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
@@ -292,44 +310,48 @@ typedef struct {
   PetscReal *value;  /* row-major within a block row: row[i]*block^2 + (c * columns_i + k)*block + c' */
 } MpmPattern;
 
-PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block, PetscBool *changed);
+PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
+                               PetscBool *changed);
 PetscErrorCode MpmPatternReset(MpmPattern *pattern);
-PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat);
+PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type,
+                                   Mat *mat);
 /* Adds a group's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns are left out. */
-void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group, const MpmConstraints *constraints,
-                        PetscReal element[]);
+void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group,
+                        const MpmConstraints *constraints, PetscReal element[]);
 /* Puts `diagonal` on constrained rows, hands everything to the matrix and assembles it. */
-PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints, PetscReal diagonal, Mat mat);
+PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
+                               PetscReal diagonal, Mat mat);
 
 PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscInt *failed);
-PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern, PetscInt *failed);
+PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern,
+                                   PetscInt *failed);
 
-/* ------------------------------------------------------------------------------------------------ solver.c, step.c, model.c */
+/* ---- solver.c, step.c, model.c ---- */
 
 struct _p_MpmModel {
-  MPI_Comm          comm;
-  PetscMPIInt       rank, size;
-  MpmRecord         record;
-  char             *title, *prefix;
-  MpmPhysics        physics;
-  MpmLayout         layout;
-  MpmStretch        stretch;
-  MpmGrid           grid;
-  MpmShapeType      shape;
-  MpmJacobianType   jacobian_type;
-  char             *solver;
-  PetscInt          material_count, body_count, bc_count, load_count, track_count, wall_count;
-  char            **material_names, **body_names, **bc_names, **load_names, **track_names;
-  MpmMaterial      *materials;
-  MpmBody          *bodies;
-  MpmCondition     *bcs;
-  MpmLoad          *loads;
-  MpmTrack         *tracks;
-  MpmWall          *walls;
-  MpmParticles      particles;
-  MpmBodyForce      body_force;
-  void             *body_force_ctx;
-  PetscBool         symmetric;
+  MPI_Comm        comm;
+  PetscMPIInt     rank, size;
+  MpmRecord       record;
+  char           *title, *prefix;
+  MpmPhysics      physics;
+  MpmLayout       layout;
+  MpmStretch      stretch;
+  MpmGrid         grid;
+  MpmShapeType    shape;
+  MpmJacobianType jacobian_type;
+  char           *solver;
+  PetscInt        material_count, body_count, bc_count, load_count, track_count, wall_count;
+  char          **material_names, **body_names, **bc_names, **load_names, **track_names;
+  MpmMaterial    *materials;
+  MpmBody        *bodies;
+  MpmCondition   *bcs;
+  MpmLoad        *loads;
+  MpmTrack       *tracks;
+  MpmWall        *walls;
+  MpmParticles    particles;
+  MpmBodyForce    body_force;
+  void           *body_force_ctx;
+  PetscBool       symmetric;
 
   /* time */
   PetscReal time, time_end, dt_nominal, dt_min, dt_max, growth;
@@ -343,7 +365,7 @@ struct _p_MpmModel {
   MpmPattern     pattern;
   MpmSum         sum;
   PetscReal     *u, *residual, *force; /* local nodes */
-  PetscReal      diagonal; /* of held unknowns: a typical stiffness */
+  PetscReal      diagonal;             /* of held unknowns: a typical stiffness */
   char           mat_type[64], vec_type[64];
   SNES           snes;
   Mat            jacobian;
@@ -377,8 +399,10 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
 PetscErrorCode MpmSolverSetUp(MpmModel model);
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason);
 PetscErrorCode MpmSolverDestroy(MpmModel model);
-/* One step from model->time to `time`, dt later; `retry`: the same step again, shorter. `why` is NULL when it converged, otherwise the
-   reason (static text). */
+/*
+  One step from model->time to `time`, dt later; `retry`: the same step again, shorter. `why` is NULL when it converged,
+  otherwise the reason (static text).
+*/
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool retry, const char **why);
 /* Results (results.c). */
 PetscErrorCode MpmModelWriteOutput(MpmModel model);

@@ -1,6 +1,7 @@
 /*
-  The active nodes: those that points touch. Every rank tells the owners which of their nodes it touches, the owners number what is
-  touched, and the answers make the scatter between owned nodes and ghosts. Nothing is as large as the grid.
+  The active nodes: those that points touch. Every rank tells the owners which of their nodes it touches, the owners
+  number what is touched, and the answers make the scatter between owned nodes and ghosts. Nothing is as large as the
+  grid.
 */
 #include "mpmimpl.h"
 
@@ -24,7 +25,8 @@ PetscErrorCode MpmListsExchange(MPI_Comm comm, const MpmLists *sent, MpmLists *r
   PetscCall(PetscCommGetNewTag(comm, &tag));
   PetscCall(PetscMalloc1(sent->count, &length));
   for (PetscInt k = 0; k < sent->count; k++) length[k] = sent->offset[k + 1] - sent->offset[k];
-  PetscCall(PetscCommBuildTwoSided(comm, 1, MPIU_INT, (PetscMPIInt)sent->count, sent->rank, length, &from_count, &from, (void *)&from_length));
+  PetscCall(PetscCommBuildTwoSided(comm, 1, MPIU_INT, (PetscMPIInt)sent->count, sent->rank, length, &from_count, &from,
+                                   (void *)&from_length));
   received->count = from_count;
   PetscCall(PetscMalloc1(from_count, &received->rank));
   PetscCall(PetscMalloc1((from_count + 1), &received->offset));
@@ -36,10 +38,12 @@ PetscErrorCode MpmListsExchange(MPI_Comm comm, const MpmLists *sent, MpmLists *r
   PetscCall(PetscMalloc1(received->offset[from_count], &received->data));
   PetscCall(PetscMalloc1((from_count + sent->count), &request));
   for (PetscInt k = 0; k < from_count; k++) {
-    PetscCallMPI(MPI_Irecv(&received->data[received->offset[k]], (PetscMPIInt)from_length[k], MPIU_INT, from[k], tag, comm, &request[k]));
+    PetscCallMPI(MPI_Irecv(&received->data[received->offset[k]], (PetscMPIInt)from_length[k], MPIU_INT, from[k], tag,
+                           comm, &request[k]));
   }
   for (PetscInt k = 0; k < sent->count; k++) {
-    PetscCallMPI(MPI_Isend(&sent->data[sent->offset[k]], (PetscMPIInt)length[k], MPIU_INT, sent->rank[k], tag, comm, &request[from_count + k]));
+    PetscCallMPI(MPI_Isend(&sent->data[sent->offset[k]], (PetscMPIInt)length[k], MPIU_INT, sent->rank[k], tag, comm,
+                           &request[from_count + k]));
   }
   PetscCallMPI(MPI_Waitall((PetscMPIInt)(from_count + sent->count), request, MPI_STATUSES_IGNORE));
   PetscCall(PetscFree(request));
@@ -76,7 +80,8 @@ static PetscErrorCode MapAllocate(NodeMap *map, PetscInt64 *size)
   PetscFunctionBeginUser;
   *size = 1;
   for (PetscInt a = 0; a < map->dim; a++) *size *= PetscMax(map->upper[a] - map->lower[a], 0);
-  PetscCheck(*size < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "the points of one rank span %" PetscInt64_FMT " nodes", *size);
+  PetscCheck(*size < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "the points of one rank span %" PetscInt64_FMT " nodes", *size);
   PetscCall(PetscMalloc1(*size, &map->value));
   for (PetscInt64 i = 0; i < *size; i++) map->value[i] = -1;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -87,7 +92,9 @@ static PetscErrorCode MapAllocate(NodeMap *map, PetscInt64 *size)
   for (PetscInt k_ = 0; k_ < (group)->count[2]; k_++) \
     for (PetscInt j_ = 0; j_ < (group)->count[1]; j_++) \
       for (PetscInt i_ = 0; \
-           i_ < (group)->count[0] && (node[0] = (group)->first[0] + i_, node[1] = (group)->first[1] + j_, node[2] = (group)->first[2] + k_, 1); i_++)
+           i_ < (group)->count[0] && \
+           (node[0] = (group)->first[0] + i_, node[1] = (group)->first[1] + j_, node[2] = (group)->first[2] + k_, 1); \
+           i_++)
 
 /* Marks the nodes that this rank's points touch. */
 static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
@@ -112,7 +119,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
   for (PetscInt g = 0; g < space->group_count; g++) {
     PetscInt node[MPM_MAX_DIM];
 
-    FOR_GROUP_NODES(&space->groups[g], node) *MapAt(map, node) = 0;
+    FOR_GROUP_NODES(&space->groups[g], node) * MapAt(map, node) = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -163,8 +170,12 @@ static PetscErrorCode ListForeign(const MpmGrid *grid, const NodeMap *map, MpmLi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lists the owned nodes, which this rank or another touches, in lattice order, and gives them their local numbers in the map. */
-static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, PetscInt ghosts, NodeMap *map)
+/*
+  Lists the owned nodes, which this rank or another touches, in lattice order, and gives them their local numbers in the
+  map.
+*/
+static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, PetscInt ghosts,
+                                  NodeMap *map)
 {
   const PetscInt dim = space->dim;
   NodeMap        old = *map;
@@ -201,7 +212,8 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
 }
 
 /* Numbers the ghosts after the owned nodes, learns their owners' numbers, and builds the scatter. */
-static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const MpmLists *foreign, const MpmLists *wanted, NodeMap *map)
+static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const MpmLists *foreign,
+                                   const MpmLists *wanted, NodeMap *map)
 {
   const PetscInt dim = space->dim, ghosts = space->local - space->owned;
   MpmLists       answer = {0}, numbers = {0};
@@ -221,7 +233,8 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
 
     answer.rank[k]      = wanted->rank[k];
     answer.data[fill++] = space->global_begin;
-    for (PetscInt i = wanted->offset[k]; i < wanted->offset[k + 1]; i += dim) answer.data[fill++] = *MapAt(map, &wanted->data[i]);
+    for (PetscInt i = wanted->offset[k]; i < wanted->offset[k + 1]; i += dim)
+      answer.data[fill++] = *MapAt(map, &wanted->data[i]);
     answer.offset[k + 1] = fill;
   }
   PetscCall(MpmListsExchange(grid->comm, &answer, &numbers));
@@ -231,7 +244,8 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
     PetscInt from = 0;
 
     while (numbers.rank[from] != foreign->rank[k]) from++;
-    for (PetscInt i = foreign->offset[k], j = numbers.offset[from] + 1; i < foreign->offset[k + 1]; i += dim, j++, ghost++) {
+    for (PetscInt i = foreign->offset[k], j = numbers.offset[from] + 1; i < foreign->offset[k + 1];
+         i += dim, j++, ghost++) {
       const PetscInt local = space->owned + ghost;
 
       *MapAt(map, &foreign->data[i]) = local;

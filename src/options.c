@@ -36,7 +36,7 @@ typedef struct {
   PetscBool   given;
 } Item;
 
-/* ------------------------------------------------------------------------------------------------------- one option */
+/* ---- one option ---- */
 
 static PetscErrorCode FullName(const MpmOptions *options, const char name[], char **full)
 {
@@ -135,7 +135,7 @@ static PetscErrorCode ItemRefuse(const Item *item, const ItemSpec *spec, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------- ranges and lists */
+/* ---- ranges and lists ---- */
 
 #define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
 
@@ -244,7 +244,7 @@ static PetscErrorCode CheckCount(const Item *item, const ItemSpec *spec, PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---------------------------------------------------------------------------------------------------------- readers */
+/* ---- readers ---- */
 
 PetscBool MpmOptionsHelp(void)
 {

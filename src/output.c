@@ -37,7 +37,7 @@ typedef struct {
   char        reason[REASON_LENGTH];
 } Writer;
 
-/* --------------------------------------------------------------------------------------------------------- failures */
+/* ---- failures ---- */
 
 /* Keeps the last description it is shown: HDF5's innermost, which tells most. */
 static herr_t KeepDescription(unsigned depth, const H5E_error2_t *error, void *context)
@@ -81,7 +81,7 @@ static PetscErrorCode Agree(Writer *writer, PetscBool worked)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -------------------------------------------------------------------------------------------------- rows to blocks */
+/* ---- rows to blocks ---- */
 
 /* Are the ids 0 .. N-1, each once? Otherwise the graph cannot be built, or rows would be lost. */
 static PetscErrorCode CheckIdRange(Writer *writer, PetscInt count, const PetscInt id[])
@@ -172,7 +172,7 @@ static PetscErrorCode GatherBlock(Writer *writer, PetscBool integer, const MpmDa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------------------- HDF5 */
+/* ---- HDF5 ---- */
 
 /* Access to the file: objects left open go with it; a viewer that holds the file open must not end the run. */
 static hid_t CreateFileAccess(MPI_Comm comm, PetscMPIInt size)
@@ -362,7 +362,7 @@ static PetscErrorCode WriteState(Writer *writer, MpmOutput output, const char *g
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- object */
+/* ---- object ---- */
 
 static PetscErrorCode CreatePath(const char *prefix, const char *suffix, char **path)
 {

@@ -1,16 +1,17 @@
 /*
-  The material points: a DMSwarm of type BASIC whose fields are those that the scene's physics and materials use, and no other.
+  The material points: a DMSwarm of type BASIC whose fields are those that the scene's physics and materials use, and no
+  other.
 
-  Ownership is arithmetic on the grid: the rank that owns a cell's lower node owns the points in it, so a point goes to its rank in one
-  message however far it moved.
+  Ownership is arithmetic on the grid: the rank that owns a cell's lower node owns the points in it, so a point goes to
+  its rank in one message however far it moved.
 */
 #include "mpmimpl.h"
 
 /* Rebalance when the fullest rank holds this much more than the mean. */
 #define IMBALANCE_LIMIT 1.15
 
-PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length, PetscInt extra_count,
-                                  char *const extra[], MpmParticles *particles)
+PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
+                                  PetscInt extra_count, char *const extra[], MpmParticles *particles)
 {
   const PetscInt dim = grid->dim;
   DM             swarm;
@@ -30,7 +31,8 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   if (half_length) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "half_length", dim, PETSC_REAL));
   if (state_size) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "state", state_size, PETSC_REAL));
   if (rates) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "value", rates, PETSC_REAL));
-  for (PetscInt e = 0; e < extra_count; e++) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, extra[e], 1, PETSC_REAL));
+  for (PetscInt e = 0; e < extra_count; e++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
   particles->swarm           = swarm;
   particles->dim             = dim;
@@ -62,7 +64,8 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   PetscCall(DMSwarmGetField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmGetField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmGetField(swarm, "stress", NULL, NULL, (void **)&points->stress));
-  if (particles->has_half_length) PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
+  if (particles->has_half_length)
+    PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -81,7 +84,8 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   PetscCall(DMSwarmRestoreField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmRestoreField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmRestoreField(swarm, "stress", NULL, NULL, (void **)&points->stress));
-  if (particles->has_half_length) PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
+  if (particles->has_half_length)
+    PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscCall(PetscMemzero(points, sizeof(*points)));
@@ -113,8 +117,8 @@ PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid)
 
     PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
     PetscCall(DMSwarmGetSize(particles->swarm, &total));
-    PetscCheck(total == particles->total, grid->comm, PETSC_ERR_PLIB, "migration lost points: %" PetscInt_FMT " of %" PetscInt64_FMT " are left",
-               total, particles->total);
+    PetscCheck(total == particles->total, grid->comm, PETSC_ERR_PLIB,
+               "migration lost points: %" PetscInt_FMT " of %" PetscInt64_FMT " are left", total, particles->total);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -129,7 +133,8 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
   if (grid->size == 1 && grid->da) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   PetscCall(MPIU_Allreduce(&count, &most, 1, MPIU_INT, MPI_MAX, grid->comm));
-  if (!always && (PetscReal)most * grid->size <= IMBALANCE_LIMIT * (PetscReal)particles->total) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!always && (PetscReal)most * grid->size <= IMBALANCE_LIMIT * (PetscReal)particles->total)
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
   PetscCall(MpmGridPartition(grid, count, x));
   PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));

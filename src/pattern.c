@@ -1,9 +1,10 @@
 /*
   The Jacobian's sparsity and the values on their way into the matrix.
 
-  A row's columns lie in a window of (2w - 1)^dim nodes around it, w being the most nodes that a point touches on an axis: a table over that
-  window gives the place of any entry without a search. Values of owned rows are kept in the order of PETSc's AIJ storage and copied there
-  as they are; rows of ghosts go to their owners through the matrix's stash.
+  A row's columns lie in a window of (2w - 1)^dim nodes around it, w being the most nodes that a point touches on an
+  axis: a table over that window gives the place of any entry without a search. Values of owned rows are kept in the
+  order of PETSc's AIJ storage and copied there as they are; rows of ghosts go to their owners through the matrix's
+  stash.
 */
 #include "mpmimpl.h"
 
@@ -18,7 +19,10 @@ PetscErrorCode MpmPatternReset(MpmPattern *pattern)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Offsets in the window of a group's nodes, relative to its first node: the entry (i, j) stands at center + offset[j] - offset[i]. */
+/*
+  Offsets in the window of a group's nodes, relative to its first node: the entry (i, j) stands at center + offset[j] -
+  offset[i].
+*/
 static PetscInt WindowOffsets(const MpmPattern *pattern, const MpmGroup *group, PetscInt offset[])
 {
   const PetscInt side = 2 * pattern->reach + 1;
@@ -55,7 +59,10 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the local number of the node at a window position of a row: the group nodes know it, so it is looked up through them. */
+/*
+  Finds the local number of the node at a window position of a row: the group nodes know it, so it is looked up through
+  them.
+*/
 typedef struct {
   PetscInt *neighbour; /* like slot: local node numbers */
 } Neighbours;
@@ -83,9 +90,12 @@ static PetscErrorCode FindNeighbours(const MpmPattern *pattern, const MpmSpace *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* This rank's entries in ghost rows, told to their owners: for each row the owner's number of it, the count, and the columns. */
-static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, const Neighbours *found,
-                                        MpmLists *received)
+/*
+  This rank's entries in ghost rows, told to their owners: for each row the owner's number of it, the count, and the
+  columns.
+*/
+static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm,
+                                        const Neighbours *found, MpmLists *received)
 {
   MpmLists           sent = {0};
   PetscInt           leaves, fill = 0;
@@ -99,15 +109,16 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
   PetscCall(PetscMalloc1((leaves * (pattern->window + 2)), &sent.data));
   /* ghosts of one owner stand side by side */
   for (PetscInt k = 0; k < leaves; k++) {
-    const PetscInt *slot = &pattern->slot[leaf[k] * pattern->window], *node = &found->neighbour[leaf[k] * pattern->window];
-    PetscInt        count_at;
+    const PetscInt *slot = &pattern->slot[leaf[k] * pattern->window],
+                   *node = &found->neighbour[leaf[k] * pattern->window];
+    PetscInt count_at;
 
     if (!k || remote[k].rank != remote[k - 1].rank) {
       sent.offset[sent.count] = fill;
       sent.rank[sent.count++] = (PetscMPIInt)remote[k].rank;
     }
-    sent.data[fill++] = remote[k].index;
-    count_at          = fill++;
+    sent.data[fill++]   = remote[k].index;
+    count_at            = fill++;
     sent.data[count_at] = 0;
     for (PetscInt w = 0; w < pattern->window; w++) {
       if (slot[w] < 0) continue;
@@ -136,22 +147,25 @@ static PetscErrorCode SortForeign(const MpmPattern *pattern, const MpmLists *rec
   PetscCall(PetscCalloc1((pattern->owned + 1), &foreign->start));
   PetscCall(PetscMalloc1(end, &foreign->column));
   PetscCall(PetscMalloc1(pattern->owned, &fill));
-  for (PetscInt k = 0; k < end; k += 2 + received->data[k + 1]) foreign->start[received->data[k] + 1] += received->data[k + 1];
+  for (PetscInt k = 0; k < end; k += 2 + received->data[k + 1])
+    foreign->start[received->data[k] + 1] += received->data[k + 1];
   for (PetscInt i = 0; i < pattern->owned; i++) {
     fill[i] = foreign->start[i];
     foreign->start[i + 1] += foreign->start[i];
   }
   for (PetscInt k = 0; k < end; k += 2 + received->data[k + 1]) {
-    for (PetscInt j = 0; j < received->data[k + 1]; j++) foreign->column[fill[received->data[k]]++] = received->data[k + 2 + j];
+    for (PetscInt j = 0; j < received->data[k + 1]; j++)
+      foreign->column[fill[received->data[k]]++] = received->data[k + 2 + j];
   }
   PetscCall(PetscFree(fill));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Lists each row's columns in ascending order and puts their positions into the slots. */
-static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, const Neighbours *found, const Foreign *foreign)
+static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, const Neighbours *found,
+                                  const Foreign *foreign)
 {
-  const PetscInt window = pattern->window;
+  const PetscInt window   = pattern->window;
   PetscInt       capacity = 0, fill = 0;
 
   PetscFunctionBeginUser;
@@ -179,10 +193,11 @@ static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block, PetscBool *changed)
+PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
+                               PetscBool *changed)
 {
-  MpmPattern old   = *pattern;
-  Neighbours found = {NULL};
+  MpmPattern old      = *pattern;
+  Neighbours found    = {NULL};
   MpmLists   received = {0};
   Foreign    foreign  = {NULL, NULL};
 
@@ -214,14 +229,15 @@ PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_C
 
     PetscCall(PetscArraycmp(old.row, pattern->row, pattern->owned + 1, &rows));
     PetscCall(PetscArraycmp(old.column, pattern->column, pattern->row[pattern->owned], &columns));
-    *changed = (PetscBool)!(rows && columns);
+    *changed = (PetscBool) !(rows && columns);
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, changed, 1, MPIU_BOOL, MPI_LOR, comm));
   PetscCall(MpmPatternReset(&old));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat)
+PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type,
+                                   Mat *mat)
 {
   const PetscInt bs = pattern->block, rows = pattern->owned * bs;
   PetscInt      *i, *j, fill = 0;
@@ -252,8 +268,8 @@ PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *sp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group, const MpmConstraints *constraints,
-                        PetscReal element[])
+void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group,
+                        const MpmConstraints *constraints, PetscReal element[])
 {
   const PetscInt  n = group->node_count, bs = pattern->block;
   const PetscInt *nodes = &space->group_nodes[group->node_offset];
@@ -347,11 +363,13 @@ static void SetConstrainedDiagonal(MpmPattern *pattern, const MpmConstraints *co
     const PetscInt i = k / bs, c = k % bs, count = pattern->row[i + 1] - pattern->row[i];
 
     if (constraints->condition[k] < 0) continue;
-    pattern->value[pattern->row[i] * bs * bs + (c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] = diagonal;
+    pattern->value[pattern->row[i] * bs * bs +
+                   (c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] = diagonal;
   }
 }
 
-PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints, PetscReal diagonal, Mat mat)
+PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
+                               PetscReal diagonal, Mat mat)
 {
   PetscBool seqaij, mpiaij;
 

@@ -3,7 +3,8 @@
 */
 #include "mpmimpl.h"
 
-#define MPM_KERNEL_INSTANCE(name, dim, directions) void MpmKernelCreate_##name##_##dim##d_##directions(MpmKernelSet *set);
+#define MPM_KERNEL_INSTANCE(name, dim, directions) \
+  void MpmKernelCreate_##name##_##dim##d_##directions(MpmKernelSet *set);
 #include "mpm_kernels.h"
 #undef MPM_KERNEL_INSTANCE
 
@@ -43,7 +44,10 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-MpmStretch MpmStretchFind(PetscInt dim) { return dim == 2 ? MpmStretchDiagonal_2d_0 : MpmStretchDiagonal_3d_0; }
+MpmStretch MpmStretchFind(PetscInt dim)
+{
+  return dim == 2 ? MpmStretchDiagonal_2d_0 : MpmStretchDiagonal_3d_0;
+}
 
 PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout)
 {
@@ -58,15 +62,15 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
     for (PetscInt c = 0; c < components; c++) {
       const PetscInt b = layout->block++;
 
-      PetscCheck(b < MPM_MAX_BLOCK, PETSC_COMM_SELF, PETSC_ERR_SUP, "physics %s has more than %d unknowns a node", physics->name,
-                 MPM_MAX_BLOCK);
+      PetscCheck(b < MPM_MAX_BLOCK, PETSC_COMM_SELF, PETSC_ERR_SUP, "physics %s has more than %d unknowns a node",
+                 physics->name, MPM_MAX_BLOCK);
       layout->component_name[b] = field->increment ? (const char *const[]){"x", "y", "z"}[c] : field->name;
       layout->increment[b]      = field->increment;
       layout->basis_first[b]    = field->value ? 0 : 1;
       if (field->rate) layout->rate_component[layout->rates++] = b;
       for (PetscInt basis = layout->basis_first[b]; basis <= (field->gradient ? dim : 0); basis++) {
-        PetscCheck(layout->inputs < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP, "physics %s has more than %d kernel inputs", physics->name,
-                   MPM_MAX_INPUTS);
+        PetscCheck(layout->inputs < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP,
+                   "physics %s has more than %d kernel inputs", physics->name, MPM_MAX_INPUTS);
         layout->component_of[layout->inputs] = b;
         layout->basis_of[layout->inputs++]   = basis;
       }
@@ -74,8 +78,9 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
     }
   }
   layout->solid = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
-  PetscCheck(layout->kernel->inputs == layout->inputs && layout->kernel->residual && layout->kernel->direction && layout->kernel->tangent,
-             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT, physics->name,
-             layout->kernel->inputs, layout->inputs);
+  PetscCheck(layout->kernel->inputs == layout->inputs && layout->kernel->residual && layout->kernel->direction &&
+               layout->kernel->tangent,
+             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,
+             physics->name, layout->kernel->inputs, layout->inputs);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

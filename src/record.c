@@ -19,7 +19,7 @@ typedef struct {
   const char *name, *value;
 } Pair;
 
-/* --------------------------------------------------------------------------------------------------------- database */
+/* ---- database ---- */
 
 /*
   PetscOptionsFindPair() is the only look-up, and it marks what it finds as used, in a fallback too. So presence is put
@@ -100,7 +100,7 @@ static PetscErrorCode DatabaseGet(PetscInt *count, Pair **pairs, char **text)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- record */
+/* ---- record ---- */
 
 PetscErrorCode MpmRecordCreate(MpmRecord *record)
 {
@@ -158,7 +158,7 @@ PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---------------------------------------------------------------------------------------------------------- unknown */
+/* ---- unknown ---- */
 
 /* Single-character insertions, deletions and replacements that turn one name into the other (Levenshtein 1966), case
    aside. */
@@ -235,7 +235,7 @@ PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------------------- YAML */
+/* ---- YAML ---- */
 
 /* Bytes of the UTF-8 character at s, and its code point; 0 where there is none. */
 static int DecodeUTF8(const unsigned char s[], unsigned *code)

@@ -35,12 +35,12 @@ struct _p_MpmRegion {
 
 static const char *const region_types[] = {"all", "box", "sphere", "cylinder", "polygon", "file", NULL};
 
-static const char       *Prefix(const MpmOptions *options)
+static const char *Prefix(const MpmOptions *options)
 {
   return options->prefix ? options->prefix : "";
 }
 
-/* ------------------------------------------------------------------------------------------------- reading, by type */
+/* ---- reading, by type ---- */
 
 static PetscErrorCode ReadBox(const MpmOptions *options, MpmRegion region)
 {
@@ -120,7 +120,7 @@ static PetscErrorCode ReadCylinder(const MpmOptions *options, MpmRegion region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --------------------------------------------------------------------------------------------------------- polygons */
+/* ---- polygons ---- */
 
 static PetscReal Cross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
 {
@@ -229,7 +229,7 @@ static PetscErrorCode ReadPolygon(const MpmOptions *options, MpmRegion region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- region */
+/* ---- region ---- */
 
 /* Geometry without a type is a slip that would otherwise fill the grid. */
 static PetscErrorCode CheckNoGeometry(const MpmOptions *options)
@@ -321,7 +321,7 @@ PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --------------------------------------------------------------------------------------------------------- contains */
+/* ---- contains ---- */
 
 /* How far the ellipsoid of tolerances reaches along d, |d| = norm. */
 static PetscReal ToleranceAlong(MpmRegion region, const PetscReal d[], PetscReal norm)

@@ -11,7 +11,7 @@ static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------------------------- points */
+/* ---- points ---- */
 
 /* Arrays that are made for one output and freed after it. */
 typedef struct {
@@ -47,8 +47,9 @@ static PetscErrorCode AddStates(MpmModel model, const MpmPoints *points, Dataset
     PetscInt          first = 0;
 
     for (size_t v = 0; v < info->state_count; v++) {
-      const PetscInt own = MpmStateComponents(&info->states[v], dim), components = info->states[v].kind == MPM_STATE_SYM ? 6 : 1;
-      PetscReal     *made = NULL;
+      const PetscInt own        = MpmStateComponents(&info->states[v], dim),
+                     components = info->states[v].kind == MPM_STATE_SYM ? 6 : 1;
+      PetscReal *made           = NULL;
 
       for (PetscInt k = 0; k < sets->count; k++)
         if (!strcmp(sets->set[k].name, info->states[v].name)) made = sets->made[k];
@@ -87,9 +88,10 @@ static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Dat
     f9[8] = 1.;
     for (PetscInt a = 0; a < dim; a++)
       for (PetscInt b = 0; b < dim; b++) f9[3 * a + b] = f[a * dim + b];
-    volume[p] = points->volume0[p] * (f9[0] * (f9[4] * f9[8] - f9[5] * f9[7]) - f9[1] * (f9[3] * f9[8] - f9[5] * f9[6]) +
-                                      f9[2] * (f9[3] * f9[7] - f9[4] * f9[6]));
-    mass[p]   = points->volume0[p] * model->materials[points->material[p]].density;
+    volume[p] =
+      points->volume0[p] * (f9[0] * (f9[4] * f9[8] - f9[5] * f9[7]) - f9[1] * (f9[3] * f9[8] - f9[5] * f9[6]) +
+                            f9[2] * (f9[3] * f9[7] - f9[4] * f9[6]));
+    mass[p] = points->volume0[p] * model->materials[points->material[p]].density;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -116,7 +118,8 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   for (PetscInt r = 0; r < model->layout.rates; r++) {
     PetscReal *value;
 
-    PetscCall(AddDataset(&sets, model->layout.component_name[model->layout.rate_component[r]], 1, points.count, &value));
+    PetscCall(
+      AddDataset(&sets, model->layout.component_name[model->layout.rate_component[r]], 1, points.count, &value));
     for (PetscInt p = 0; p < points.count; p++) value[p] = points.value[p * model->layout.rates + r];
   }
   PetscCall(MpmOutputWrite(model->output, model->step, model->time, points.count, points.id, sets.count, sets.set));
@@ -127,7 +130,7 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------------------------ history */
+/* ---- history ---- */
 
 /* Names the columns; returns how many there are. Names are allocated. */
 static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
@@ -143,7 +146,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   for (PetscInt k = 0; k < fixed; k++) PetscCall(PetscStrallocpy(first[k], &(*names)[(*count)++]));
   for (PetscInt b = 0; b < model->bc_count; b++) {
     for (PetscInt k = 0; k < model->bcs[b].component_count; k++) {
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->bc_names[b], model->layout.component_name[model->bcs[b].component[k]]));
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->bc_names[b],
+                              model->layout.component_name[model->bcs[b].component[k]]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
@@ -191,15 +195,17 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->cuts;
   row[k++] = model->load_count ? MpmRampEvaluate(model->loads[0].ramp, model->time) : 0.;
   for (PetscInt b = 0; b < model->bc_count; b++) {
-    for (PetscInt c = 0; c < model->bcs[b].component_count; c++) row[k++] = model->reaction[b * model->layout.block + model->bcs[b].component[c]];
+    for (PetscInt c = 0; c < model->bcs[b].component_count; c++)
+      row[k++] = model->reaction[b * model->layout.block + model->bcs[b].component[c]];
   }
-  for (PetscInt t = 0; t < model->track_count; t++, k += model->grid.dim) PetscCall(MpmTrackEvaluate(&model->tracks[t], &model->particles, &row[k]));
+  for (PetscInt t = 0; t < model->track_count; t++, k += model->grid.dim)
+    PetscCall(MpmTrackEvaluate(&model->tracks[t], &model->particles, &row[k]));
   PetscCall(MpmHistoryAppend(model->history, row));
   MpmClock(model, MPM_TIME_OUTPUT, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------------------------ summary */
+/* ---- summary ---- */
 
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
 {

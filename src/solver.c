@@ -42,7 +42,7 @@ static PetscErrorCode ApplyPreset(const char *text)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ------------------------------------------------------------------------------------------------------ residual and Jacobian */
+/* ---- residual and Jacobian ---- */
 
 /* Brings the solution vector to the local nodes, ghosts included. */
 static PetscErrorCode GatherSolution(MpmModel model, Vec x)
@@ -57,7 +57,10 @@ static PetscErrorCode GatherSolution(MpmModel model, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* f = internal - external force; on held unknowns, diagonal * (u - value). Where a point has no answer f becomes infinite and SNES backs off. */
+/*
+  f = internal - external force; on held unknowns, diagonal * (u - value). Where a point has no answer f becomes
+  infinite and SNES backs off.
+*/
 static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 {
   MpmModel       model = (MpmModel)ctx;
@@ -75,7 +78,8 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
   PetscCall(VecGetArrayWrite(f, &values));
   for (PetscInt k = 0; k < model->space.owned * bs; k++) {
-    values[k] = model->constraints.condition[k] < 0 ? model->residual[k] : model->diagonal * (model->u[k] - model->constraints.value[k]);
+    values[k] = model->constraints.condition[k] < 0 ? model->residual[k]
+                                                    : model->diagonal * (model->u[k] - model->constraints.value[k]);
   }
   /* a rank may own no unknown of its failing points: the flag travels apart */
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, model->comm));
@@ -95,7 +99,8 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   (void)snes;
   PetscCall(PetscTime(&since));
   PetscCall(GatherSolution(model, x));
-  if (model->jacobian_type == MPM_JACOBIAN_LOCAL) PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, &failed));
+  if (model->jacobian_type == MPM_JACOBIAN_LOCAL)
+    PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, &failed));
   else PetscCall(MpmJacobianColoring(&model->sum, model->jacobian_type, model->u, &model->pattern, &failed));
   PetscCall(MpmPatternToMat(&model->pattern, &model->space, &model->constraints, model->diagonal, P));
   if (model->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
@@ -108,15 +113,17 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
 }
 
 /*
-  PETSc's test, and a floor: a residual as small as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the
-  last from the differences of nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node.
+  PETSc's test, and a floor: a residual as small as rounding makes it cannot be reduced. Strains are known to eps and to
+  eps |u|/h, the last from the differences of nodal values; times stiffness and a node's share of volume that is eps K
+  (h + |u|) a node.
 */
-static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm, SNESConvergedReason *reason,
-                                      void *ctx)
+static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
+                                      SNESConvergedReason *reason, void *ctx)
 {
-  const MpmModel  model = (MpmModel)ctx;
+  const MpmModel  model    = (MpmModel)ctx;
   const PetscReal unknowns = (PetscReal)(model->space.global_count * model->layout.block);
-  const PetscReal floor    = 2. * PETSC_MACHINE_EPSILON * model->diagonal * (model->grid.h[0] * PetscSqrtReal(unknowns) + xnorm);
+  const PetscReal floor =
+    2. * PETSC_MACHINE_EPSILON * model->diagonal * (model->grid.h[0] * PetscSqrtReal(unknowns) + xnorm);
 
   PetscFunctionBeginUser;
   PetscCall(SNESConvergedDefault(snes, it, xnorm, snorm, fnorm, reason, NULL));
@@ -124,10 +131,11 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ----------------------------------------------------------------------------------------------------------------- line search */
+/* ---- line search ---- */
 
-#define LINE_SEARCH_RATIO    2.   /* a step is too long when it raises both the residual and, this much, the slope's size */
-#define LINE_SEARCH_TRIALS  8
+/* a step is too long when it raises both the residual and, this much, the slope's size */
+#define LINE_SEARCH_RATIO    2.
+#define LINE_SEARCH_TRIALS   8
 #define LINE_SEARCH_SHORTEST 0.02
 
 /* Tries X - lambda Y: the residual there, its norm, and the slope G . Y, which is the rate of work for a potential. */
@@ -150,8 +158,8 @@ static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, Pe
 }
 
 /*
-  The program's own line search: the full step costs one residual and is taken when the residual falls or the slope of the work does;
-  otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step.
+  The program's own line search: the full step costs one residual and is taken when the residual falls or the slope of
+  the work does; otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step.
 
   A test on the residual alone would throttle bending and rotation, where a good full step raises the residual first.
 */
@@ -181,7 +189,8 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
       lambda = 0.5 * (lambda + good);
       continue;
     }
-    if (norm <= fnorm || start <= 0. || PetscAbsReal(slope) <= LINE_SEARCH_RATIO * start || trial >= LINE_SEARCH_TRIALS) break;
+    if (norm <= fnorm || start <= 0. || PetscAbsReal(slope) <= LINE_SEARCH_RATIO * start || trial >= LINE_SEARCH_TRIALS)
+      break;
     if (slope > 0.) break; /* still downhill */
     /* overshot: the zero lies between the last good length and this one */
     {
@@ -201,7 +210,7 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---------------------------------------------------------------------------------------------------------------------- set-up */
+/* ---- set-up ---- */
 
 static PetscErrorCode CreateSNES(MpmModel model)
 {
@@ -223,8 +232,8 @@ static PetscErrorCode CreateSNES(MpmModel model)
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(presets) + 2] = {"auto"};
-  PetscInt    choice = 0;
-  size_t      preset = 0;
+  PetscInt    choice                                        = 0;
+  size_t      preset                                        = 0;
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++) names[k + 1] = presets[k].name;
@@ -234,7 +243,8 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
   }
   PetscCall(PetscStrallocpy(presets[preset].name, &model->solver));
   PetscCall(ApplyPreset(presets[preset].text));
-  if (!strcmp(presets[preset].name, "direct")) PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
+  if (!strcmp(presets[preset].name, "direct"))
+    PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
   PetscCall(PetscStrncpy(model->mat_type, MATAIJ, sizeof(model->mat_type)));
   PetscCall(PetscStrncpy(model->vec_type, VECSTANDARD, sizeof(model->vec_type)));
   {
@@ -264,7 +274,8 @@ PetscErrorCode MpmSolverSetUp(MpmModel model)
   PetscCall(VecDestroy(&model->f));
   PetscCall(MpmPatternCreateMat(&model->pattern, &model->space, model->comm, model->mat_type, &model->jacobian));
   PetscCall(VecCreate(model->comm, &model->x));
-  PetscCall(VecSetSizes(model->x, model->space.owned * model->layout.block, model->space.global_count * model->layout.block));
+  PetscCall(
+    VecSetSizes(model->x, model->space.owned * model->layout.block, model->space.global_count * model->layout.block));
   PetscCall(VecSetBlockSize(model->x, model->layout.block));
   PetscCall(VecSetType(model->x, model->vec_type));
   PetscCall(VecSetFromOptions(model->x));

@@ -1,8 +1,8 @@
 /*
   The step's discrete space: shape weights of every point, and groups of points that touch the same nodes.
 
-  Grouping is what makes assembly cheap: nodal values are gathered, and element blocks scattered, once a group instead of once a point,
-  and no point pays for more nodes than it touches.
+  Grouping is what makes assembly cheap: nodal values are gathered, and element blocks scattered, once a group instead
+  of once a point, and no point pays for more nodes than it touches.
 */
 #include "sum.h"
 
@@ -30,7 +30,8 @@ static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[
 }
 
 /* First and last node that bound the material around a point on each axis: the grid's edges, or a wall between. */
-static void FindEdges(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], const PetscReal x[], PetscInt lower[], PetscInt upper[])
+static void FindEdges(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], const PetscReal x[],
+                      PetscInt lower[], PetscInt upper[])
 {
   for (PetscInt a = 0; a < grid->dim; a++) {
     lower[a] = 0;
@@ -41,19 +42,21 @@ static void FindEdges(const MpmGrid *grid, PetscInt wall_count, const MpmWall wa
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
 
     if (walls[w].side > 0) {
-      if (xi >= (PetscReal)walls[w].node && walls[w].node > lower[a] && WallFaces(&walls[w], grid->dim, x)) lower[a] = walls[w].node;
+      if (xi >= (PetscReal)walls[w].node && walls[w].node > lower[a] && WallFaces(&walls[w], grid->dim, x))
+        lower[a] = walls[w].node;
     } else {
-      if (xi <= (PetscReal)walls[w].node && walls[w].node < upper[a] && WallFaces(&walls[w], grid->dim, x)) upper[a] = walls[w].node;
+      if (xi <= (PetscReal)walls[w].node && walls[w].node < upper[a] && WallFaces(&walls[w], grid->dim, x))
+        upper[a] = walls[w].node;
     }
   }
 }
 
 /*
-  Half-lengths of the points' domains in cells: the initial ones stretched by the diagonal of U, cut at walls and at the grid's edges.
-  The cut is not remembered.
+  Half-lengths of the points' domains in cells: the initial ones stretched by the diagonal of U, cut at walls and at the
+  grid's edges. The cut is not remembered.
 */
-static PetscErrorCode HalfLengths(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], MpmStretch stretch, const MpmPoints *points,
-                                  PetscReal half[], PetscReal *longest)
+static PetscErrorCode HalfLengths(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], MpmStretch stretch,
+                                  const MpmPoints *points, PetscReal half[], PetscReal *longest)
 {
   const PetscInt dim = grid->dim;
 
@@ -64,7 +67,8 @@ static PetscErrorCode HalfLengths(const MpmGrid *grid, PetscInt wall_count, cons
     PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
     PetscReal        U[MPM_MAX_DIM];
 
-    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch", points->id[p]);
+    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+               "point %" PetscInt_FMT " has no stretch", points->id[p]);
     FindEdges(grid, wall_count, walls, x, lower, upper);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
@@ -79,11 +83,11 @@ static PetscErrorCode HalfLengths(const MpmGrid *grid, PetscInt wall_count, cons
 }
 
 /* Weights and gradients of all points, axis by axis. */
-static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count, const MpmWall walls[],
-                                     MpmStretch stretch, const MpmPoints *points)
+static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
+                                     const MpmWall walls[], MpmStretch stretch, const MpmPoints *points)
 {
-  const PetscInt dim     = grid->dim;
-  PetscReal     *half    = NULL, longest = 0.;
+  const PetscInt dim  = grid->dim;
+  PetscReal     *half = NULL, longest = 0.;
 
   PetscFunctionBeginUser;
   space->dim         = dim;
@@ -95,10 +99,11 @@ static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmGrid *grid, MpmSh
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, grid->comm));
   }
   space->width = MpmShapeWidth(shape, longest);
-  PetscCheck(space->width <= MPM_MAX_WIDTH, grid->comm, PETSC_ERR_FP, "a point's domain spans %" PetscInt_FMT " nodes, more than %d",
-             space->width, MPM_MAX_WIDTH);
+  PetscCheck(space->width <= MPM_MAX_WIDTH, grid->comm, PETSC_ERR_FP,
+             "a point's domain spans %" PetscInt_FMT " nodes, more than %d", space->width, MPM_MAX_WIDTH);
   PetscCall(PetscMalloc2((points->count * dim), &space->first, (points->count * dim), &space->count));
-  PetscCall(PetscMalloc2((points->count * dim * space->width), &space->weight, (points->count * dim * space->width), &space->gradient));
+  PetscCall(PetscMalloc2((points->count * dim * space->width), &space->weight, (points->count * dim * space->width),
+                         &space->gradient));
   for (PetscInt p = 0; p < points->count; p++) {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
@@ -118,7 +123,8 @@ static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmGrid *grid, MpmSh
 }
 
 /* One stable pass of a counting sort: order_out lists the entries of order_in by ascending key. */
-static PetscErrorCode CountingSort(PetscInt count, const PetscInt key[], PetscInt64 keys, const PetscInt order_in[], PetscInt order_out[])
+static PetscErrorCode CountingSort(PetscInt count, const PetscInt key[], PetscInt64 keys, const PetscInt order_in[],
+                                   PetscInt order_out[])
 {
   PetscInt *start;
 
@@ -152,7 +158,8 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
     cells *= upper[a] - lower[a] + 1;
     shapes *= space->width;
   }
-  PetscCheck(cells < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "the points of one rank span %" PetscInt64_FMT " cells", cells);
+  PetscCheck(cells < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "the points of one rank span %" PetscInt64_FMT " cells", cells);
   PetscCall(PetscMalloc3(n, &cell_key, n, &shape_key, n, &order));
   PetscCall(PetscMalloc1(n, &space->order));
   for (PetscInt p = 0; p < n; p++) {
@@ -165,7 +172,8 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
   PetscCall(CountingSort(n, shape_key, shapes, NULL, order));
   PetscCall(CountingSort(n, cell_key, cells, order, space->order));
 #define NEW_GROUP(i) \
-  (!(i) || cell_key[space->order[i]] != cell_key[space->order[(i)-1]] || shape_key[space->order[i]] != shape_key[space->order[(i)-1]])
+  (!(i) || cell_key[space->order[i]] != cell_key[space->order[(i)-1]] || \
+   shape_key[space->order[i]] != shape_key[space->order[(i)-1]])
   for (PetscInt i = 0; i < n; i++) groups += NEW_GROUP(i);
   PetscCall(PetscMalloc1(groups, &space->groups));
   space->group_count = groups;
@@ -190,8 +198,8 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count, const MpmWall walls[],
-                             MpmStretch stretch, const MpmPoints *points)
+PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
+                             const MpmWall walls[], MpmStretch stretch, const MpmPoints *points)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmSpaceReset(space));

@@ -28,7 +28,8 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
         const PetscReal weight = basis.basis[0][i] * model->points.volume0[p];
 
         sums[nodes[i] * (rates + 1) + rates] += weight;
-        for (PetscInt r = 0; r < rates; r++) sums[nodes[i] * (rates + 1) + r] += weight * model->points.value[p * rates + r];
+        for (PetscInt r = 0; r < rates; r++)
+          sums[nodes[i] * (rates + 1) + r] += weight * model->points.value[p * rates + r];
       }
     }
   }
@@ -70,9 +71,11 @@ static PetscErrorCode PrepareSpace(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
   PetscCall(MpmParticlesGetArrays(&model->particles, &model->points));
-  PetscCall(MpmSpaceSetUp(&model->space, &model->grid, model->shape, model->wall_count, model->walls, model->stretch, &model->points));
+  PetscCall(MpmSpaceSetUp(&model->space, &model->grid, model->shape, model->wall_count, model->walls, model->stretch,
+                          &model->points));
   PetscCall(PetscFree3(model->u, model->residual, model->force));
-  PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual, (model->space.local * bs), &model->force));
+  PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual,
+                         (model->space.local * bs), &model->force));
   PetscCall(MpmSolverSetUp(model));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
   MpmClock(model, MPM_TIME_TRANSFER, since);
@@ -87,14 +90,16 @@ static PetscErrorCode PrepareConditions(MpmModel model, PetscReal time)
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout, &model->space, model->time, time));
+  PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout,
+                                &model->space, model->time, time));
   PetscCall(PetscArrayzero(model->force, model->space.local * bs));
   for (PetscInt l = 0; l < model->load_count; l++) {
-    PetscCall(MpmLoadApply(&model->loads[l], time, &model->grid, model->shape, &model->space, &model->particles, &model->points, model->materials,
-                           model->stretch, bs, model->force));
+    PetscCall(MpmLoadApply(&model->loads[l], time, &model->grid, model->shape, &model->space, &model->particles,
+                           &model->points, model->materials, model->stretch, bs, model->force));
   }
   if (model->body_force) {
-    PetscCall(MpmBodyForceApply(model->body_force, model->body_force_ctx, time, &model->space, &model->points, bs, model->force));
+    PetscCall(MpmBodyForceApply(model->body_force, model->body_force_ctx, time, &model->space, &model->points, bs,
+                                model->force));
   }
   MpmClock(model, MPM_TIME_TRANSFER, since);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -103,7 +108,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, PetscReal time)
 static PetscErrorCode ReportLost(PetscInt dim, PetscInt id, const PetscReal x[])
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, "talus: point %" PetscInt_FMT " left the grid at (%g, %g", id, (double)x[0], (double)x[1]));
+  PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, "talus: point %" PetscInt_FMT " left the grid at (%g, %g", id,
+                         (double)x[0], (double)x[1]));
   if (dim > 2) PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, ", %g", (double)x[2]));
   PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, ")\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -147,13 +153,16 @@ static PetscErrorCode Commit(MpmModel model, const char **why)
   for (PetscInt k = 0; k < model->space.local * bs; k++) model->residual[k] = -model->force[k];
   PetscCall(MpmCommitLocal(&model->sum, model->u, model->residual, &failed));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
-  PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer", failed);
+  PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
+             failed);
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
   PetscCall(PetscArrayzero(model->reaction, model->bc_count * bs));
   for (PetscInt k = 0; k < model->space.owned * bs; k++) {
-    if (model->constraints.condition[k] >= 0) model->reaction[model->constraints.condition[k] * bs + k % bs] += model->residual[k];
+    if (model->constraints.condition[k] >= 0)
+      model->reaction[model->constraints.condition[k] * bs + k % bs] += model->residual[k];
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->reaction, (PetscMPIInt)(model->bc_count * bs), MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->reaction, (PetscMPIInt)(model->bc_count * bs), MPIU_REAL, MPIU_SUM,
+                           model->comm));
   PetscCall(KeepInside(model, &lost));
   if (lost) *why = "a point left the grid";
   MpmClock(model, MPM_TIME_RESIDUAL, since);
@@ -163,13 +172,20 @@ static PetscErrorCode Commit(MpmModel model, const char **why)
 static const char *ReasonText(SNESConvergedReason reason)
 {
   switch (reason) {
-  case SNES_DIVERGED_FUNCTION_DOMAIN: return "a point had no stress (domain error)";
-  case SNES_DIVERGED_FNORM_NAN: return "the residual was not finite";
-  case SNES_DIVERGED_LINEAR_SOLVE: return "the linear solver failed";
-  case SNES_DIVERGED_MAX_IT: return "Newton reached its iteration limit";
-  case SNES_DIVERGED_LINE_SEARCH: return "the line search failed";
-  case SNES_DIVERGED_DTOL: return "the residual grew without bound";
-  default: return "Newton did not converge";
+  case SNES_DIVERGED_FUNCTION_DOMAIN:
+    return "a point had no stress (domain error)";
+  case SNES_DIVERGED_FNORM_NAN:
+    return "the residual was not finite";
+  case SNES_DIVERGED_LINEAR_SOLVE:
+    return "the linear solver failed";
+  case SNES_DIVERGED_MAX_IT:
+    return "Newton reached its iteration limit";
+  case SNES_DIVERGED_LINE_SEARCH:
+    return "the line search failed";
+  case SNES_DIVERGED_DTOL:
+    return "the residual grew without bound";
+  default:
+    return "Newton did not converge";
   }
 }
 

@@ -1,13 +1,17 @@
 #pragma once
 /*
-  The inner loops of sums over points, inlined so that the number of nodes of a group and the layout of the commonest physics are constants
-  where it pays: a point of a solid touches 4 to 9 nodes in 2D and 8 to 27 in 3D, and loops that short must be unrolled.
+  The inner loops of sums over points, inlined so that the number of nodes of a group and the layout of the commonest
+  physics are constants where it pays: a point of a solid touches 4 to 9 nodes in 2D and 8 to 27 in 3D, and loops that
+  short must be unrolled.
 */
 #include "mpmimpl.h"
 
 #define MPM_INLINE static inline __attribute__((always_inline))
 
-/* What the compiler is told about a layout: a solid's block is dim, and every input of it is a derivative of a component. */
+/*
+  What the compiler is told about a layout: a solid's block is dim, and every input of it is a derivative of a
+  component.
+*/
 typedef struct {
   PetscInt  dim, block, inputs;
   PetscBool solid;
@@ -23,7 +27,8 @@ MPM_INLINE PetscInt KnownBasis(const MpmKnown known, const MpmLayout *layout, Pe
 }
 
 /*
-  Calls f(n, known, ...) with n and the layout as constants for the usual cases. The general case is the same code with variables.
+  Calls f(n, known, ...) with n and the layout as constants for the usual cases. The general case is the same code with
+  variables.
 */
 #define MPM_DISPATCH(layout, n, f, ...) \
   do { \
@@ -31,17 +36,35 @@ MPM_INLINE PetscInt KnownBasis(const MpmKnown known, const MpmLayout *layout, Pe
     const MpmKnown solid2_ = {2, 2, 4, PETSC_TRUE}, solid3_ = {3, 3, 9, PETSC_TRUE}; \
     if (!(layout)->solid) PetscCall(f(n, general_, __VA_ARGS__)); \
     else if ((layout)->dim == 2) switch (n) { \
-      case 4: PetscCall(f(4, solid2_, __VA_ARGS__)); break; \
-      case 6: PetscCall(f(6, solid2_, __VA_ARGS__)); break; \
-      case 9: PetscCall(f(9, solid2_, __VA_ARGS__)); break; \
-      default: PetscCall(f(n, solid2_, __VA_ARGS__)); break; \
+      case 4: \
+        PetscCall(f(4, solid2_, __VA_ARGS__)); \
+        break; \
+      case 6: \
+        PetscCall(f(6, solid2_, __VA_ARGS__)); \
+        break; \
+      case 9: \
+        PetscCall(f(9, solid2_, __VA_ARGS__)); \
+        break; \
+      default: \
+        PetscCall(f(n, solid2_, __VA_ARGS__)); \
+        break; \
       } \
     else switch (n) { \
-      case 8: PetscCall(f(8, solid3_, __VA_ARGS__)); break; \
-      case 12: PetscCall(f(12, solid3_, __VA_ARGS__)); break; \
-      case 18: PetscCall(f(18, solid3_, __VA_ARGS__)); break; \
-      case 27: PetscCall(f(27, solid3_, __VA_ARGS__)); break; \
-      default: PetscCall(f(n, solid3_, __VA_ARGS__)); break; \
+      case 8: \
+        PetscCall(f(8, solid3_, __VA_ARGS__)); \
+        break; \
+      case 12: \
+        PetscCall(f(12, solid3_, __VA_ARGS__)); \
+        break; \
+      case 18: \
+        PetscCall(f(18, solid3_, __VA_ARGS__)); \
+        break; \
+      case 27: \
+        PetscCall(f(27, solid3_, __VA_ARGS__)); \
+        break; \
+      default: \
+        PetscCall(f(n, solid3_, __VA_ARGS__)); \
+        break; \
       } \
   } while (0)
 
@@ -64,8 +87,8 @@ static inline PetscErrorCode MpmWorkspaceCreate(const MpmSum *sum, MpmWorkspace 
 }
 
 /* values[c*n + i] = u at the group's nodes */
-MPM_INLINE void MpmSumGather(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal u[],
-                             PetscReal values[])
+MPM_INLINE void MpmSumGather(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                             const PetscReal u[], PetscReal values[])
 {
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
@@ -74,8 +97,8 @@ MPM_INLINE void MpmSumGather(const PetscInt n, const MpmKnown known, const MpmSu
 }
 
 /* residual += force at the group's nodes */
-MPM_INLINE void MpmSumScatter(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal force[],
-                              PetscReal residual[])
+MPM_INLINE void MpmSumScatter(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                              const PetscReal force[], PetscReal residual[])
 {
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
@@ -84,12 +107,13 @@ MPM_INLINE void MpmSumScatter(const PetscInt n, const MpmKnown known, const MpmS
 }
 
 /* The kernel's inputs: input_k = sum_i phi_k(i) u_i,c(k) */
-MPM_INLINE void MpmSumInputs(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const PetscReal values[], const MpmBasis *basis,
-                             PetscReal input[])
+MPM_INLINE void MpmSumInputs(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const PetscReal values[],
+                             const MpmBasis *basis, PetscReal input[])
 {
   for (PetscInt k = 0; k < known.inputs; k++) {
-    const PetscReal *phi = basis->basis[KnownBasis(known, layout, k)], *v = &values[KnownComponent(known, layout, k) * n];
-    PetscReal        s = 0.;
+    const PetscReal *phi = basis->basis[KnownBasis(known, layout, k)],
+                    *v   = &values[KnownComponent(known, layout, k) * n];
+    PetscReal s          = 0.;
 
     for (PetscInt i = 0; i < n; i++) s += phi[i] * v[i];
     input[k] = s;
@@ -97,8 +121,8 @@ MPM_INLINE void MpmSumInputs(const PetscInt n, const MpmKnown known, const MpmLa
 }
 
 /* force_c(k),i += phi_k(i) flux_k */
-MPM_INLINE void MpmSumAddFlux(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis, const PetscReal flux[],
-                              PetscReal force[])
+MPM_INLINE void MpmSumAddFlux(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis,
+                              const PetscReal flux[], PetscReal force[])
 {
   for (PetscInt k = 0; k < known.inputs; k++) {
     const PetscReal *restrict phi = basis->basis[KnownBasis(known, layout, k)];
@@ -131,16 +155,18 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
 }
 
 /*
-  The weights and derivatives of one point at its group's nodes: basis[0] weights (if wanted), basis[1..dim] derivatives; `count` nodes an
-  axis, x fastest.
+  The weights and derivatives of one point at its group's nodes: basis[0] weights (if wanted), basis[1..dim]
+  derivatives; `count` nodes an axis, x fastest.
 */
-MPM_INLINE void MpmSumBasis(const PetscInt dim, const MpmSpace *space, const PetscInt count[], PetscInt point, PetscBool weights, MpmBasis *basis)
+MPM_INLINE void MpmSumBasis(const PetscInt dim, const MpmSpace *space, const PetscInt count[], PetscInt point,
+                            PetscBool weights, MpmBasis *basis)
 {
   const PetscInt   W  = space->width;
   const PetscReal *wx = &space->weight[point * dim * W], *gx = &space->gradient[point * dim * W];
   const PetscReal *wy = wx + W, *gy = gx + W;
-  PetscReal *restrict b0 = basis->basis[0], *restrict b1 = basis->basis[1], *restrict b2 = basis->basis[2], *restrict b3 = basis->basis[3];
-  const PetscInt nx = count[0];
+  PetscReal *restrict b0 = basis->basis[0], *restrict b1 = basis->basis[1], *restrict b2 = basis->basis[2],
+                      *restrict b3 = basis->basis[3];
+  const PetscInt nx                = count[0];
 
   for (PetscInt l = 0; l < (dim == 2 ? 1 : count[2]); l++) {
     const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];

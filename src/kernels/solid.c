@@ -7,10 +7,12 @@
 
   the law gives the Kirchhoff stress tau of F_{n+1}, and the flux conjugate to du_a,b is
 
-    P_ab = V_0 (tau dF^{-T})_ab ,     so that   f_int,i = sum_p P G_i = sum_p V sigma g_i ,  g_i = dF^{-T} G_i , V = J V_0 .
+    P_ab = V_0 (tau dF^{-T})_ab ,     so that   f_int,i = sum_p P G_i = sum_p V sigma g_i ,  g_i = dF^{-T} G_i , V = J
+    V_0 .
 
-  A small-strain law leaves the geometry alone: P = V_0 sigma. Source: Charlton, Coombs and Augarde (2017), Comput. Struct. 190, 108-125,
-  doi:10.1016/j.compstruc.2017.05.004, in the form that carries the derivative to the step's start.
+  A small-strain law leaves the geometry alone: P = V_0 sigma. Source: Charlton, Coombs and Augarde (2017), Comput.
+  Struct. 190, 108-125, doi:10.1016/j.compstruc.2017.05.004, in the form that carries the derivative to the step's
+  start.
 */
 #include "mpmkernel.h"
 
@@ -18,11 +20,11 @@
 
 static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
-  const MpmLawPoint          law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt};
-  const MPM_INSTANCE(MpmLaw) law       = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
-  const int                  small     = point->traits & MPM_LAW_SMALL_STRAIN;
-  const Tensor               dF        = TensorFromGradient(input);
-  Sym                        tau;
+  const MpmLawPoint law_point    = {point->parameter, point->state_n, point->state, point->F_n, point->dt};
+  const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
+  const int    small             = point->traits & MPM_LAW_SMALL_STRAIN;
+  const Tensor dF                = TensorFromGradient(input);
+  Sym          tau;
 
   if (law(&law_point, &dF, &tau)) return 1;
   if (small) {
@@ -33,7 +35,7 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
     for (int k = 0; k < INPUTS; k++) flux[k] = ScalarScale(point->volume0, P.a[k]);
   }
   if (point->F) { /* only the converged step asks for the new F and the Cauchy stress */
-    const Tensor F = TensorMulArray(&dF, point->F_n);
+    const Tensor F     = TensorMulArray(&dF, point->F_n);
     const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), &tau);
 
     TensorStore(point->F, &F);
