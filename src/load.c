@@ -181,57 +181,98 @@ static PetscReal FacePosition(const MpmLoad *load, PetscInt dim, PetscInt side, 
   return points->x0[k] + (PetscReal)side * points->half_length[k];
 }
 
+/* What a traction's region says: its box, and whether it is a face itself or a layer of material behind one. */
+typedef struct {
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscBool thin;
+} FaceRegion;
+
+/* Does the point's face lie in the region; in a layer, does the point? */
+static PetscBool FaceSelected(const MpmLoad *load, const FaceRegion *region, PetscInt dim, PetscInt side,
+                              const MpmPoints *points, PetscInt p)
+{
+  PetscReal x[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) x[a] = points->x0[p * dim + a];
+  if (region->thin) x[load->face_axis] = FacePosition(load, dim, side, points, p);
+  return MpmRegionContains(load->region, x);
+}
+
+/*
+  The outermost face of the selected points on each side, below (0) and above (1), times the side; and whether the
+  material ends there: no point beside the region's extent along the other axes reaches further.
+*/
+static PetscErrorCode FindOutermost(const MpmLoad *load, const FaceRegion *region, const MpmGrid *grid,
+                                    const MpmPoints *points, PetscReal outermost[2], PetscBool ends[2])
+{
+  const PetscInt dim      = grid->dim;
+  PetscReal      reach[4] = {PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY};
+
+  PetscFunctionBeginUser;
+  for (PetscInt s = 0; s < 2; s++) {
+    for (PetscInt p = 0; p < points->count; p++) {
+      const PetscInt  side   = s ? 1 : -1;
+      const PetscReal face   = (PetscReal)side * FacePosition(load, dim, side, points, p);
+      PetscBool       beside = PETSC_TRUE;
+
+      for (PetscInt a = 0; a < dim; a++) {
+        const PetscReal x = points->x0[p * dim + a];
+
+        if (a != load->face_axis && (x < region->lower[a] || x > region->upper[a])) beside = PETSC_FALSE;
+      }
+      if (FaceSelected(load, region, dim, side, points, p)) reach[s] = PetscMax(reach[s], face);
+      if (beside) reach[2 + s] = PetscMax(reach[2 + s], face);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, 4, MPIU_REAL, MPIU_MAX, grid->comm));
+  for (PetscInt s = 0; s < 2; s++) {
+    outermost[s] = reach[s];
+    ends[s] =
+      (PetscBool)(reach[s] > PETSC_NINFINITY && reach[s] >= reach[2 + s] - MPM_TOLERANCE * grid->h[load->face_axis]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   share = the area of the domain's face where it lies in the region, 0 elsewhere. A region without extent along the
-  face's axis is the face itself; in a thicker one it is the outermost face of the points inside.
+  face's axis is the face itself; in a thicker one it is the outermost face of the points inside, on the side where the
+  material ends.
 */
 static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPoints *points, PetscReal share[])
 {
-  const PetscInt dim = grid->dim, axis = load->face_axis;
-  PetscReal      lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], outermost[2] = {PETSC_NINFINITY, PETSC_NINFINITY},
-                                                    area[2] = {0., 0.};
-  PetscBool thin;
+  const PetscInt  dim = grid->dim, axis = load->face_axis;
+  const PetscReal slack        = MPM_TOLERANCE * grid->h[axis];
+  PetscReal       outermost[2] = {0., 0.}, area = 0.;
+  PetscBool       ends[2] = {PETSC_FALSE, PETSC_FALSE};
+  FaceRegion      region;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    lower[a] = PETSC_NINFINITY;
-    upper[a] = PETSC_INFINITY;
+    region.lower[a] = PETSC_NINFINITY;
+    region.upper[a] = PETSC_INFINITY;
   }
-  PetscCall(MpmRegionGetBounds(load->region, lower, upper));
-  thin = (PetscBool)(upper[axis] - lower[axis] <= 4. * MPM_TOLERANCE * grid->h[axis]);
-  for (PetscInt s = 0; s < 2; s++) { /* the faces below and above the points */
-    const PetscInt side = s ? 1 : -1;
-
-    for (PetscInt p = 0; p < points->count; p++) {
-      PetscReal x[MPM_MAX_DIM];
-
-      PetscCall(PetscArraycpy(x, &points->x0[p * dim], dim));
-      if (thin) x[axis] = FacePosition(load, dim, side, points, p);
-      if (MpmRegionContains(load->region, x))
-        outermost[s] = PetscMax(outermost[s], (PetscReal)side * FacePosition(load, dim, side, points, p));
-    }
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, outermost, 2, MPIU_REAL, MPIU_MAX, grid->comm));
+  PetscCall(MpmRegionGetBounds(load->region, region.lower, region.upper));
+  region.thin = (PetscBool)(region.upper[axis] - region.lower[axis] <= 4. * slack);
+  PetscCall(FindOutermost(load, &region, grid, points, outermost, ends));
   if (!load->face_given) {
-    if (thin) load->face_side = outermost[1] > PETSC_NINFINITY ? 1 : -1;
-    else load->face_side = upper[axis] - outermost[1] < -outermost[0] - lower[axis] ? 1 : -1;
+    MpmCheckInput(region.thin || ends[0] != ends[1],
+                  "-mpm_load_%s_face is missing: the material %s on axis %c of the region", load->name,
+                  ends[0] ? "ends on both sides" : "ends on neither side", "xyz"[axis]);
+    load->face_side = region.thin ? (outermost[1] > PETSC_NINFINITY ? 1 : -1) : (ends[1] ? 1 : -1);
   }
   for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal face = FacePosition(load, dim, load->face_side, points, p);
-    PetscReal       x[MPM_MAX_DIM];
+    const PetscReal face = (PetscReal)load->face_side * FacePosition(load, dim, load->face_side, points, p);
 
-    PetscCall(PetscArraycpy(x, &points->x0[p * dim], dim));
-    if (thin) x[axis] = face;
     share[p] = 0.;
-    if (!MpmRegionContains(load->region, x)) continue;
-    if ((PetscReal)load->face_side * face < outermost[load->face_side > 0] - MPM_TOLERANCE * grid->h[axis]) continue;
+    if (!FaceSelected(load, &region, dim, load->face_side, points, p)) continue;
+    if (face < outermost[load->face_side > 0] - slack) continue;
     share[p] = 1.;
     for (PetscInt a = 0; a < dim; a++)
       if (a != axis) share[p] *= 2. * points->half_length[p * dim + a];
-    area[0] += share[p];
+    area += share[p];
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, area, 1, MPIU_REAL, MPIU_SUM, grid->comm));
-  MpmCheckInput(area[0] > 0., "-mpm_load_%s_region: no point has its face there", load->name);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  MpmCheckInput(area > 0., "-mpm_load_%s_region: no point has its face there", load->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
