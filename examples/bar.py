@@ -70,7 +70,8 @@ class PlasticColumn(ElasticColumn):
         stretch = np.exp(3.0 * log_y + 2.0 * b)
         base = self.elastic_logarithm(np.array(WEIGHT))
         yielding = self.flow_height(base, -b)
-        self.position = np.where(plastic, self.flow_height(base, log_y), yielding + self.height(b, -np.log(self.stretch)))
+        elastic_height = yielding + self.height(b, -np.log(self.stretch))
+        self.position = np.where(plastic, self.flow_height(base, log_y), elastic_height)
         self.stress_xx = np.where(plastic, YOUNG * (log_y + b) / stretch, 0.0)
         self.stretch = np.where(plastic, stretch, self.stretch)
 
@@ -96,7 +97,7 @@ def weighted_error(difference, volume):
 
 
 def stress_bounds(results, table, relative, elastic):
-    """Range of the stress error: from the table, a bound of its own, or that it is an error of some per cent at most."""
+    """Range of the stress error: from the table, from a bound of its own, or no more than some per cent."""
     count, shape = cells(results)[1], results.option("mpm_shape")
     row = np.flatnonzero(table["cells"] == count)
     if row.size and same_settings(results, TABLE_SETTINGS):

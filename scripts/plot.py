@@ -118,7 +118,9 @@ def figure_size(state, initial, deformed):
         return 8.0, 6.5
     position = np.concatenate([initial["position0"], state["position"]]) if deformed else initial["position0"]
     width, height = np.maximum(np.ptp(position, axis=0), 1e-12)
-    return (8.0, max(6.5 * height / width + 1.0, 2.5)) if height < width else (max(6.0 * width / height + 2.0, 4.0), 7.0)
+    if height < width:
+        return 8.0, max(6.5 * height / width + 1.0, 2.5)
+    return max(6.0 * width / height + 2.0, 4.0), 7.0
 
 
 def plot_points(results, arguments):

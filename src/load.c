@@ -139,7 +139,7 @@ static PetscErrorCode SelectNearest(const MpmGrid *grid, const MpmPoints *points
     for (PetscInt a = 0; a < dim; a++) d2 += PetscSqr((points->x0[p * dim + a] - at[a]) / unit);
     local[p] = (Candidate){(PetscInt64)PetscMin(d2 * 1e9, 9e18), points->id[p], p};
   }
-  qsort(local, (size_t)points->count, sizeof(*local), CompareCandidates);
+  if (points->count) qsort(local, (size_t)points->count, sizeof(*local), CompareCandidates);
   PetscCall(PetscMalloc2(grid->size, &counts, (grid->size + 1), &starts));
   PetscCallMPI(MPI_Allgather(&bytes, 1, MPI_INT, counts, 1, MPI_INT, grid->comm));
   starts[0] = 0;

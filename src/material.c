@@ -113,10 +113,13 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(LawNames(&names));
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, NULL));
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-    PetscCheck(MpmLawFind(names[type], dim, directions[form], &material->info), options->comm, PETSC_ERR_SUP,
+    const PetscBool compiled = MpmLawFind(names[type], dim, directions[form], &material->info);
+
+    /* laws are compiled for the inputs of the built-in physics; another one brings its own stress */
+    PetscCheck(compiled || form == MPM_FORM_TANGENT, options->comm, PETSC_ERR_SUP,
                "law %s is not compiled for %" PetscInt_FMT "D and %" PetscInt_FMT " directions", names[type], dim,
                directions[form]);
-    material->law[form] = material->info.law;
+    material->law[form] = compiled ? material->info.law : NULL;
   }
   PetscCall(PetscFree(names));
   PetscCall(PetscMalloc1(material->info.parameter_count, &material->parameter));

@@ -28,6 +28,8 @@
 const char *const MpmShapeTypes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2", NULL};
 
 /* Domains shorter than this count as points: their inverse length would overflow. */
+/* Overlaps with an interval that are smaller than this part of the domain are rounding. */
+#define MPM_SHAPE_TOUCH 1e-9
 #define MPM_SHAPE_POINT 1e-100
 
 /* The point's knot interval: B-splines are polynomials of `local` while it stays between `offset` and `offset` + 1. */
@@ -119,17 +121,21 @@ static inline void AddSegment(PetscInt degree, PetscReal t, PetscReal s, PetscRe
   }
 }
 
-/* Averages over [-l, l] about the point; returns how many nodes from *first on were filled. */
+/*
+  Averages over [-l, l] about the point; returns how many nodes from *first on were filled. An interval that the domain
+  enters by less than MPM_SHAPE_TOUCH of its length is not entered: the interval before it is taken to reach that far, as at an edge.
+  A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no stiffness.
+*/
 static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, PetscInt *first, PetscReal w[],
                                  PetscReal g[])
 {
-  const PetscReal inverse = 0.5 / l,
-                  knot    = at.offset - at.local; /* distance from the point to the lower end of its interval */
-  PetscInt  low = 0, high = 0, count;
-  PetscReal from = -l;
+  const PetscReal inverse = 0.5 / l, reach = l - 2. * l * MPM_SHAPE_TOUCH;
+  const PetscReal knot = at.offset - at.local; /* distance from the point to the lower end of its interval */
+  PetscInt        low = 0, high = 0, count;
+  PetscReal       from = -l;
 
-  while (at.index + low > at.lower && knot + (PetscReal)low > -l) low--;
-  while (at.index + high < at.upper && knot + (PetscReal)(high + 1) < l) high++;
+  while (at.index + low > at.lower && knot + (PetscReal)low > -reach) low--;
+  while (at.index + high < at.upper && knot + (PetscReal)(high + 1) < reach) high++;
   *first = at.index + low - degree / 2;
   count  = high - low + degree + 1;
   for (PetscInt k = 0; k < count; k++) w[k] = g[k] = 0.;

@@ -88,13 +88,15 @@ def draw(results):
     largest = np.max(np.abs(values))
     axes, body = draw_plane(left, state, results.initial, values, ("coolwarm", -largest, largest), True)
     left.colorbar(body, ax=axes, shrink=0.8, label="$\\sigma_{xx}$ (MPa)")
-    axes.set_title(f"h = {cell_size(results):g} m, {len(values)} points, {results.option('mpm_shape')}", fontsize="medium")
+    shape = results.option("mpm_shape")
+    axes.set_title(f"h = {cell_size(results):g} m, {len(values)} points, {shape}", fontsize="medium")
 
     axes = right.add_subplot()
     alpha, u, v = curves(results)
     loads = np.linspace(0.0, FULL_LOAD, 60)
     exact = np.array([elastica(load) for load in loads])
-    for column, values, colour, name in ((1, v, "tab:blue", "v/L, downwards"), (0, u, "tab:orange", "u/L, to the wall")):
+    lines = ((1, v, "tab:blue", "v/L, downwards"), (0, u, "tab:orange", "u/L, to the wall"))
+    for column, values, colour, name in lines:
         axes.plot(exact[:, column], loads, color="0.3", zorder=3, label="elastica" if column else None)
         axes.plot(values, alpha, ".", color=colour, label=name)
     axes.set(xlabel="tip displacement over length", ylabel="$F L^2/(E I)$", xlim=(0.0, None), ylim=(0.0, None))

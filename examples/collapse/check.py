@@ -57,9 +57,12 @@ def check(results):
         row = np.flatnonzero(same & (table["factor"] == factor))
         for name in CORNERS:
             for axis, value in zip("xy", corner(results, name, factor)):
-                label = f"{name}_u{axis}"
-                quantities.append(Quantity.near(f"{label}_at_{factor:g}", value, table[label][row[0]], absolute=TABLE_REACH)
-                                  if row.size else Quantity(f"{label}_at_{factor:g}", value))
+                column = f"{name}_u{axis}"
+                label = f"{column}_at_{factor:g}"
+                if row.size:
+                    quantities.append(Quantity.near(label, value, table[column][row[0]], absolute=TABLE_REACH))
+                else:
+                    quantities.append(Quantity(label, value))
     return quantities
 
 
@@ -70,10 +73,9 @@ def draw(results):
 
     state = results.state("last")
     figure = plt.figure(figsize=(9.0, 4.6), layout="constrained")
-    plastic = state["equivalent_plastic_strain"] if "equivalent_plastic_strain" in state else np.linalg.norm(state["displacement"], axis=1)
-    label = "equivalent plastic strain" if "equivalent_plastic_strain" in state else "displacement (m)"
+    plastic = state["equivalent_plastic_strain"]
     axes, body = draw_plane(figure, state, results.initial, plastic, ("viridis", 0.0, plastic.max()), True)
-    figure.colorbar(body, ax=axes, shrink=0.8, label=label)
+    figure.colorbar(body, ax=axes, shrink=0.8, label="equivalent plastic strain")
     for name, place in (("top", (WIDTH, HEIGHT)), ("toe", (WIDTH, 0.0))):
         displacement = corner(results, name, 1.0)
         axes.annotate("", xy=np.add(place, displacement), xytext=place, arrowprops={"arrowstyle": "->", "color": "0.3"})

@@ -286,9 +286,9 @@ END_TEST
 
 START_TEST(test_bad_rows_are_refused)
 {
-  PetscReal        position[4] = {0., 0., 1., 1.};
-  PetscInt         id[2]       = {0, 0};
-  PetscInt         count       = my_rank == 0 ? 2 : 0;
+  PetscReal position[4] = {0., 0., 1., 1.};
+  PetscInt  id[2]       = {0, 0};
+  PetscInt  count       = my_rank == 0 ? 2 : 0;
 
   const MpmDataset good[] = {{"position", 2, position, NULL}};
   const MpmDataset lost[] = {{"stress", 2, position, NULL}};

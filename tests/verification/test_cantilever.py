@@ -14,9 +14,9 @@ ALPHA = 10.0  # F L^2/(E I) at full load
 
 with Test() as test:
     table = read_table(EXAMPLES / "cantilever" / "reference.csv")
-    for refine, size in ((1, 0.25), (2, 0.125), (4, 0.0625)):
-        label = f"h={size:g}"
-        run = test.run(example("cantilever"), ranks=2, mpm_grid_refine=refine, mpm_output_every=50, mpm_quiet=None)
+    for size in (0.5, 0.25, 0.125, 0.0625):
+        label, cells = f"h={size:g}", round(15.0 / size)
+        run = test.run(example("cantilever"), ranks=2, mpm_grid_cells=f"{cells},{cells}", mpm_output_every=50, mpm_quiet=None)
         values = test.check_example(label, run, "cantilever")
         row = np.flatnonzero((table["h"] == size) & (table["alpha"] == ALPHA))[0]
         for name in "uv":  # a check.py that fell back on loose bounds would not show it

@@ -1,0 +1,288 @@
+#pragma once
+/*
+  Scenes for the tests of the engine: a model made from a line of options, and a step of it taken apart, so that residual and Jacobian can
+  be looked at for any displacement.
+*/
+#include "mpmimpl.h"
+#include "unit.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <unistd.h>
+
+/* A call that must succeed; a rank that fails ends them all, for the others would wait for it. */
+#define SCENE_CALL(call) PetscCallAbort(PETSC_COMM_WORLD, call)
+
+/* Whether it is true on every rank: ranks must agree on the outcome of a check. */
+static inline PetscBool SceneAll(PetscBool fine)
+{
+  int all = fine;
+
+  return (PetscBool)(!MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD) && all);
+}
+
+/* A number in [-1, 1] that depends on its arguments alone, not on the ranks. */
+static inline PetscReal SceneRandom(PetscInt seed, PetscInt a, PetscInt b)
+{
+  uint64_t z =
+    (uint64_t)seed * 0x9e3779b97f4a7c15u + (uint64_t)a * 0xd1342543de82ef95u + (uint64_t)b * 0xaf251af3b0f025b5u;
+
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  z ^= z >> 31;
+  return 2. * (PetscReal)(z >> 11) / 9007199254740992. - 1.;
+}
+
+/* A model from options alone; those of an earlier scene are forgotten. Physics may be NULL. */
+static inline PetscErrorCode SceneCreate(MPI_Comm comm, const MpmPhysics *physics, const char *options, MpmModel *model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  PetscCall(MpmModelCreate(comm, model));
+  if (physics) PetscCall(MpmModelSetPhysics(*model, physics));
+  PetscCall(MpmModelSetFromOptions(*model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static inline PetscErrorCode SceneDestroy(MpmModel *model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelDestroy(model));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All of a step that comes before Newton. */
+static inline PetscErrorCode SceneBegin(MpmModel model, PetscReal dt)
+{
+  const PetscInt  bs   = model->layout.block;
+  const PetscReal time = model->time + dt;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  PetscCall(MpmParticlesGetArrays(&model->particles, &model->points));
+  PetscCall(MpmSpaceSetUp(&model->space, &model->grid, model->shape, model->wall_count, model->walls, model->stretch,
+                          &model->points));
+  PetscCall(PetscFree3(model->u, model->residual, model->force));
+  PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual,
+                         (model->space.local * bs), &model->force));
+  PetscCall(MpmSolverSetUp(model));
+  PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout,
+                                &model->space, model->time, time));
+  PetscCall(PetscArrayzero(model->force, model->space.local * bs));
+  for (PetscInt l = 0; l < model->load_count; l++) {
+    PetscCall(MpmLoadApply(&model->loads[l], time, &model->grid, model->shape, &model->space, &model->particles,
+                           &model->points, model->materials, model->stretch, bs, model->force));
+  }
+  model->sum = (MpmSum){.grid              = &model->grid,
+                        .space             = &model->space,
+                        .layout            = &model->layout,
+                        .materials         = model->materials,
+                        .points            = &model->points,
+                        .constraints       = &model->constraints,
+                        .physics_parameter = model->physics.parameters,
+                        .state_size        = model->particles.state_size,
+                        .dt                = dt};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The displacement x becomes the state, in balance or not. */
+static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
+{
+  const PetscInt     bs = model->layout.block;
+  const PetscScalar *values;
+  PetscInt           failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayRead(x, &values));
+  PetscCall(PetscArraycpy(model->u, values, model->space.owned * bs));
+  PetscCall(VecRestoreArrayRead(x, &values));
+  PetscCall(MpmSpaceToGhosts(&model->space, bs, model->u));
+  PetscCall(PetscArrayzero(model->residual, model->space.local * bs));
+  PetscCall(MpmCommitLocal(&model->sum, model->u, model->residual, &failed));
+  PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%" PetscInt_FMT " points have no answer", failed);
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
+  model->time += model->sum.dt;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Random values at the nodes, the same for any number of ranks: amplitude[c] times a number in [-1, 1]. Held unknowns take their values, or
+  zero where `x` is a direction.
+*/
+static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const PetscReal amplitude[], PetscBool direction,
+                                       Vec x)
+{
+  const PetscInt bs = model->layout.block, dim = model->grid.dim;
+  PetscScalar   *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayWrite(x, &values));
+  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
+    const PetscInt *node  = &model->space.node[(k / bs) * dim];
+    const PetscInt  place = (node[0] * 1000 + node[1]) * 1000 + (dim > 2 ? node[2] : 0);
+
+    values[k] = amplitude[k % bs] * SceneRandom(seed, place, k % bs);
+    if (model->constraints.condition[k] >= 0) values[k] = direction ? 0. : model->constraints.value[k];
+  }
+  PetscCall(VecRestoreArrayWrite(x, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A copy of the Jacobian made in one of the ways. */
+static inline PetscErrorCode SceneJacobian(MpmModel model, MpmJacobianType type, Vec x, Mat *copy)
+{
+  PetscFunctionBeginUser;
+  model->jacobian_type = type;
+  PetscCall(SNESComputeJacobian(model->snes, x, model->jacobian, model->jacobian));
+  PetscCall(MatDuplicate(model->jacobian, MAT_COPY_VALUES, copy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* |A - B| / |A| in the Frobenius norm; B is destroyed. */
+static inline PetscErrorCode SceneDifference(Mat A, Mat *B, PetscReal *difference)
+{
+  PetscReal norm;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatAXPY(*B, -1., A, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatNorm(*B, NORM_FROBENIUS, difference));
+  PetscCall(MatNorm(A, NORM_FROBENIUS, &norm));
+  PetscCall(MatDestroy(B));
+  *difference /= norm;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the ways to a Jacobian tell about each other. */
+typedef struct {
+  PetscReal norm;                /* of the local Jacobian */
+  PetscReal coloring, dense, fd; /* distance from the local one, relative */
+  PetscReal asymmetry;
+  PetscReal slope;     /* least order of the Taylor remainder */
+  PetscReal remainder; /* relative to the residual's change */
+} SceneVerdict;
+
+#define SCENE_TAYLOR_LONGEST \
+  8 /* eps from 2^-8 on: short beside the strain that has yielded, so that few points change branch */
+#define SCENE_TAYLOR_SHORTEST 11
+
+/* |r(x + eps v) - r(x) - eps J v| for halved eps */
+static inline PetscErrorCode SceneTaylor(MpmModel model, Mat J, Vec x, Vec v, SceneVerdict *verdict)
+{
+  Vec       r0, r, Jv, at;
+  PetscReal last = 0., norm, change;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecDuplicate(x, &r0));
+  PetscCall(VecDuplicate(x, &r));
+  PetscCall(VecDuplicate(x, &Jv));
+  PetscCall(VecDuplicate(x, &at));
+  PetscCall(SNESComputeFunction(model->snes, x, r0));
+  PetscCall(MatMult(J, v, Jv));
+  PetscCall(VecNorm(Jv, NORM_2, &change));
+  verdict->slope     = PETSC_MAX_REAL;
+  verdict->remainder = 0.;
+  for (int k = SCENE_TAYLOR_LONGEST; k <= SCENE_TAYLOR_SHORTEST; k++) {
+    const PetscReal eps = 1. / (PetscReal)(1 << k);
+
+    PetscCall(VecWAXPY(at, eps, v, x));
+    PetscCall(SNESComputeFunction(model->snes, at, r));
+    PetscCall(VecAXPBYPCZ(r, -1., -eps, 1., r0, Jv));
+    PetscCall(VecNorm(r, NORM_2, &norm));
+    if (last > 0.) verdict->slope = PetscMin(verdict->slope, PetscLog2Real(last / norm));
+    verdict->remainder = PetscMax(verdict->remainder, norm / (eps * change));
+    last               = norm;
+  }
+  PetscCall(VecDestroy(&r0));
+  PetscCall(VecDestroy(&r));
+  PetscCall(VecDestroy(&Jv));
+  PetscCall(VecDestroy(&at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Compares the Jacobians at x, and the local one with the residual's change along v. */
+static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVerdict *verdict)
+{
+  Mat local, other;
+
+  PetscFunctionBeginUser;
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, x, &local));
+  PetscCall(MatNorm(local, NORM_FROBENIUS, &verdict->norm));
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_COLORING, x, &other));
+  PetscCall(SceneDifference(local, &other, &verdict->coloring));
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_DENSE, x, &other));
+  PetscCall(SceneDifference(local, &other, &verdict->dense));
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_FD, x, &other));
+  PetscCall(SceneDifference(local, &other, &verdict->fd));
+  PetscCall(MatTranspose(local, MAT_INITIAL_MATRIX, &other));
+  PetscCall(SceneDifference(local, &other, &verdict->asymmetry));
+  PetscCall(SceneTaylor(model, local, x, v, verdict));
+  PetscCall(MatDestroy(&local));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All steps, without files. */
+static inline PetscErrorCode SceneRun(MpmModel model)
+{
+  const PetscInt steps = (PetscInt)PetscFloorReal(model->time_end / model->dt_nominal + 0.5);
+  PetscBool      moved;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < steps; k++) {
+    const PetscReal next = model->dt_nominal * (PetscReal)(k + 1);
+    const char     *why;
+
+    PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_FALSE, &moved));
+    PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+    PetscCall(MpmStep(model, next, next - model->time, PETSC_FALSE, &why));
+    PetscCheck(!why, PETSC_COMM_SELF, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", k, why);
+    model->time = next;
+    model->step++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Values of all points by id, on every rank of the model; free with PetscFree(). */
+static inline PetscErrorCode SceneById(MpmModel model, PetscInt components, const char *field, PetscReal **all)
+{
+  const PetscInt total = (PetscInt)model->particles.total * components;
+  PetscReal     *values;
+  PetscInt      *id, count;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(total, all));
+  PetscCall(DMSwarmGetLocalSize(model->particles.swarm, &count));
+  PetscCall(DMSwarmGetField(model->particles.swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmGetField(model->particles.swarm, field, NULL, NULL, (void **)&values));
+  for (PetscInt k = 0; k < count * components; k++)
+    (*all)[id[k / components] * components + k % components] += values[k];
+  PetscCall(DMSwarmRestoreField(model->particles.swarm, field, NULL, NULL, (void **)&values));
+  PetscCall(DMSwarmRestoreField(model->particles.swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *all, (PetscMPIInt)total, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The largest difference of a field between two models of the same points, relative to the field's largest change from `base` (or 0). */
+static inline PetscErrorCode SceneFieldDifference(MpmModel a, MpmModel b, PetscInt components, const char *field,
+                                                  const char *base, PetscReal *difference)
+{
+  PetscReal *of_a, *of_b, *of_base = NULL, most = 0.;
+
+  PetscFunctionBeginUser;
+  PetscCheck(a->particles.total == b->particles.total, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "the models have different numbers of points");
+  PetscCall(SceneById(a, components, field, &of_a));
+  PetscCall(SceneById(b, components, field, &of_b));
+  if (base) PetscCall(SceneById(a, components, base, &of_base));
+  *difference = 0.;
+  for (PetscInt k = 0; k < (PetscInt)a->particles.total * components; k++) {
+    *difference = PetscMax(*difference, PetscAbsReal(of_a[k] - of_b[k]));
+    most        = PetscMax(most, PetscAbsReal(of_a[k] - (of_base ? of_base[k] : 0.)));
+  }
+  *difference = most > 0. ? *difference / most : PETSC_MAX_REAL;
+  PetscCall(PetscFree(of_a));
+  PetscCall(PetscFree(of_b));
+  PetscCall(PetscFree(of_base));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

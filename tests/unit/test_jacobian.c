@@ -1,0 +1,199 @@
+/*
+  The Jacobian: point by point, by colours and densely it is one matrix; differences and the residual's Taylor expansion say that it is the
+  right one. Every scene has moved once before it is looked at, so that F, history and domains are those of a deformed body.
+
+  Ranks: 1 2
+*/
+#include "scene.h"
+
+static const char *const scene_2d =
+  "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_region box "
+  "-mpm_body_b_lower 0.5,0.4 -mpm_body_b_upper 2.5,1.6 ";
+static const char *const scene_3d =
+  "-mpm_dim 3 -mpm_grid_lower 0,0,0 -mpm_grid_upper 2,2,1.2 -mpm_grid_cells 4,4,3 -mpm_body_b_region box "
+  "-mpm_body_b_lower 0.5,0.5,0.4 -mpm_body_b_upper 1.5,1.5,0.8 -mpm_body_b_points_per_cell 2,1,2 ";
+/* a floor that takes part of the body with it, and a smooth side */
+static const char *const held_2d =
+  "-mpm_bcs floor,side -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0.4 -mpm_bc_floor_upper 3,0.4 "
+  "-mpm_bc_floor_components x,y -mpm_bc_floor_value 0.01,-0.006 -mpm_bc_side_region box "
+  "-mpm_bc_side_lower 0.5,0 -mpm_bc_side_upper 0.5,2 -mpm_bc_side_components x ";
+static const char *const held_3d =
+  "-mpm_bcs floor,side -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0,0.4 -mpm_bc_floor_upper 2,2,0.4 "
+  "-mpm_bc_floor_components x,y,z -mpm_bc_floor_value 0.01,-0.006,0.004 -mpm_bc_side_region box "
+  "-mpm_bc_side_lower 0.5,0,0 -mpm_bc_side_upper 0.5,2,2 -mpm_bc_side_components x ";
+
+typedef struct {
+  const char *name, *parameters;
+  PetscBool   plastic;
+} Law;
+
+/* Yield strains are about 1e-3, increments several per cent. */
+static const Law laws[] = {
+  {"linear_elastic", "", PETSC_FALSE},
+  {"hencky", "", PETSC_FALSE},
+  {"neo_hookean", "", PETSC_FALSE},
+  {"j2", "-mpm_material_m_yield_stress 1e3 -mpm_material_m_hardening 2e4 ", PETSC_TRUE},
+  {"drucker_prager", "-mpm_material_m_cohesion 1e3 -mpm_material_m_friction 30 -mpm_material_m_dilation 10 ",
+   PETSC_TRUE},
+};
+
+static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscBool held, MpmModel *model)
+{
+  char options[4096];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(
+    options, sizeof(options),
+    "%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
+    "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25",
+    dim == 2 ? scene_2d : scene_3d, held ? (dim == 2 ? held_2d : held_3d) : "", law->parameters, shape, law->name));
+  PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The share of points whose elastic left Cauchy-Green tensor is no longer F F^T. */
+static PetscErrorCode PlasticShare(MpmModel model, PetscReal *share)
+{
+  const PetscInt dim     = model->grid.dim;
+  PetscInt       plastic = 0;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
+  for (PetscInt p = 0; points.state && p < points.count; p++) {
+    const PetscReal *F = &points.F[p * dim * dim], *b = &points.state[p * model->particles.state_size];
+    PetscReal        away = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscReal total = 0.;
+
+      for (PetscInt c = 0; c < dim; c++) total += F[a * dim + c] * F[a * dim + c];
+      away = PetscMax(away, PetscAbsReal(total - b[a]));
+    }
+    plastic += away > 1e-4;
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &plastic, 1, MPIU_INT, MPI_SUM, model->comm));
+  *share = (PetscReal)plastic / (PetscReal)model->particles.total;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Amplitude(MpmModel model, PetscReal cells, PetscReal amplitude[])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < model->grid.dim; a++) amplitude[a] = cells * model->grid.h[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One random step is committed, then the Jacobians of another are compared. `domain` > 0: half-length of all domains between, in cells. */
+static PetscErrorCode Look(MpmModel model, PetscReal domain, PetscReal *plastic, SceneVerdict *verdict)
+{
+  PetscReal amplitude[MPM_MAX_DIM];
+  Vec       v;
+
+  PetscFunctionBeginUser;
+  PetscCall(SceneBegin(model, 0.25));
+  PetscCall(Amplitude(model, 0.04, amplitude));
+  PetscCall(SceneFill(model, 1, amplitude, PETSC_FALSE, model->x));
+  PetscCall(SceneCommit(model, model->x));
+  PetscCall(PlasticShare(model, plastic));
+  if (domain > 0.) {
+    MpmPoints points;
+
+    PetscCall(MpmParticlesGetArrays(&model->particles, &points));
+    for (PetscInt k = 0; k < points.count * model->grid.dim; k++)
+      points.half_length[k] = domain * model->grid.h[k % model->grid.dim];
+    PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  }
+  PetscCall(SceneBegin(model, 0.25));
+  PetscCall(SceneFill(model, 2, amplitude, PETSC_FALSE, model->x));
+  PetscCall(VecDuplicate(model->x, &v));
+  PetscCall(Amplitude(model, 0.02, amplitude));
+  PetscCall(SceneFill(model, 3, amplitude, PETSC_TRUE, v));
+  PetscCall(SceneCompare(model, model->x, v, verdict));
+  PetscCall(VecDestroy(&v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void Check(MpmModel model, const Law *law, PetscBool held, PetscReal plastic, const SceneVerdict *verdict)
+{
+  const unsigned traits = model->materials[0].info.traits;
+  char           name[200];
+
+  snprintf(name, sizeof(name), "%dD %s %s %s", (int)model->grid.dim, MpmShapeTypes[model->shape], law->name,
+           held ? "held" : "free");
+  ck_assert_msg(verdict->norm > 0., "%s: the Jacobian is empty", name);
+  ck_assert_msg(verdict->coloring <= 1e-14, "%s: local and coloured Jacobian differ by %g", name,
+                (double)verdict->coloring);
+  ck_assert_msg(verdict->dense <= 1e-14, "%s: local and dense Jacobian differ by %g", name, (double)verdict->dense);
+  ck_assert_msg(verdict->fd <= 1e-7, "%s: local and finite-difference Jacobian differ by %g", name,
+                (double)verdict->fd);
+  /* at small strain F_n enters the law but not the weights: symmetric from the initial state only */
+  if ((traits & MPM_LAW_SYMMETRIC) && !(traits & MPM_LAW_SMALL_STRAIN))
+    ck_assert_msg(verdict->asymmetry <= 1e-13, "%s: unsymmetric by %g", name, (double)verdict->asymmetry);
+  if (traits & MPM_LAW_SMALL_STRAIN)
+    ck_assert_msg(verdict->remainder <= 1e-10, "%s: not linear, by %g", name, (double)verdict->remainder);
+  else ck_assert_msg(verdict->slope >= 1.95, "%s: the Taylor remainder has order %g", name, (double)verdict->slope);
+  if (law->plastic) ck_assert_msg(plastic >= 0.5, "%s: only %g of the points have yielded", name, (double)plastic);
+}
+
+static void CheckAll(PetscInt dim)
+{
+  for (PetscInt shape = 0; shape < MPM_SHAPE_COUNT; shape++) {
+    for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(laws); l++) {
+      for (PetscInt held = 0; held < 2; held++) {
+        MpmModel     model;
+        SceneVerdict verdict;
+        PetscReal    plastic;
+
+        SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], (PetscBool)held, &model));
+        SCENE_CALL(Look(model, 0., &plastic, &verdict));
+        ck_assert_int_eq(model->constraints.any || !held, 1);
+        Check(model, &laws[l], (PetscBool)held, plastic, &verdict);
+        SCENE_CALL(SceneDestroy(&model));
+      }
+    }
+  }
+}
+
+START_TEST(plane)
+{
+  CheckAll(2);
+}
+END_TEST
+
+START_TEST(space)
+{
+  CheckAll(3);
+}
+END_TEST
+
+/* Domains of more than two cells: points touch more nodes, and the colours' block grows with them. */
+START_TEST(long_domains)
+{
+  static const char *const shapes[] = {"gimp", "gimp_bspline2"};
+  const PetscReal          half     = 1.3;
+
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    for (PetscInt s = 0; s < 2; s++) {
+      MpmModel     model;
+      SceneVerdict verdict;
+      PetscReal    plastic;
+
+      SCENE_CALL(Create(dim, shapes[s], &laws[2], (PetscBool)(s == 0), &model));
+      SCENE_CALL(Look(model, dim == 2 ? half : 0.7, &plastic, &verdict));
+      ck_assert_int_ge((int)model->space.width, dim == 2 ? 5 : 4);
+      ck_assert_int_eq((int)model->pattern.reach, (int)model->space.width - 1);
+      Check(model, &laws[2], (PetscBool)(s == 0), plastic, &verdict);
+      SCENE_CALL(SceneDestroy(&model));
+    }
+  }
+}
+END_TEST
+
+int main(int argc, char **argv)
+{
+  const TTest *const tests[] = {plane, space, long_domains};
+
+  return UnitRun(&argc, &argv, "jacobian", sizeof(tests) / sizeof(tests[0]), tests);
+}

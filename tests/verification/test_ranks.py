@@ -1,0 +1,32 @@
+#!/usr/bin/env python3
+"""The number of ranks changes nothing: the same steps and Newton iterations, and displacements equal to rounding."""
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, difference, example  # noqa: E402
+
+REACH = 1e-9  # relative to the largest value
+SCENES = {"bar_elastic": example("bar_elastic"), "bar_j2": example("bar_j2"), "cantilever": example("cantilever"),
+          "shaft": Path(__file__).resolve().parent / "shaft.yaml"}
+
+
+def compare(test, label, one, other, ranks):
+    steps = one.newton.size
+    test.check(f"{label}.ranks", other.results.summary["ranks"], ranks, ranks)
+    test.check(f"{label}.steps", other.newton.size, steps, steps)
+    if other.newton.size == steps:
+        test.check(f"{label}.newton_differs", (one.newton != other.newton).sum(), None, 0)
+    test.check(f"{label}.ids_differ", (one.table("id") != other.table("id")).sum(), None, 0)
+    for field in ("displacement", "stress", "volume"):
+        test.check(f"{label}.{field}", difference(one.table(field), other.table(field)), None, REACH)
+
+
+with Test() as test:
+    for scene, path in SCENES.items():
+        options = {"mpm_output_every": 1000, "mpm_quiet": None}
+        alone = test.run(path, **options)
+        moved = difference(alone.table("position0", "first"), alone.table("position"))
+        test.check(f"{scene}.points_move", moved, 0.05, None)
+        for count in (2, 3, 4):
+            compare(test, f"{scene}_on_{count}", alone, test.run(path, ranks=count, **options), count)
