@@ -74,10 +74,8 @@ PetscErrorCode MpmHistoryCreate(MPI_Comm comm, const char *path, PetscInt column
 
 static void PrintValue(FILE *file, double value)
 {
-  if (value == floor(value) && fabs(value) < LARGEST_COUNT)
-    (void)fprintf(file, "%lld", (long long)value);
-  else
-    (void)fprintf(file, "%.17g", value);
+  if (value == floor(value) && fabs(value) < LARGEST_COUNT) (void)fprintf(file, "%lld", (long long)value);
+  else (void)fprintf(file, "%.17g", value);
 }
 
 /*@

@@ -44,12 +44,9 @@ static PetscErrorCode AppendString(MpmTextFile *text, const char *key, const cha
   PetscCall(MpmTextFileAppend(text, "  \"%s\": \"", key));
   for (const char *c = value; *c; ++c) {
     unsigned char byte = (unsigned char)*c;
-    if (byte == '"' || byte == '\\')
-      PetscCall(MpmTextFileAppend(text, "\\%c", *c));
-    else if (byte < 0x20)
-      PetscCall(MpmTextFileAppend(text, "\\u%04x", (unsigned)byte));
-    else
-      PetscCall(MpmTextFileAppend(text, "%c", *c));
+    if (byte == '"' || byte == '\\') PetscCall(MpmTextFileAppend(text, "\\%c", *c));
+    else if (byte < 0x20) PetscCall(MpmTextFileAppend(text, "\\u%04x", (unsigned)byte));
+    else PetscCall(MpmTextFileAppend(text, "%c", *c));
   }
   PetscCall(MpmTextFileAppend(text, "\",\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -66,10 +63,8 @@ static PetscErrorCode AppendCount(MpmTextFile *text, const char *key, PetscInt64
 static PetscErrorCode AppendNumber(MpmTextFile *text, PetscReal value)
 {
   PetscFunctionBeginUser;
-  if (isfinite(value))
-    PetscCall(MpmTextFileAppend(text, "%.9g", (double)value));
-  else
-    PetscCall(MpmTextFileAppend(text, "null"));
+  if (isfinite(value)) PetscCall(MpmTextFileAppend(text, "%.9g", (double)value));
+  else PetscCall(MpmTextFileAppend(text, "null"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

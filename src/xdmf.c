@@ -8,16 +8,11 @@ static PetscErrorCode AppendEscaped(MpmTextFile *text, const char *value)
 {
   PetscFunctionBeginUser;
   for (const char *c = value; *c; ++c) {
-    if (*c == '&')
-      PetscCall(MpmTextFileAppend(text, "&amp;"));
-    else if (*c == '<')
-      PetscCall(MpmTextFileAppend(text, "&lt;"));
-    else if (*c == '>')
-      PetscCall(MpmTextFileAppend(text, "&gt;"));
-    else if (*c == '"')
-      PetscCall(MpmTextFileAppend(text, "&quot;"));
-    else
-      PetscCall(MpmTextFileAppend(text, "%c", *c));
+    if (*c == '&') PetscCall(MpmTextFileAppend(text, "&amp;"));
+    else if (*c == '<') PetscCall(MpmTextFileAppend(text, "&lt;"));
+    else if (*c == '>') PetscCall(MpmTextFileAppend(text, "&gt;"));
+    else if (*c == '"') PetscCall(MpmTextFileAppend(text, "&quot;"));
+    else PetscCall(MpmTextFileAppend(text, "%c", *c));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
