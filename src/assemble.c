@@ -45,6 +45,7 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
 
     MPM_DISPATCH(sum->layout, group->node_count, ResidualGroup, sum, group, weights, u, &work, residual, failed);
   }
+  PetscCall(MpmGhostResidual(sum, u, residual));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -111,6 +112,7 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal 
     }
     MpmSumScatter(n, known, sum, group, work.force, residual);
   }
+  PetscCall(MpmGhostResidual(sum, u, residual));
   PetscCall(PetscFree(state));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

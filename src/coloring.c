@@ -190,6 +190,7 @@ PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, cons
       }
     }
   }
+  PetscCall(MpmGhostJacobian(sum, pattern));
   PetscCall(PetscFree(seeds.work.storage));
   PetscCall(PetscFree(seeds.y));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -78,6 +78,7 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
     MPM_DISPATCH(sum->layout, group->node_count, ElementGroup, sum, group, weights, u, &work, element, failed);
     MpmPatternAddBlock(pattern, space, group, sum->constraints, element);
   }
+  PetscCall(MpmGhostJacobian(sum, pattern));
   PetscCall(PetscFree(element));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

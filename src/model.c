@@ -165,18 +165,32 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What later versions do; the names are part of the scene file's contract. */
-static PetscErrorCode ReadStabilization(const MpmOptions *options)
+/* Whether to penalise, and how much: `auto` follows the solver and is settled with it. */
+static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *options)
 {
-  static const char *const ghosts[] = {"auto", "off", NULL};
-  const MpmOptions         block    = {options->comm, "mpm_stabilization_", options->record};
-  PetscInt                 ghost    = 0;
-  PetscBool                fbar     = PETSC_FALSE;
+  const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
+  char            *ghost;
+  PetscBool        fbar = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
-  PetscCall(MpmOptionsWord(&block, "ghost", "penalty on the faces of edge cells; direct solvers need none", ghosts,
-                           MPM_OPTIONAL, &ghost, NULL));
+  PetscCall(MpmOptionsText(&block, "ghost",
+                           "penalty on the faces of edge cells: auto (on for iterative solvers), off, or a factor "
+                           "times the material's stiffness",
+                           "auto", MPM_OPTIONAL, &ghost));
+  model->ghost = MPM_GHOST_AUTO;
+  if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
+  else if (ghost && strcmp(ghost, "auto")) {
+    char *end;
+
+    model->ghost = strtod(ghost, &end);
+    MpmCheckInput(!*end && model->ghost >= 0. && model->ghost < PETSC_INFINITY,
+                  "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
+  }
+  MpmCheckInput(model->ghost <= 0. || model->shape == MPM_SHAPE_LINEAR || model->shape == MPM_SHAPE_GIMP,
+                "-mpm_stabilization_ghost %s: not available for shape %s, must be auto or off", ghost,
+                MpmShapeTypes[model->shape]);
+  PetscCall(PetscFree(ghost));
   PetscCall(MpmOptionsBool(&block, "fbar", "against volumetric locking", &fbar, NULL));
   MpmCheckInput(!fbar, "-mpm_stabilization_fbar true: not available in this version, must be false");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -283,7 +297,7 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(MpmGridSetFromOptions(&model->grid, &options, model->layout.dim));
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
-  PetscCall(ReadStabilization(&options));
+  PetscCall(ReadStabilization(model, &options));
   PetscCall(ReadTime(model, &options));
   PetscCall(ReadOutput(model, &options));
   PetscCall(MpmSolverSetFromOptions(model, &options));

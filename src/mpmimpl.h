@@ -7,6 +7,7 @@
 #define MPM_MAX_DIM    3
 #define MPM_MAX_BLOCK  8    /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS 24   /* inputs of a kernel */
+#define MPM_GHOST_AUTO -1.  /* the factor follows the solver */
 #define MPM_TOLERANCE  1e-6 /* of a cell: what counts as "on" a region's edge */
 
 /* ---- grid.c ---- */
@@ -162,6 +163,9 @@ typedef struct {
   PetscReal *weight, *gradient; /* per point and axis, `width` values; gradients by x */
   PetscInt  *order;             /* points by group */
   PetscInt   group_count;
+  PetscInt   face_count;     /* faces of the ghost penalty: groups without points, behind the others */
+  PetscReal *face_stiffness; /* Pa */
+  PetscBool  ghost;          /* are there faces on any rank? */
   MpmGroup  *groups;
   PetscInt  *group_nodes;  /* local nodes of each group, x fastest */
   PetscInt   owned, local; /* active nodes owned by this rank, and with ghosts */
@@ -173,7 +177,8 @@ typedef struct {
 } MpmSpace;
 
 PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
-                             const MpmWall walls[], MpmStretch stretch, const MpmPoints *points);
+                             const MpmWall walls[], MpmStretch stretch, const MpmMaterial materials[], PetscBool ghost,
+                             const MpmPoints *points);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
@@ -287,6 +292,7 @@ typedef struct {
   const double         *physics_parameter;
   PetscInt              state_size;
   PetscReal             dt;
+  PetscReal             ghost; /* factor of the ghost penalty */
 } MpmSum;
 
 /* Do any of the kernel's inputs need the weights, not only their derivatives? */
@@ -322,6 +328,17 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
 PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
                                PetscReal diagonal, Mat mat);
 
+/* The ghost penalty (ghost.c). Faces become groups of the space, before its nodes are numbered. */
+#define MPM_GHOST_NODES 12
+PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmGrid *grid, const MpmMaterial materials[],
+                             const MpmPoints *points);
+/* The face's matrix, the same for every component; returns its number of nodes. */
+PetscInt       MpmGhostMatrix(const MpmSpace *space, const MpmGrid *grid, PetscReal factor, PetscInt face,
+                              PetscReal matrix[]);
+PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscReal residual[]);
+/* Adds to the pattern's values; linear, so it is the same in every form of the Jacobian. */
+PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern);
+
 PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscInt *failed);
 PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern,
                                    PetscInt *failed);
@@ -351,6 +368,7 @@ struct _p_MpmModel {
   MpmParticles    particles;
   MpmBodyForce    body_force;
   void           *body_force_ctx;
+  PetscReal       ghost; /* factor of the ghost penalty, 0: none */
   PetscBool       symmetric;
 
   /* time */
@@ -397,6 +415,7 @@ static inline void MpmClock(MpmModel model, MpmTimer timer, PetscLogDouble since
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmSolverSetUp(MpmModel model);
+PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model);
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason);
 PetscErrorCode MpmSolverDestroy(MpmModel model);
 /*

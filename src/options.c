@@ -148,12 +148,9 @@ static void RangeText(MpmRange range, char text[MPM_RANGE_TEXT])
   MpmRealText(range.lower, lower);
   MpmRealText(range.upper, upper);
   text[0] = '\0';
-  if (below && above)
-    snprintf(text, MPM_RANGE_TEXT, range.open ? "in (%s, %s)" : "in [%s, %s]", lower, upper);
-  else if (below)
-    snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? ">" : ">=", lower);
-  else if (above)
-    snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? "<" : "<=", upper);
+  if (below && above) snprintf(text, MPM_RANGE_TEXT, range.open ? "in (%s, %s)" : "in [%s, %s]", lower, upper);
+  else if (below) snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? ">" : ">=", lower);
+  else if (above) snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? "<" : "<=", upper);
 }
 
 static PetscBool RangeHolds(MpmRange range, PetscReal value)
@@ -170,12 +167,9 @@ static void IntRangeText(PetscInt lower, PetscInt upper, char text[MPM_RANGE_TEX
   const long long low = (long long)lower, high = (long long)upper;
 
   text[0] = '\0';
-  if (lower > PETSC_INT_MIN && upper < PETSC_INT_MAX)
-    snprintf(text, MPM_RANGE_TEXT, "in [%lld, %lld]", low, high);
-  else if (lower > PETSC_INT_MIN)
-    snprintf(text, MPM_RANGE_TEXT, ">= %lld", low);
-  else if (upper < PETSC_INT_MAX)
-    snprintf(text, MPM_RANGE_TEXT, "<= %lld", high);
+  if (lower > PETSC_INT_MIN && upper < PETSC_INT_MAX) snprintf(text, MPM_RANGE_TEXT, "in [%lld, %lld]", low, high);
+  else if (lower > PETSC_INT_MIN) snprintf(text, MPM_RANGE_TEXT, ">= %lld", low);
+  else if (upper < PETSC_INT_MAX) snprintf(text, MPM_RANGE_TEXT, "<= %lld", high);
 }
 
 /* "must lie in (-1, 0.5)", "each must be > 0" */
@@ -193,12 +187,9 @@ static PetscErrorCode ItemRefuseRange(const Item *item, const ItemSpec *spec, Pe
 /* What a list of `count` values accepts: "2 values, each > 0"; one value goes without saying. */
 static void ListText(PetscInt count, const char range[], char text[2 * MPM_RANGE_TEXT])
 {
-  if (count == 1)
-    snprintf(text, 2 * MPM_RANGE_TEXT, "%s", range);
-  else if (*range)
-    snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values, each %s", (long long)count, range);
-  else
-    snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values", (long long)count);
+  if (count == 1) snprintf(text, 2 * MPM_RANGE_TEXT, "%s", range);
+  else if (*range) snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values, each %s", (long long)count, range);
+  else snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values", (long long)count);
 }
 
 /* Splits at commas, blanks around each part dropped; "" has no parts, "a," has an empty second one. */
@@ -472,10 +463,8 @@ PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const
   *value = NULL;
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given && !item.raw && need == MPM_REQUIRED) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
-  if (item.given)
-    PetscCall(PetscStrallocpy(item.raw ? item.raw : "", value));
-  else if (fallback)
-    PetscCall(PetscStrallocpy(fallback, value));
+  if (item.given) PetscCall(PetscStrallocpy(item.raw ? item.raw : "", value));
+  else if (fallback) PetscCall(PetscStrallocpy(fallback, value));
   PetscCall(ItemDestroy(&item, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -43,8 +43,8 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
   PetscCall(PetscMalloc1((pattern->local * pattern->window), &pattern->slot));
   for (PetscInt i = 0; i < pattern->local * pattern->window; i++) pattern->slot[i] = -1;
   for (PetscInt i = 0; i < pattern->owned; i++) pattern->slot[i * pattern->window + (pattern->window - 1) / 2] = 0;
-  PetscCall(PetscMalloc1(PetscPowInt(space->width, space->dim), &offset));
-  for (PetscInt g = 0; g < space->group_count; g++) {
+  PetscCall(PetscMalloc1(PetscPowInt(PetscMax(space->width, 3), space->dim), &offset));
+  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) {
     const MpmGroup *group  = &space->groups[g];
     const PetscInt *nodes  = &space->group_nodes[group->node_offset];
     const PetscInt  center = WindowOffsets(pattern, group, offset);
@@ -74,8 +74,8 @@ static PetscErrorCode FindNeighbours(const MpmPattern *pattern, const MpmSpace *
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((pattern->local * pattern->window), &found->neighbour));
   for (PetscInt i = 0; i < pattern->owned; i++) found->neighbour[i * pattern->window + (pattern->window - 1) / 2] = i;
-  PetscCall(PetscMalloc1(PetscPowInt(space->width, space->dim), &offset));
-  for (PetscInt g = 0; g < space->group_count; g++) {
+  PetscCall(PetscMalloc1(PetscPowInt(PetscMax(space->width, 3), space->dim), &offset));
+  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) {
     const MpmGroup *group  = &space->groups[g];
     const PetscInt *nodes  = &space->group_nodes[group->node_offset];
     const PetscInt  center = WindowOffsets(pattern, group, offset);
@@ -205,7 +205,7 @@ PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_C
   PetscCall(PetscMemzero(pattern, sizeof(*pattern)));
   pattern->block  = block;
   pattern->dim    = space->dim;
-  pattern->reach  = space->width - 1;
+  pattern->reach  = PetscMax(space->width - 1, space->ghost ? 2 : 1);
   pattern->window = PetscPowInt(2 * pattern->reach + 1, space->dim);
   pattern->local  = space->local;
   pattern->owned  = space->owned;

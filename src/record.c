@@ -271,14 +271,10 @@ static void WriteQuoted(FILE *file, const char text[])
     unsigned  code;
     const int size = DecodeUTF8(s, &code);
 
-    if (size && IsPlain(code))
-      fwrite(s, 1, (size_t)size, file);
-    else if (*s == '"' || *s == '\\')
-      fprintf(file, "\\%c", *s);
-    else if (size)
-      fprintf(file, "\\U%08X", code);
-    else
-      fprintf(file, "\\x%02X", *s); /* not UTF-8: YAML has no bytes, so the nearest is the Latin-1 character */
+    if (size && IsPlain(code)) fwrite(s, 1, (size_t)size, file);
+    else if (*s == '"' || *s == '\\') fprintf(file, "\\%c", *s);
+    else if (size) fprintf(file, "\\U%08X", code);
+    else fprintf(file, "\\x%02X", *s); /* not UTF-8: YAML has no bytes, so the nearest is the Latin-1 character */
     s += size ? size : 1;
   }
   fputc('"', file);
@@ -291,10 +287,8 @@ static void WriteLine(FILE *file, const char comment[], const char name[], const
   for (const char *c = name; *c; c++)
     plain = (plain && (isalnum((unsigned char)*c) || *c == '_')) ? PETSC_TRUE : PETSC_FALSE;
   fputs(comment, file);
-  if (plain)
-    fputs(name, file);
-  else
-    WriteQuoted(file, name);
+  if (plain) fputs(name, file);
+  else WriteQuoted(file, name);
   fputs(": ", file);
   WriteQuoted(file, value ? value : "");
   fputc('\n', file);
@@ -329,12 +323,9 @@ static void WriteRecord(FILE *file, MpmRecord record, PetscInt others)
     const MpmRecordEntry *entry = &record->entries[i];
 
     if (!entry->known) continue;
-    if (entry->given)
-      WriteLine(file, "", entry->name, entry->value);
-    else if (!entry->value)
-      fprintf(file, "# %s: not given\n", entry->name);
-    else
-      WriteLine(file, room && !entry->presence ? "" : "# ", entry->name, entry->value);
+    if (entry->given) WriteLine(file, "", entry->name, entry->value);
+    else if (!entry->value) fprintf(file, "# %s: not given\n", entry->name);
+    else WriteLine(file, room && !entry->presence ? "" : "# ", entry->name, entry->value);
   }
 }
 
@@ -373,10 +364,8 @@ static PetscErrorCode WriteFile(MpmRecord record, const char path[], PetscBool *
     PetscCall(PetscFree(pairs));
     PetscCall(PetscFree(text));
     good = ferror(file) ? PETSC_FALSE : PETSC_TRUE;
-    if (fclose(file) == 0 && good && rename(temporary, path) == 0)
-      *written = PETSC_TRUE;
-    else
-      remove(temporary);
+    if (fclose(file) == 0 && good && rename(temporary, path) == 0) *written = PETSC_TRUE;
+    else remove(temporary);
   }
   PetscCall(PetscFree(temporary));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,6 +10,9 @@ static const struct {
 #include "mpm_presets.h"
 };
 
+/* The ghost penalty's factor where an iterative solver needs it. */
+#define GHOST_DEFAULT 0.01
+
 /* Sets an option that the user has not set. */
 static PetscErrorCode OptionDefault(const char *name, const char *value)
 {
@@ -268,7 +271,9 @@ PetscErrorCode MpmSolverSetUp(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmPatternSetUp(&model->pattern, &model->space, model->comm, model->layout.block, &changed));
   if (!changed && model->jacobian) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SNESReset(model->snes));
+  /* GAMG of PETSc 3.18 cannot be reset to another size: a new pattern gets a new solver */
+  PetscCall(SNESDestroy(&model->snes));
+  PetscCall(CreateSNES(model));
   PetscCall(MatDestroy(&model->jacobian));
   PetscCall(VecDestroy(&model->x));
   PetscCall(VecDestroy(&model->f));
@@ -282,6 +287,72 @@ PetscErrorCode MpmSolverSetUp(MpmModel model)
   PetscCall(VecDuplicate(model->x, &model->f));
   PetscCall(SNESSetFunction(model->snes, model->f, FormFunction, model));
   PetscCall(SNESSetJacobian(model->snes, model->jacobian, model->jacobian, FormJacobian, model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rigid body mode k at place x: translations, then rotations about the axes. */
+static void RigidMode(PetscInt dim, PetscInt k, const PetscReal x[], PetscScalar mode[])
+{
+  for (PetscInt a = 0; a < dim; a++) mode[a] = a == k ? 1. : 0.;
+  if (k < dim) return;
+  {
+    const PetscInt axis = dim == 2 ? 2 : k - dim, p = (axis + 1) % 3, q = (axis + 2) % 3;
+
+    mode[p] = -x[q];
+    mode[q] = x[p];
+  }
+}
+
+/*
+  Rigid body modes for multigrid. Held unknowns do not move, so the modes are zero there; what is left is made
+  orthonormal.
+*/
+PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model)
+{
+  const PetscInt dim = model->grid.dim, bs = model->layout.block, modes = dim == 2 ? 3 : 6;
+  MatNullSpace   space;
+  Vec            mode[6];
+  PetscScalar    dot[6];
+  PetscInt       kept = 0;
+  KSP            ksp;
+  PC             pc;
+  PetscBool      direct;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(model->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &direct, PCLU, PCCHOLESKY, ""));
+  PetscCall(MatGetNearNullSpace(model->jacobian, &space));
+  if (direct || space) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < modes; k++) {
+    PetscScalar *values;
+    PetscReal    norm;
+
+    PetscCall(VecDuplicate(model->x, &mode[kept]));
+    PetscCall(VecZeroEntries(mode[kept]));
+    PetscCall(VecGetArray(mode[kept], &values));
+    for (PetscInt i = 0; i < model->space.owned; i++) {
+      PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
+
+      for (PetscInt a = 0; a < dim; a++) x[a] = model->grid.h[a] * (PetscReal)model->space.node[i * dim + a];
+      RigidMode(dim, k, x, &values[i * bs]);
+      for (PetscInt a = 0; a < dim; a++)
+        if (model->constraints.condition[i * bs + a] >= 0) values[i * bs + a] = 0.;
+    }
+    PetscCall(VecRestoreArray(mode[kept], &values));
+    for (PetscInt pass = 0; pass < 2 && kept; pass++) {
+      PetscCall(VecMDot(mode[kept], kept, mode, dot));
+      for (PetscInt j = 0; j < kept; j++) dot[j] = -dot[j];
+      PetscCall(VecMAXPY(mode[kept], kept, dot, mode));
+    }
+    PetscCall(VecNormalize(mode[kept], &norm));
+    if (norm > PETSC_SQRT_MACHINE_EPSILON) kept++;
+    else PetscCall(VecDestroy(&mode[kept]));
+  }
+  PetscCall(MatNullSpaceCreate(model->comm, PETSC_FALSE, kept, mode, &space));
+  PetscCall(MatSetNearNullSpace(model->jacobian, space));
+  PetscCall(MatNullSpaceDestroy(&space));
+  for (PetscInt k = 0; k < kept; k++) PetscCall(VecDestroy(&mode[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

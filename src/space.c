@@ -13,6 +13,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree2(space->weight, space->gradient));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
+  PetscCall(PetscFree(space->face_stiffness));
   PetscCall(PetscFree(space->group_nodes));
   PetscCall(PetscFree2(space->node, space->global));
   PetscCall(PetscSFDestroy(&space->sf));
@@ -199,12 +200,15 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
 }
 
 PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
-                             const MpmWall walls[], MpmStretch stretch, const MpmPoints *points)
+                             const MpmWall walls[], MpmStretch stretch, const MpmMaterial materials[], PetscBool ghost,
+                             const MpmPoints *points)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmSpaceReset(space));
   PetscCall(EvaluateShapes(space, grid, shape, wall_count, walls, stretch, points));
   PetscCall(MakeGroups(space));
+  space->ghost = ghost;
+  if (ghost) PetscCall(MpmGhostFaces(space, grid, materials, points));
   PetscCall(MpmSpaceNumberNodes(space, grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

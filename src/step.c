@@ -72,7 +72,7 @@ static PetscErrorCode PrepareSpace(MpmModel model)
   PetscCall(PetscTime(&since));
   PetscCall(MpmParticlesGetArrays(&model->particles, &model->points));
   PetscCall(MpmSpaceSetUp(&model->space, &model->grid, model->shape, model->wall_count, model->walls, model->stretch,
-                          &model->points));
+                          model->materials, (PetscBool)(model->ghost > 0.), &model->points));
   PetscCall(PetscFree3(model->u, model->residual, model->force));
   PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual,
                          (model->space.local * bs), &model->force));
@@ -205,8 +205,10 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool r
                         .constraints       = &model->constraints,
                         .physics_parameter = model->physics.parameters,
                         .state_size        = model->particles.state_size,
-                        .dt                = dt};
+                        .dt                = dt,
+                        .ghost             = model->ghost};
   PetscCall(InitialGuess(model));
+  PetscCall(MpmSolverSetNearNullSpace(model));
   PetscCall(MpmSolverSolve(model, &reason));
   if (reason < 0) {
     *why = ReasonText(reason);
