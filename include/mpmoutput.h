@@ -35,6 +35,8 @@ typedef struct {
 PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output);
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
                               PetscInt dataset_count, const MpmDataset datasets[]);
+/* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */
+PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
 PetscErrorCode MpmOutputDestroy(MpmOutput *output);
 
 /* The CSV writer: header at once, then one row a call, flushed; rank 0 writes. All values with 17 significant digits,

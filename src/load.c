@@ -299,20 +299,20 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
   Weights of the face's centre instead of the point's: a traction does its work where it acts. Only shapes with a domain
   have a face; the others take the point.
 */
-static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmGrid *grid, MpmShapeType shape, const MpmSpace *space,
-                                  const MpmPoints *points, MpmStretch stretch, PetscInt p, const MpmGroup *group,
-                                  PetscReal weight[])
+static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, const MpmSpace *space,
+                                  const MpmPoints *points, PetscInt p, const MpmGroup *group, PetscReal weight[])
 {
+  const MpmGrid     *grid = rules->grid;
   const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
-  const MpmShapeType at_face = shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
+  const MpmShapeType at_face = rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
   PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
   PetscInt  first, count, n = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
     for (PetscInt i = 0; i < group->count[a]; i++) line[a][i] = a < dim ? space->weight[(p * dim + a) * W + i] : 1.;
-  if (MpmShapeHasDomain(shape)) {
-    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+  if (MpmShapeHasDomain(rules->shape)) {
+    PetscCheck(!rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     xi = (points->x[p * dim + axis] - grid->lower[axis] +
           (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
@@ -331,14 +331,15 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmGrid *grid, MpmS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape,
-                            const MpmSpace *space, MpmParticles *particles, const MpmPoints *points,
-                            const MpmMaterial materials[], MpmStretch stretch, PetscInt block, PetscReal force[])
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmRules *rules, const MpmSum *sum,
+                            MpmParticles *particles, PetscReal force[])
 {
-  const PetscReal factor = MpmRampEvaluate(load->ramp, time);
-  const PetscInt  dim = grid->dim, most = PetscPowInt(space->width, dim);
-  PetscReal      *share = NULL, *storage;
-  MpmBasis        basis;
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscReal  factor = MpmRampEvaluate(load->ramp, time);
+  const PetscInt   dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  PetscReal       *share = NULL, *storage;
+  MpmBasis         basis;
 
   PetscFunctionBeginUser;
   if (factor == 0.) PetscFunctionReturn(PETSC_SUCCESS);
@@ -350,16 +351,15 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt  p = space->order[s];
-      const PetscReal amount =
-        factor * (share ? share[p] : materials[points->material[p]].density * points->volume0[p]);
+      const PetscInt  p      = space->order[s];
+      const PetscReal mass   = sum->materials[points->material[p]].density * points->volume0[p];
+      const PetscReal amount = factor * (share ? share[p] : mass);
 
       if (amount == 0.) continue;
-      if (load->type == MPM_LOAD_TRACTION)
-        PetscCall(FaceWeights(load, grid, shape, space, points, stretch, p, group, basis.basis[0]));
+      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, rules, space, points, p, group, basis.basis[0]));
       else MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
-        for (PetscInt a = 0; a < dim; a++) force[nodes[i] * block + a] += amount * basis.basis[0][i] * load->value[a];
+        for (PetscInt a = 0; a < dim; a++) force[nodes[i] * bs + a] += amount * basis.basis[0][i] * load->value[a];
     }
   }
   PetscCall(PetscFree(storage));
@@ -367,12 +367,13 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space,
-                                 const MpmPoints *points, PetscInt block, PetscReal force[])
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum, PetscReal force[])
 {
-  const PetscInt dim = space->dim, most = PetscPowInt(space->width, dim);
-  PetscReal     *storage, value[MPM_MAX_DIM];
-  MpmBasis       basis;
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  PetscReal       *storage, value[MPM_MAX_DIM];
+  MpmBasis         basis;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
@@ -388,7 +389,7 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
       MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
         for (PetscInt a = 0; a < dim; a++)
-          force[nodes[i] * block + a] += points->volume0[p] * basis.basis[0][i] * value[a];
+          force[nodes[i] * bs + a] += points->volume0[p] * basis.basis[0][i] * value[a];
     }
   }
   PetscCall(PetscFree(storage));

@@ -175,8 +175,8 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
   PetscCall(MpmOptionsText(&block, "ghost",
-                           "penalty on the faces of edge cells: auto (on for iterative solvers), off, or a factor "
-                           "times the material's stiffness",
+                           "penalty on the faces of edge cells: auto (1e-3 for iterative solvers and, with a direct "
+                           "one, from the first step that fails), off, or a factor times the material's stiffness",
                            "auto", MPM_OPTIONAL, &ghost));
   model->ghost = MPM_GHOST_AUTO;
   if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
@@ -373,11 +373,24 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
   return model->newton <= 6 ? PetscMin(wanted * model->growth, model->dt_max) : wanted;
 }
 
+/* A step has failed: nodes that the material hardly touches are the commonest reason. The same step is tried again. */
+static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
+{
+  PetscFunctionBeginUser;
+  model->ghost        = MPM_GHOST_FACTOR;
+  model->ghost_rescue = PETSC_FALSE;
+  if (!model->quiet) {
+    PetscCall(PetscPrintf(model->comm, "       %s; from here on with -mpm_stabilization_ghost %g\n", why,
+                          (double)model->ghost));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* One step, cut as often as needed. `why` tells the reason when it was given up. */
 static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, const char **why)
 {
   PetscReal      next;
-  PetscBool      moved, retry = PETSC_FALSE;
+  PetscBool      moved, hopeless, again = PETSC_FALSE;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
@@ -388,10 +401,15 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, 
   model->cuts = 0;
   for (;;) {
     next = NextTime(model, *wanted, dt);
-    PetscCall(MpmStep(model, next, *dt, retry, why));
+    PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
     if (!*why) break;
-    if (!strcmp(*why, "a point left the grid") || 0.5 * *dt < model->dt_min) PetscFunctionReturn(PETSC_SUCCESS);
-    retry   = PETSC_TRUE;
+    if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
+    if (model->ghost_rescue) {
+      PetscCall(SwitchGhostOn(model, *why));
+      continue;
+    }
+    if (0.5 * *dt < model->dt_min) PetscFunctionReturn(PETSC_SUCCESS);
+    again   = PETSC_TRUE;
     *wanted = 0.5 * *dt;
     model->cuts++;
     model->cuts_total++;

@@ -4,11 +4,12 @@
 */
 #include "mpm.h"
 
-#define MPM_MAX_DIM    3
-#define MPM_MAX_BLOCK  8    /* unknowns a node: displacement, pressure, damage, ... */
-#define MPM_MAX_INPUTS 24   /* inputs of a kernel */
-#define MPM_GHOST_AUTO -1.  /* the factor follows the solver */
-#define MPM_TOLERANCE  1e-6 /* of a cell: what counts as "on" a region's edge */
+#define MPM_MAX_DIM      3
+#define MPM_MAX_BLOCK    8    /* unknowns a node: displacement, pressure, damage, ... */
+#define MPM_MAX_INPUTS   24   /* inputs of a kernel */
+#define MPM_GHOST_AUTO   -1.  /* the factor follows the solver */
+#define MPM_GHOST_FACTOR 1e-3 /* the factor where it is on */
+#define MPM_TOLERANCE    1e-6 /* of a cell: what counts as "on" a region's edge */
 
 /* ---- grid.c ---- */
 
@@ -176,9 +177,19 @@ typedef struct {
   PetscSF    sf; /* roots: owned nodes; leaves: ghosts; NULL on one rank */
 } MpmSpace;
 
-PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
-                             const MpmWall walls[], MpmStretch stretch, const MpmMaterial materials[], PetscBool ghost,
-                             const MpmPoints *points);
+/* What a space is made by, borrowed from the model. */
+typedef struct {
+  const MpmGrid     *grid;
+  MpmShapeType       shape;
+  PetscInt           wall_count;
+  const MpmWall     *walls;
+  MpmStretch         stretch;
+  const MpmMaterial *materials;
+  PetscBool          ghost; /* with the faces of the ghost penalty */
+} MpmRules;
+
+/* `why` is NULL, or the reason (static text) for which these points have no space; the same on all ranks. */
+PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
@@ -267,13 +278,6 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
 PetscErrorCode MpmLoadDestroy(MpmLoad *load);
 /* Finds the points that carry the load, in the initial state. */
 PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles);
-/* Adds the load at `time` to the external force at the local nodes. */
-PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmGrid *grid, MpmShapeType shape,
-                            const MpmSpace *space, MpmParticles *particles, const MpmPoints *points,
-                            const MpmMaterial materials[], MpmStretch stretch, PetscInt block, PetscReal force[]);
-/* Adds a body force that is a function of the initial position. */
-PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSpace *space,
-                                 const MpmPoints *points, PetscInt block, PetscReal force[]);
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
 PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
@@ -297,6 +301,13 @@ typedef struct {
 
 /* Do any of the kernel's inputs need the weights, not only their derivatives? */
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
+/* Adds the load at `time` to the external force at the local nodes. */
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmRules *rules, const MpmSum *sum,
+                            MpmParticles *particles, PetscReal force[]);
+/* Adds a body force that is a function of the initial position. */
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum,
+                                 PetscReal force[]);
+
 /* Local residual += sum over points of phi flux(u). `failed` counts points without an answer on this rank. */
 PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
 /* Like it, and writes history, F, stress, positions and rate values of the converged step. */
@@ -368,7 +379,8 @@ struct _p_MpmModel {
   MpmParticles    particles;
   MpmBodyForce    body_force;
   void           *body_force_ctx;
-  PetscReal       ghost; /* factor of the ghost penalty, 0: none */
+  PetscReal       ghost;        /* factor of the ghost penalty, 0: none */
+  PetscBool       ghost_rescue; /* switch it on when a step fails */
   PetscBool       symmetric;
 
   /* time */
@@ -419,10 +431,16 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model);
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason);
 PetscErrorCode MpmSolverDestroy(MpmModel model);
 /*
-  One step from model->time to `time`, dt later; `retry`: the same step again, shorter. `why` is NULL when it converged,
-  otherwise the reason (static text).
+  Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.
+  `again`: the points have not moved since the last call, the space stands.
 */
-PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool retry, const char **why);
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+/*
+  One step from model->time to `time`, dt later; `again` as above. `why` is NULL when it converged, otherwise the
+  reason (static text); `hopeless`: a shorter step would not help.
+*/
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
+                       PetscBool *hopeless);
 /* Results (results.c). */
 PetscErrorCode MpmModelWriteOutput(MpmModel model);
 PetscErrorCode MpmModelCreateHistory(MpmModel model);

@@ -1,9 +1,10 @@
 /*
   MpmOutput - point states in HDF5, one group a state, and their XDMF index.
 
-  Create, Write once a state, Destroy. Rows come in any order on any rank. They travel to contiguous blocks of ids,
-  one block a rank, and each rank writes its block as one slab; with several ranks through MPI-IO, collectively. The
-  file is opened and closed in each write: what a killed run had written can be read.
+  Create, Write once a state, Destroy. Rows come in any order on any rank. They travel to contiguous blocks of ids, one
+  block a rank, and each rank writes its block as one slab through MPI-IO, collectively. A small state makes one block
+  on rank 0, which writes alone: to open a file together takes longer than that. The file is opened and closed in each
+  write: what a killed run had written can be read.
 */
 #include <string.h>
 #include <hdf5.h>
@@ -15,11 +16,13 @@
 struct _p_MpmOutput {
   MPI_Comm    comm;
   char       *h5_path, *xdmf_path;
-  MpmTextFile grids;   /* rank 0: the index so far */
-  PetscBool   started; /* do the files exist? */
+  MpmTextFile grids;      /* rank 0: the index so far */
+  PetscBool   started;    /* do the files exist? */
+  PetscInt64  collective; /* bytes from which on all ranks write */
 };
 
-#define REASON_LENGTH 256
+#define REASON_LENGTH    256
+#define COLLECTIVE_BYTES (64 << 20)
 
 /*
   One write under way. A failure anywhere is agreed upon by all ranks and sticks: what follows is skipped, everything
@@ -27,11 +30,13 @@ struct _p_MpmOutput {
 */
 typedef struct {
   MPI_Comm    comm;
-  PetscInt64  points;  /* over all ranks */
-  PetscBool  *integer; /* of each dataset: the same answer on all ranks */
-  PetscLayout layout;  /* rows to ranks */
-  PetscSF     sf;      /* leaves: local points; roots: this rank's block of rows */
-  void       *buffer;  /* this rank's block of one dataset */
+  PetscInt64  points;   /* over all ranks */
+  PetscBool   together; /* do all ranks write, or rank 0 alone? */
+  PetscBool   writes;   /* does this one? */
+  PetscBool  *integer;  /* of each dataset: the same answer on all ranks */
+  PetscLayout layout;   /* rows to ranks */
+  PetscSF     sf;       /* leaves: local points; roots: this rank's block of rows */
+  void       *buffer;   /* this rank's block of one dataset */
   hid_t       file, group, transfer;
   PetscBool   failed;
   char        reason[REASON_LENGTH];
@@ -63,13 +68,17 @@ static PetscBool Worked(Writer *writer, PetscBool worked)
   return worked;
 }
 
-/* Collective. Did it work on all ranks? The reason comes from the lowest rank on which it did not. */
+/* Did it work on all ranks that write? The reason comes from the lowest rank on which it did not. */
 static PetscErrorCode Agree(Writer *writer, PetscBool worked)
 {
   PetscMPIInt rank, size, first;
 
   PetscFunctionBeginUser;
   (void)Worked(writer, worked);
+  if (!writer->together) {
+    writer->failed = (PetscBool)(writer->failed || !worked);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCallMPI(MPI_Comm_rank(writer->comm, &rank));
   PetscCallMPI(MPI_Comm_size(writer->comm, &size));
   first = worked ? size : rank;
@@ -129,9 +138,31 @@ static PetscErrorCode AgreeOnKinds(Writer *writer, PetscInt dataset_count, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Who writes, and so the layout: a block of rows on each rank, or all rows on rank 0. */
+static PetscErrorCode ChooseWriters(Writer *writer, PetscInt64 collective, PetscInt dataset_count,
+                                    const MpmDataset datasets[])
+{
+  PetscMPIInt rank, size;
+  PetscInt64  columns = 1;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(writer->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(writer->comm, &size));
+  for (PetscInt i = 0; i < dataset_count; ++i) columns += datasets[i].components;
+  writer->together = (PetscBool)(size > 1 && writer->points * columns * (PetscInt64)sizeof(PetscReal) >= collective);
+#if !defined(H5_HAVE_PARALLEL)
+  writer->together = PETSC_FALSE;
+#endif
+  writer->writes = (PetscBool)(writer->together || rank == 0);
+  PetscCall(PetscLayoutCreateFromSizes(writer->comm,
+                                       writer->together ? PETSC_DECIDE : (rank == 0 ? (PetscInt)writer->points : 0),
+                                       (PetscInt)writer->points, 1, &writer->layout));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Layout, graph and a buffer that holds the block of the widest dataset. */
-static PetscErrorCode WriterSetUp(Writer *writer, PetscInt count, const PetscInt id[], PetscInt dataset_count,
-                                  const MpmDataset datasets[])
+static PetscErrorCode WriterSetUp(Writer *writer, PetscInt64 collective, PetscInt count, const PetscInt id[],
+                                  PetscInt dataset_count, const MpmDataset datasets[])
 {
   PetscInt rows, widest = 1;
 
@@ -140,7 +171,7 @@ static PetscErrorCode WriterSetUp(Writer *writer, PetscInt count, const PetscInt
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &writer->points, 1, MPIU_INT64, MPI_SUM, writer->comm));
   PetscCheck(writer->points <= PETSC_INT_MAX, writer->comm, PETSC_ERR_SUP,
              "%lld points need a PETSc with 64-bit indices", (long long)writer->points);
-  PetscCall(PetscLayoutCreateFromSizes(writer->comm, PETSC_DECIDE, (PetscInt)writer->points, 1, &writer->layout));
+  PetscCall(ChooseWriters(writer, collective, dataset_count, datasets));
   PetscCall(CheckIdRange(writer, count, id));
   PetscCall(PetscSFCreate(writer->comm, &writer->sf));
   PetscCall(PetscSFSetGraphLayout(writer->sf, writer->layout, count, NULL, PETSC_COPY_VALUES, id));
@@ -175,7 +206,7 @@ static PetscErrorCode GatherBlock(Writer *writer, PetscBool integer, const MpmDa
 /* ---- HDF5 ---- */
 
 /* Access to the file: objects left open go with it; a viewer that holds the file open must not end the run. */
-static hid_t CreateFileAccess(MPI_Comm comm, PetscMPIInt size)
+static hid_t CreateFileAccess(const Writer *writer)
 {
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
 
@@ -184,24 +215,23 @@ static hid_t CreateFileAccess(MPI_Comm comm, PetscMPIInt size)
   (void)H5Pset_file_locking(access, 0, 1);
 #endif
 #if defined(H5_HAVE_PARALLEL)
-  if (size > 1) (void)H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  if (writer->together) (void)H5Pset_fapl_mpio(access, writer->comm, MPI_INFO_NULL);
+#else
+  (void)writer;
 #endif
   return access;
 }
 
 static PetscErrorCode OpenFile(Writer *writer, const char *path, PetscBool append)
 {
-  PetscMPIInt size;
-  hid_t       access;
+  hid_t access;
 
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(writer->comm, &size));
-  access           = CreateFileAccess(writer->comm, size);
+  if (!writer->writes) PetscFunctionReturn(PETSC_SUCCESS);
+  access           = CreateFileAccess(writer);
   writer->transfer = H5Pcreate(H5P_DATASET_XFER);
 #if defined(H5_HAVE_PARALLEL)
-  if (size > 1) (void)H5Pset_dxpl_mpio(writer->transfer, H5FD_MPIO_COLLECTIVE);
-#else
-  PetscCheck(size == 1, writer->comm, PETSC_ERR_SUP, "this HDF5 was built without MPI: run on one rank");
+  if (writer->together) (void)H5Pset_dxpl_mpio(writer->transfer, H5FD_MPIO_COLLECTIVE);
 #endif
   writer->file = append ? H5Fopen(path, H5F_ACC_RDWR, access) : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
   PetscCall(Agree(writer, (PetscBool)(writer->file >= 0)));
@@ -228,7 +258,7 @@ static PetscErrorCode OpenGroup(Writer *writer, const char *path, PetscInt step,
   long long step_value = (long long)step;
 
   PetscFunctionBeginUser;
-  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!writer->writes || writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
   creation = H5Pcreate(H5P_LINK_CREATE);
   (void)H5Pset_create_intermediate_group(creation, 1);
   writer->group = H5Gcreate2(writer->file, path, creation, H5P_DEFAULT, H5P_DEFAULT);
@@ -282,7 +312,7 @@ static PetscErrorCode WriteDataset(Writer *writer, const char *name, PetscInt co
   int      rank = components > 1 ? 2 : 1;
 
   PetscFunctionBeginUser;
-  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!writer->writes || writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
   PetscCall(PetscLayoutGetRange(writer->layout, &first, NULL));
   extent[0] = (hsize_t)writer->points;
@@ -326,6 +356,16 @@ static PetscErrorCode CloseFile(Writer *writer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* All ranks learn what rank 0 knows, where it wrote alone. */
+static PetscErrorCode ShareFailure(Writer *writer)
+{
+  PetscFunctionBeginUser;
+  if (writer->together) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(&writer->failed, 1, MPIU_BOOL, 0, writer->comm));
+  PetscCallMPI(MPI_Bcast(writer->reason, REASON_LENGTH, MPI_CHAR, 0, writer->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode WriterDestroy(Writer *writer)
 {
   PetscFunctionBeginUser;
@@ -349,12 +389,13 @@ static PetscErrorCode WriteState(Writer *writer, MpmOutput output, const char *g
   PetscCall(OpenFile(writer, output->h5_path, output->started));
   PetscCall(OpenGroup(writer, group, step, time));
   PetscCall(WriteIds(writer));
-  for (PetscInt i = 0; i < dataset_count && !writer->failed; ++i) {
+  for (PetscInt i = 0; i < dataset_count; ++i) {
     PetscCall(GatherBlock(writer, writer->integer[i], &datasets[i]));
     PetscCall(
       WriteDataset(writer, datasets[i].name, datasets[i].components, writer->integer[i] ? IntegerType() : RealType()));
   }
   PetscCall(CloseFile(writer));
+  PetscCall(ShareFailure(writer));
   (void)H5Eset_auto2(H5E_DEFAULT, report, context);
   PetscCheck(!writer->failed, writer->comm, PETSC_ERR_FILE_WRITE, "cannot write %s: %s", output->h5_path,
              writer->reason);
@@ -378,9 +419,17 @@ PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *out
 {
   PetscFunctionBeginUser;
   PetscCall(PetscNew(output));
-  (*output)->comm = comm;
+  (*output)->comm       = comm;
+  (*output)->collective = COLLECTIVE_BYTES;
   PetscCall(CreatePath(prefix, ".h5", &(*output)->h5_path));
   PetscCall(CreatePath(prefix, ".xdmf", &(*output)->xdmf_path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes)
+{
+  PetscFunctionBeginUser;
+  output->collective = bytes;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -446,7 +495,7 @@ PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, P
   PetscFunctionBeginUser;
   PetscCall(CheckDatasets(output->comm, dataset_count, datasets));
   PetscCall(PetscSNPrintf(group, sizeof(group), "/points/%06" PetscInt_FMT, step));
-  failure = WriterSetUp(&writer, count, id, dataset_count, datasets);
+  failure = WriterSetUp(&writer, output->collective, count, id, dataset_count, datasets);
   if (!failure) failure = WriteState(&writer, output, group, step, time, dataset_count, datasets);
   if (!failure) failure = WriteIndex(output, &writer, group, time, dataset_count, datasets);
   PetscCall(WriterDestroy(&writer));

@@ -10,9 +10,6 @@ static const struct {
 #include "mpm_presets.h"
 };
 
-/* The ghost penalty's factor where an iterative solver needs it. */
-#define GHOST_DEFAULT 0.01
-
 /* Sets an option that the user has not set. */
 static PetscErrorCode OptionDefault(const char *name, const char *value)
 {
@@ -125,8 +122,9 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 {
   const MpmModel  model    = (MpmModel)ctx;
   const PetscReal unknowns = (PetscReal)(model->space.global_count * model->layout.block);
-  const PetscReal floor =
-    2. * PETSC_MACHINE_EPSILON * model->diagonal * (model->grid.h[0] * PetscSqrtReal(unknowns) + xnorm);
+  const PetscReal cells    = model->grid.h[0] * PetscSqrtReal(unknowns); /* a cell a node */
+  const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
+  const PetscReal floor    = 2. * PETSC_MACHINE_EPSILON * model->diagonal * (cells + size);
 
   PetscFunctionBeginUser;
   PetscCall(SNESConvergedDefault(snes, it, xnorm, snorm, fnorm, reason, NULL));
@@ -248,6 +246,13 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
   PetscCall(ApplyPreset(presets[preset].text));
   if (!strcmp(presets[preset].name, "direct"))
     PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
+  if (model->ghost == MPM_GHOST_AUTO) {
+    const PetscBool hat    = (PetscBool)(model->shape == MPM_SHAPE_LINEAR || model->shape == MPM_SHAPE_GIMP);
+    const PetscBool direct = (PetscBool)!strcmp(presets[preset].name, "direct");
+
+    model->ghost        = hat && !direct ? MPM_GHOST_FACTOR : 0.;
+    model->ghost_rescue = (PetscBool)(hat && direct);
+  }
   PetscCall(PetscStrncpy(model->mat_type, MATAIJ, sizeof(model->mat_type)));
   PetscCall(PetscStrncpy(model->vec_type, VECSTANDARD, sizeof(model->vec_type)));
   {

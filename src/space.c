@@ -31,14 +31,16 @@ static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[
 }
 
 /* First and last node that bound the material around a point on each axis: the grid's edges, or a wall between. */
-static void FindEdges(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], const PetscReal x[],
-                      PetscInt lower[], PetscInt upper[])
+static void FindEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[])
 {
+  const MpmGrid *grid  = rules->grid;
+  const MpmWall *walls = rules->walls;
+
   for (PetscInt a = 0; a < grid->dim; a++) {
     lower[a] = 0;
     upper[a] = grid->nodes[a] - 1;
   }
-  for (PetscInt w = 0; w < wall_count; w++) {
+  for (PetscInt w = 0; w < rules->wall_count; w++) {
     const PetscInt  a  = walls[w].axis;
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
 
@@ -54,23 +56,21 @@ static void FindEdges(const MpmGrid *grid, PetscInt wall_count, const MpmWall wa
 
 /*
   Half-lengths of the points' domains in cells: the initial ones stretched by the diagonal of U, cut at walls and at the
-  grid's edges. The cut is not remembered.
+  grid's edges. The cut is not remembered. `longest` is infinite when a point has no stretch.
 */
-static PetscErrorCode HalfLengths(const MpmGrid *grid, PetscInt wall_count, const MpmWall walls[], MpmStretch stretch,
-                                  const MpmPoints *points, PetscReal half[], PetscReal *longest)
+static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
 {
-  const PetscInt dim = grid->dim;
+  const MpmGrid *grid = rules->grid;
+  const PetscInt dim  = grid->dim;
 
-  PetscFunctionBeginUser;
   *longest = 0.;
   for (PetscInt p = 0; p < points->count; p++) {
     const PetscReal *x = &points->x[p * dim];
     PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-    PetscReal        U[MPM_MAX_DIM];
+    PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
 
-    PetscCheck(!stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
-               "point %" PetscInt_FMT " has no stretch", points->id[p]);
-    FindEdges(grid, wall_count, walls, x, lower, upper);
+    if (rules->stretch(&points->F[p * dim * dim], U)) *longest = PETSC_INFINITY;
+    FindEdges(rules, x, lower, upper);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
       PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
@@ -80,41 +80,44 @@ static PetscErrorCode HalfLengths(const MpmGrid *grid, PetscInt wall_count, cons
       *longest          = PetscMax(*longest, half[p * dim + a]);
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Weights and gradients of all points, axis by axis. */
-static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
-                                     const MpmWall walls[], MpmStretch stretch, const MpmPoints *points)
+static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why)
 {
+  const MpmGrid *grid = rules->grid;
   const PetscInt dim  = grid->dim;
   PetscReal     *half = NULL, longest = 0.;
 
   PetscFunctionBeginUser;
   space->dim         = dim;
   space->point_count = points->count;
-  if (MpmShapeHasDomain(shape)) {
+  if (MpmShapeHasDomain(rules->shape)) {
     PetscCall(PetscMalloc1((points->count * dim), &half));
-    PetscCall(HalfLengths(grid, wall_count, walls, stretch, points, half, &longest));
+    HalfLengths(rules, points, half, &longest);
     /* the Jacobian's window, and with it the colours, must be the same on all ranks */
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, grid->comm));
   }
-  space->width = MpmShapeWidth(shape, longest);
-  PetscCheck(space->width <= MPM_MAX_WIDTH, grid->comm, PETSC_ERR_FP,
-             "a point's domain spans %" PetscInt_FMT " nodes, more than %d", space->width, MPM_MAX_WIDTH);
+  if (!(longest < MPM_MAX_WIDTH)) *why = "a point has no stretch, or its domain spans too many cells";
+  else if ((space->width = MpmShapeWidth(rules->shape, longest)) > MPM_MAX_WIDTH)
+    *why = "a point's domain spans too many cells";
+  if (*why) {
+    PetscCall(PetscFree(half));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscMalloc2((points->count * dim), &space->first, (points->count * dim), &space->count));
   PetscCall(PetscMalloc2((points->count * dim * space->width), &space->weight, (points->count * dim * space->width),
                          &space->gradient));
   for (PetscInt p = 0; p < points->count; p++) {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
-    FindEdges(grid, wall_count, walls, &points->x[p * dim], lower, upper);
+    FindEdges(rules, &points->x[p * dim], lower, upper);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt  k  = p * dim + a;
       const PetscReal xi = (points->x[k] - grid->lower[a]) / grid->h[a];
       PetscReal      *g  = &space->gradient[k * space->width];
 
-      MpmShapeEvaluate(shape, xi, half ? half[k] : 0., lower[a], upper[a], &space->first[k], &space->count[k],
+      MpmShapeEvaluate(rules->shape, xi, half ? half[k] : 0., lower[a], upper[a], &space->first[k], &space->count[k],
                        &space->weight[k * space->width], g);
       for (PetscInt i = 0; i < space->count[k]; i++) g[i] /= grid->h[a];
     }
@@ -199,17 +202,17 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmGrid *grid, MpmShapeType shape, PetscInt wall_count,
-                             const MpmWall walls[], MpmStretch stretch, const MpmMaterial materials[], PetscBool ghost,
-                             const MpmPoints *points)
+PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why)
 {
   PetscFunctionBeginUser;
+  *why = NULL;
   PetscCall(MpmSpaceReset(space));
-  PetscCall(EvaluateShapes(space, grid, shape, wall_count, walls, stretch, points));
+  PetscCall(EvaluateShapes(space, rules, points, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeGroups(space));
-  space->ghost = ghost;
-  if (ghost) PetscCall(MpmGhostFaces(space, grid, materials, points));
-  PetscCall(MpmSpaceNumberNodes(space, grid));
+  space->ghost = rules->ghost;
+  if (rules->ghost) PetscCall(MpmGhostFaces(space, rules->grid, rules->materials, points));
+  PetscCall(MpmSpaceNumberNodes(space, rules->grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -62,46 +62,75 @@ static PetscErrorCode InitialGuess(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What does not depend on the step's length: arrays, space, pattern. Retries of a cut step use it again. */
-static PetscErrorCode PrepareSpace(MpmModel model)
+static MpmRules Rules(MpmModel model)
 {
-  PetscLogDouble since;
+  return (MpmRules){.grid       = &model->grid,
+                    .shape      = model->shape,
+                    .wall_count = model->wall_count,
+                    .walls      = model->walls,
+                    .stretch    = model->stretch,
+                    .materials  = model->materials,
+                    .ghost      = (PetscBool)(model->ghost > 0.)};
+}
+
+/* What does not depend on the step's length: arrays, space, pattern, solver. */
+static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
+{
   const PetscInt bs = model->layout.block;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   PetscCall(MpmParticlesGetArrays(&model->particles, &model->points));
-  PetscCall(MpmSpaceSetUp(&model->space, &model->grid, model->shape, model->wall_count, model->walls, model->stretch,
-                          model->materials, (PetscBool)(model->ghost > 0.), &model->points));
+  PetscCall(MpmSpaceSetUp(&model->space, rules, &model->points, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree3(model->u, model->residual, model->force));
   PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual,
                          (model->space.local * bs), &model->force));
   PetscCall(MpmSolverSetUp(model));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
-  MpmClock(model, MPM_TIME_TRANSFER, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Conditions and loads at the step's end. */
-static PetscErrorCode PrepareConditions(MpmModel model, PetscReal time)
+static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
 {
-  const PetscInt bs = model->layout.block;
+  PetscFunctionBeginUser;
+  PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout,
+                                &model->space, model->time, time));
+  PetscCall(PetscArrayzero(model->force, model->space.local * model->layout.block));
+  for (PetscInt l = 0; l < model->load_count; l++) {
+    PetscCall(MpmLoadApply(&model->loads[l], time, rules, &model->sum, &model->particles, model->force));
+  }
+  if (model->body_force) {
+    PetscCall(MpmBodyForceApply(model->body_force, model->body_force_ctx, time, &model->sum, model->force));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  const MpmRules rules = Rules(model);
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
+  *why = NULL;
   PetscCall(PetscTime(&since));
-  PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout,
-                                &model->space, model->time, time));
-  PetscCall(PetscArrayzero(model->force, model->space.local * bs));
-  for (PetscInt l = 0; l < model->load_count; l++) {
-    PetscCall(MpmLoadApply(&model->loads[l], time, &model->grid, model->shape, &model->space, &model->particles,
-                           &model->points, model->materials, model->stretch, bs, model->force));
-  }
-  if (model->body_force) {
-    PetscCall(MpmBodyForceApply(model->body_force, model->body_force_ctx, time, &model->space, &model->points, bs,
-                                model->force));
-  }
+  if (!again) PetscCall(PrepareSpace(model, &rules, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  model->sum = (MpmSum){.grid              = &model->grid,
+                        .space             = &model->space,
+                        .layout            = &model->layout,
+                        .materials         = model->materials,
+                        .points            = &model->points,
+                        .constraints       = &model->constraints,
+                        .physics_parameter = model->physics.parameters,
+                        .state_size        = model->particles.state_size,
+                        .dt                = dt,
+                        .ghost             = model->ghost};
+  PetscCall(PrepareConditions(model, &rules, time));
+  PetscCall(InitialGuess(model));
   MpmClock(model, MPM_TIME_TRANSFER, since);
+  PetscCall(MpmSolverSetNearNullSpace(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,29 +218,19 @@ static const char *ReasonText(SNESConvergedReason reason)
   }
 }
 
-PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool retry, const char **why)
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
+                       PetscBool *hopeless)
 {
   SNESConvergedReason reason;
 
   PetscFunctionBeginUser;
-  *why = NULL;
-  if (!retry) PetscCall(PrepareSpace(model));
-  PetscCall(PrepareConditions(model, time));
-  model->sum = (MpmSum){.grid              = &model->grid,
-                        .space             = &model->space,
-                        .layout            = &model->layout,
-                        .materials         = model->materials,
-                        .points            = &model->points,
-                        .constraints       = &model->constraints,
-                        .physics_parameter = model->physics.parameters,
-                        .state_size        = model->particles.state_size,
-                        .dt                = dt,
-                        .ghost             = model->ghost};
-  PetscCall(InitialGuess(model));
-  PetscCall(MpmSolverSetNearNullSpace(model));
+  *hopeless = PETSC_TRUE;
+  PetscCall(MpmStepPrepare(model, time, dt, again, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSolverSolve(model, &reason));
   if (reason < 0) {
-    *why = ReasonText(reason);
+    *hopeless = PETSC_FALSE;
+    *why      = ReasonText(reason);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(Commit(model, why));

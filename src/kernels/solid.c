@@ -10,7 +10,10 @@
     P_ab = V_0 (tau dF^{-T})_ab ,     so that   f_int,i = sum_p P G_i = sum_p V sigma g_i ,  g_i = dF^{-T} G_i , V = J
     V_0 .
 
-  A small-strain law leaves the geometry alone: P = V_0 sigma. Source: Charlton, Coombs and Augarde (2017), Comput.
+  A small-strain law leaves the geometry alone and takes gradients by the initial position X: d/dX_c = F_n,bc d/dx_b, so
+  P_ab = V_0 sigma_ac F_n,bc.
+
+  Source: Charlton, Coombs and Augarde (2017), Comput.
   Struct. 190, 108-125, doi:10.1016/j.compstruc.2017.05.004, in the form that carries the derivative to the step's
   start.
 */
@@ -28,7 +31,14 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
 
   if (law(&law_point, &dF, &tau)) return 1;
   if (small) {
-    for (int k = 0; k < INPUTS; k++) flux[k] = ScalarScale(point->volume0, tau.a[SymIndex(k / MPM_DIM, k % MPM_DIM)]);
+    for (int a = 0; a < MPM_DIM; a++) {
+      for (int b = 0; b < MPM_DIM; b++) {
+        Scalar sum = ScalarConstant(0.);
+
+        for (int c = 0; c < MPM_DIM; c++) ScalarAddScaled(&sum, point->F_n[b * MPM_DIM + c], &tau.a[SymIndex(a, c)]);
+        flux[a * MPM_DIM + b] = ScalarScale(point->volume0, sum);
+      }
+    }
   } else {
     const Tensor P = SymTimesInverseTranspose(&tau, &dF, NULL);
 

@@ -56,34 +56,12 @@ static inline PetscErrorCode SceneDestroy(MpmModel *model)
 /* All of a step that comes before Newton. */
 static inline PetscErrorCode SceneBegin(MpmModel model, PetscReal dt)
 {
-  const PetscInt  bs   = model->layout.block;
-  const PetscReal time = model->time + dt;
+  const char *why;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-  PetscCall(MpmParticlesGetArrays(&model->particles, &model->points));
-  PetscCall(MpmSpaceSetUp(&model->space, &model->grid, model->shape, model->wall_count, model->walls, model->stretch,
-                          &model->points));
-  PetscCall(PetscFree3(model->u, model->residual, model->force));
-  PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual,
-                         (model->space.local * bs), &model->force));
-  PetscCall(MpmSolverSetUp(model));
-  PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout,
-                                &model->space, model->time, time));
-  PetscCall(PetscArrayzero(model->force, model->space.local * bs));
-  for (PetscInt l = 0; l < model->load_count; l++) {
-    PetscCall(MpmLoadApply(&model->loads[l], time, &model->grid, model->shape, &model->space, &model->particles,
-                           &model->points, model->materials, model->stretch, bs, model->force));
-  }
-  model->sum = (MpmSum){.grid              = &model->grid,
-                        .space             = &model->space,
-                        .layout            = &model->layout,
-                        .materials         = model->materials,
-                        .points            = &model->points,
-                        .constraints       = &model->constraints,
-                        .physics_parameter = model->physics.parameters,
-                        .state_size        = model->particles.state_size,
-                        .dt                = dt};
+  PetscCall(MpmStepPrepare(model, model->time + dt, dt, PETSC_FALSE, &why));
+  PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -226,7 +204,7 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
 static inline PetscErrorCode SceneRun(MpmModel model)
 {
   const PetscInt steps = (PetscInt)PetscFloorReal(model->time_end / model->dt_nominal + 0.5);
-  PetscBool      moved;
+  PetscBool      moved, hopeless;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < steps; k++) {
@@ -235,7 +213,7 @@ static inline PetscErrorCode SceneRun(MpmModel model)
 
     PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_FALSE, &moved));
     PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-    PetscCall(MpmStep(model, next, next - model->time, PETSC_FALSE, &why));
+    PetscCall(MpmStep(model, next, next - model->time, PETSC_FALSE, &why, &hopeless));
     PetscCheck(!why, PETSC_COMM_SELF, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", k, why);
     model->time = next;
     model->step++;
