@@ -11,24 +11,24 @@ PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
 }
 
 /* Residual of one group's points. */
-MPM_INLINE PetscErrorCode ResidualGroup(const PetscInt n, const MpmKnown known, const MpmSum *sum,
-                                        const MpmGroup *group, PetscBool weights, const PetscReal u[],
-                                        MpmWorkspace *work, PetscReal residual[], PetscInt *failed)
+MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                        PetscBool weights, const PetscReal u[], MpmWorkspace *work,
+                                        PetscReal residual[], PetscInt *failed)
 {
-  MpmSumGather(n, known, sum, group, u, work->values);
-  for (PetscInt k = 0; k < n * known.block; k++) work->force[k] = 0.;
+  MpmSumGather(known, sum, group, u, work->values);
+  for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
     MpmKernelPoint point;
     PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
 
-    MpmSumBasis(known.dim, sum->space, group->count, p, weights, &work->basis);
-    MpmSumInputs(n, known, sum->layout, work->values, &work->basis, input);
+    MpmSumBasis(known, sum->space, p, weights, &work->basis);
+    MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
     if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
-    else MpmSumAddFlux(n, known, sum->layout, &work->basis, flux, work->force);
+    else MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
-  MpmSumScatter(n, known, sum, group, work->force, residual);
+  MpmSumScatter(known, sum, group, work->force, residual);
   return PETSC_SUCCESS;
 }
 
@@ -43,7 +43,7 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group->node_count, ResidualGroup, sum, group, weights, u, &work, residual, failed);
+    MPM_DISPATCH(sum->layout, group, ResidualGroup, sum, group, weights, u, &work, residual, failed);
   }
   PetscCall(MpmGhostResidual(sum, u, residual));
   PetscCall(PetscFree(work.storage));
@@ -70,47 +70,53 @@ static void MovePoint(const MpmSum *sum, PetscInt p, PetscInt n, const PetscReal
   }
 }
 
+/* One group's part of the commit; `state` and F are room for one point. */
+MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                      const PetscReal u[], MpmWorkspace *work, PetscReal state[], PetscReal residual[],
+                                      PetscInt *failed)
+{
+  PetscReal F[MPM_MAX_DIM * MPM_MAX_DIM];
+
+  MpmSumGather(known, sum, group, u, work->values);
+  for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s], size = sum->materials[sum->points->material[p]].state_size;
+    MpmKernelPoint point;
+    PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
+
+    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
+    MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
+    MpmSumPoint(sum, p, &point);
+    /* the kernel reads state n while it writes n+1 */
+    if (size) point.state = state;
+    point.F      = F;
+    point.stress = &sum->points->stress[p * (known.dim == 2 ? 4 : 6)];
+    if (sum->layout->kernel->residual(&point, input, flux)) {
+      (*failed)++;
+      continue;
+    }
+    MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
+    MovePoint(sum, p, known.n, work->values, &work->basis);
+    for (PetscInt k = 0; k < known.dim * known.dim; k++) sum->points->F[p * known.dim * known.dim + k] = F[k];
+    for (PetscInt k = 0; k < size; k++) sum->points->state[p * sum->state_size + k] = state[k];
+  }
+  MpmSumScatter(known, sum, group, work->force, residual);
+  return PETSC_SUCCESS;
+}
+
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed)
 {
-  const MpmSpace  *space  = sum->space;
-  const MpmLayout *layout = sum->layout;
-  const MpmKnown   known  = {layout->dim, layout->block, layout->inputs, PETSC_FALSE};
-  const PetscInt   dim    = space->dim;
-  PetscReal        F[MPM_MAX_DIM * MPM_MAX_DIM], *state;
-  MpmWorkspace     work;
+  PetscReal   *state;
+  MpmWorkspace work;
 
   PetscFunctionBeginUser;
   *failed = 0;
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(PetscMalloc1((sum->state_size + 1), &state));
-  for (PetscInt g = 0; g < space->group_count; g++) {
-    const MpmGroup *group = &space->groups[g];
-    const PetscInt  n     = group->node_count;
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
 
-    MpmSumGather(n, known, sum, group, u, work.values);
-    PetscCall(PetscArrayzero(work.force, n * known.block));
-    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt p = space->order[s], size = sum->materials[sum->points->material[p]].state_size;
-      MpmKernelPoint point;
-      PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
-
-      MpmSpaceEvaluate(space, group, p, &work.basis);
-      MpmSumInputs(n, known, layout, work.values, &work.basis, input);
-      MpmSumPoint(sum, p, &point);
-      /* the kernel reads state n while it writes n+1 */
-      if (size) point.state = state;
-      point.F      = F;
-      point.stress = &sum->points->stress[p * (dim == 2 ? 4 : 6)];
-      if (layout->kernel->residual(&point, input, flux)) {
-        (*failed)++;
-        continue;
-      }
-      MpmSumAddFlux(n, known, layout, &work.basis, flux, work.force);
-      MovePoint(sum, p, n, work.values, &work.basis);
-      PetscCall(PetscArraycpy(&sum->points->F[p * dim * dim], F, dim * dim));
-      if (size) PetscCall(PetscArraycpy(&sum->points->state[p * sum->state_size], state, size));
-    }
-    MpmSumScatter(n, known, sum, group, work.force, residual);
+    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, &work, state, residual, failed);
   }
   PetscCall(MpmGhostResidual(sum, u, residual));
   PetscCall(PetscFree(state));

@@ -62,18 +62,18 @@ static PetscErrorCode AddColumn(Seeds *seeds, const MpmGroup *group, const Petsc
 {
   const MpmSum    *sum    = seeds->sum;
   const MpmLayout *layout = sum->layout;
-  const MpmKnown   known  = {layout->dim, layout->block, layout->inputs, PETSC_FALSE};
+  const MpmKnown   known  = KnownGeneral(layout, group);
   const PetscInt   n = group->node_count, bs = layout->block;
   const PetscInt  *nodes = &sum->space->group_nodes[group->node_offset];
 
   PetscFunctionBeginUser;
-  MpmSumGather(n, known, sum, group, u, seeds->work.values);
+  MpmSumGather(known, sum, group, u, seeds->work.values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     MpmKernelPoint point;
     PetscReal      input[MPM_MAX_INPUTS], dinput[MPM_MAX_INPUTS], dflux[MPM_MAX_INPUTS];
 
-    MpmSumBasis(layout->dim, sum->space, group->count, sum->space->order[s], seeds->values, &seeds->work.basis);
-    MpmSumInputs(n, known, layout, seeds->work.values, &seeds->work.basis, input);
+    MpmSumBasis(known, sum->space, sum->space->order[s], seeds->values, &seeds->work.basis);
+    MpmSumInputs(known, layout, seeds->work.values, &seeds->work.basis, input);
     for (PetscInt k = 0; k < layout->inputs; k++) {
       dinput[k] = j >= 0 && layout->component_of[k] == c ? seeds->work.basis.basis[layout->basis_of[k]][j] : 0.;
     }

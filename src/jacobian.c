@@ -5,10 +5,10 @@
 #include "sum.h"
 
 /* element[i][c][d][j] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(j) */
-MPM_INLINE void AddElement(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis,
-                           const PetscReal D[], PetscReal element[])
+MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis, const PetscReal D[],
+                           PetscReal element[])
 {
-  const PetscInt bs = known.block, N = known.inputs;
+  const PetscInt bs = known.block, N = known.inputs, n = known.n;
 
   for (PetscInt i = 0; i < n; i++) {
     for (PetscInt c = 0; c < bs; c++) {
@@ -39,22 +39,22 @@ MPM_INLINE void AddElement(const PetscInt n, const MpmKnown known, const MpmLayo
 }
 
 /* The element block of one group. */
-MPM_INLINE PetscErrorCode ElementGroup(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                        PetscBool weights, const PetscReal u[], MpmWorkspace *work, PetscReal element[],
                                        PetscInt *failed)
 {
-  MpmSumGather(n, known, sum, group, u, work->values);
-  for (PetscInt k = 0; k < n * n * known.block * known.block; k++) element[k] = 0.;
+  MpmSumGather(known, sum, group, u, work->values);
+  for (PetscInt k = 0; k < known.n * known.n * known.block * known.block; k++) element[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
     MpmKernelPoint point;
     PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
 
-    MpmSumBasis(known.dim, sum->space, group->count, p, weights, &work->basis);
-    MpmSumInputs(n, known, sum->layout, work->values, &work->basis, input);
+    MpmSumBasis(known, sum->space, p, weights, &work->basis);
+    MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
     if (sum->layout->kernel->tangent(&point, input, flux, tangent)) (*failed)++;
-    else AddElement(n, known, sum->layout, &work->basis, tangent, element);
+    else AddElement(known, sum->layout, &work->basis, tangent, element);
   }
   return PETSC_SUCCESS;
 }
@@ -75,7 +75,7 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group->node_count, ElementGroup, sum, group, weights, u, &work, element, failed);
+    MPM_DISPATCH(sum->layout, group, ElementGroup, sum, group, weights, u, &work, element, failed);
     MpmPatternAddBlock(pattern, space, group, sum->constraints, element);
   }
   PetscCall(MpmGhostJacobian(sum, pattern));

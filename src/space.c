@@ -218,5 +218,8 @@ PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPo
 
 void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis)
 {
-  MpmSumBasis(space->dim, space, group->count, point, PETSC_TRUE, basis);
+  const PetscInt *count = group->count;
+  const MpmKnown  known = {.dim = space->dim, .count = {count[0], count[1], count[2]}, .n = group->node_count};
+
+  MpmSumBasis(known, space, point, PETSC_TRUE, basis);
 }

@@ -9,12 +9,13 @@
 #define MPM_INLINE static inline __attribute__((always_inline))
 
 /*
-  What the compiler is told about a layout: a solid's block is dim, and every input of it is a derivative of a
-  component.
+  What the compiler is told: the layout of a solid, whose block is dim and whose inputs are all derivatives, and the
+  nodes of a group on each axis.
 */
 typedef struct {
   PetscInt  dim, block, inputs;
   PetscBool solid;
+  PetscInt  count[MPM_MAX_DIM], n; /* n: their product */
 } MpmKnown;
 
 MPM_INLINE PetscInt KnownComponent(const MpmKnown known, const MpmLayout *layout, PetscInt k)
@@ -26,46 +27,48 @@ MPM_INLINE PetscInt KnownBasis(const MpmKnown known, const MpmLayout *layout, Pe
   return known.solid ? 1 + k % known.dim : layout->basis_of[k];
 }
 
+/* Nothing is constant. */
+MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
+{
+  const PetscInt *count = group->count;
+  const MpmKnown  known = {.dim    = layout->dim,
+                           .block  = layout->block,
+                           .inputs = layout->inputs,
+                           .count  = {count[0], count[1], count[2]},
+                           .n      = group->node_count};
+  return known;
+}
+
 /*
-  Calls f(n, known, ...) with n and the layout as constants for the usual cases. The general case is the same code with
-  variables.
+  Calls f(known, ...) with constants for the usual cases: a solid whose points touch two or three nodes an axis. The
+  general case is the same code with variables.
 */
-#define MPM_DISPATCH(layout, n, f, ...) \
+#define MPM_SOLID(dim, i, j, k) ((MpmKnown){dim, dim, (dim) * (dim), PETSC_TRUE, {i, j, k}, (i) * (j) * (k)})
+#define MPM_CASE(f, dim, i, j, k, ...) \
+  case ((k)*4 + (j)) * 4 + (i): \
+    PetscCall(f(MPM_SOLID(dim, i, j, k), __VA_ARGS__)); \
+    break
+#define MPM_DISPATCH(layout, group, f, ...) \
   do { \
-    const MpmKnown general_ = {(layout)->dim, (layout)->block, (layout)->inputs, PETSC_FALSE}; \
-    const MpmKnown solid2_ = {2, 2, 4, PETSC_TRUE}, solid3_ = {3, 3, 9, PETSC_TRUE}; \
-    if (!(layout)->solid) PetscCall(f(n, general_, __VA_ARGS__)); \
-    else if ((layout)->dim == 2) switch (n) { \
-      case 4: \
-        PetscCall(f(4, solid2_, __VA_ARGS__)); \
-        break; \
-      case 6: \
-        PetscCall(f(6, solid2_, __VA_ARGS__)); \
-        break; \
-      case 9: \
-        PetscCall(f(9, solid2_, __VA_ARGS__)); \
-        break; \
-      default: \
-        PetscCall(f(n, solid2_, __VA_ARGS__)); \
-        break; \
-      } \
-    else switch (n) { \
-      case 8: \
-        PetscCall(f(8, solid3_, __VA_ARGS__)); \
-        break; \
-      case 12: \
-        PetscCall(f(12, solid3_, __VA_ARGS__)); \
-        break; \
-      case 18: \
-        PetscCall(f(18, solid3_, __VA_ARGS__)); \
-        break; \
-      case 27: \
-        PetscCall(f(27, solid3_, __VA_ARGS__)); \
-        break; \
-      default: \
-        PetscCall(f(n, solid3_, __VA_ARGS__)); \
-        break; \
-      } \
+    const PetscInt *const count_ = (group)->count; \
+    const PetscInt        most_  = PetscMax(PetscMax(count_[0], count_[1]), count_[2]); \
+    switch ((layout)->solid && most_ <= 3 ? (count_[2] * 4 + count_[1]) * 4 + count_[0] : -1) { \
+      MPM_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 3, 3, 1, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 3, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 2, 3, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 2, 3, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 3, 3, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 3, 3, __VA_ARGS__); \
+    default: \
+      PetscCall(f(KnownGeneral(layout, group), __VA_ARGS__)); \
+      break; \
+    } \
   } while (0)
 
 /* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
@@ -87,9 +90,10 @@ static inline PetscErrorCode MpmWorkspaceCreate(const MpmSum *sum, MpmWorkspace 
 }
 
 /* values[c*n + i] = u at the group's nodes */
-MPM_INLINE void MpmSumGather(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                             const PetscReal u[], PetscReal values[])
+MPM_INLINE void MpmSumGather(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal u[],
+                             PetscReal values[])
 {
+  const PetscInt  n     = known.n;
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
   for (PetscInt i = 0; i < n; i++)
@@ -97,9 +101,10 @@ MPM_INLINE void MpmSumGather(const PetscInt n, const MpmKnown known, const MpmSu
 }
 
 /* residual += force at the group's nodes */
-MPM_INLINE void MpmSumScatter(const PetscInt n, const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                              const PetscReal force[], PetscReal residual[])
+MPM_INLINE void MpmSumScatter(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal force[],
+                              PetscReal residual[])
 {
+  const PetscInt  n     = known.n;
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
   for (PetscInt i = 0; i < n; i++)
@@ -107,9 +112,10 @@ MPM_INLINE void MpmSumScatter(const PetscInt n, const MpmKnown known, const MpmS
 }
 
 /* The kernel's inputs: input_k = sum_i phi_k(i) u_i,c(k) */
-MPM_INLINE void MpmSumInputs(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const PetscReal values[],
+MPM_INLINE void MpmSumInputs(const MpmKnown known, const MpmLayout *layout, const PetscReal values[],
                              const MpmBasis *basis, PetscReal input[])
 {
+  const PetscInt n = known.n;
   for (PetscInt k = 0; k < known.inputs; k++) {
     const PetscReal *phi = basis->basis[KnownBasis(known, layout, k)],
                     *v   = &values[KnownComponent(known, layout, k) * n];
@@ -121,9 +127,10 @@ MPM_INLINE void MpmSumInputs(const PetscInt n, const MpmKnown known, const MpmLa
 }
 
 /* force_c(k),i += phi_k(i) flux_k */
-MPM_INLINE void MpmSumAddFlux(const PetscInt n, const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis,
+MPM_INLINE void MpmSumAddFlux(const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis,
                               const PetscReal flux[], PetscReal force[])
 {
+  const PetscInt n = known.n;
   for (PetscInt k = 0; k < known.inputs; k++) {
     const PetscReal *restrict phi = basis->basis[KnownBasis(known, layout, k)];
     PetscReal *restrict f         = &force[KnownComponent(known, layout, k) * n];
@@ -158,9 +165,10 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   The weights and derivatives of one point at its group's nodes: basis[0] weights (if wanted), basis[1..dim]
   derivatives; `count` nodes an axis, x fastest.
 */
-MPM_INLINE void MpmSumBasis(const PetscInt dim, const MpmSpace *space, const PetscInt count[], PetscInt point,
-                            PetscBool weights, MpmBasis *basis)
+MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscBool weights,
+                            MpmBasis *basis)
 {
+  const PetscInt dim = known.dim, *const count = known.count;
   const PetscInt   W  = space->width;
   const PetscReal *wx = &space->weight[point * dim * W], *gx = &space->gradient[point * dim * W];
   const PetscReal *wy = wx + W, *gy = gx + W;
