@@ -293,10 +293,8 @@ MPM_FN void IsotropicAssembleDiagonal(const Sym *A, const double f[3], const dou
 MPM_FN void IsotropicJoin(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6],
                           Sym *result)
 {
-  if (frame->rotated)
-    IsotropicAssemble(A, frame, f, gamma, result);
-  else
-    IsotropicAssembleDiagonal(A, f, gamma, result);
+  if (frame->rotated) IsotropicAssemble(A, frame, f, gamma, result);
+  else IsotropicAssembleDiagonal(A, f, gamma, result);
 }
 
 /* ln A; non-zero when A is not positive definite or not finite */

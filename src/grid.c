@@ -21,7 +21,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscCall(MpmOptionsHeading(&block, "Background grid"));
   PetscCall(MpmOptionsReals(&block, "lower", "m", "lower corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->lower, NULL));
   PetscCall(MpmOptionsReals(&block, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->upper, NULL));
-  PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 1000000000, MPM_REQUIRED, dim, grid->cells, NULL));
+  PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 999999999, MPM_REQUIRED, dim, grid->cells, NULL));
   PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a],
@@ -32,6 +32,9 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
     grid->cells[a] *= refine;
     grid->nodes[a] = grid->cells[a] + 1;
     grid->h[a]     = (grid->upper[a] - grid->lower[a]) / (PetscReal)grid->cells[a];
+    MpmCheckInput(
+      grid->h[a] > 1e-300 && grid->h[a] > 1e-12 * PetscMax(PetscAbsReal(grid->lower[a]), PetscAbsReal(grid->upper[a])),
+      "-mpm_grid_cells: a cell of %g on axis %c is too small for its coordinates", (double)(grid->h[a]), "xyz"[a]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

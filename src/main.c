@@ -10,19 +10,28 @@ PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
 
 /* What the handler knows of the current error. */
 typedef struct {
-  PetscBool reading; /* options are being read: PETSc's own errors are input errors too */
-  char      message[1024];
+  const char *file; /* the options file that is being read: whatever goes wrong is its fault */
+  PetscBool   input;
+  char        message[1024];
 } ErrorContext;
 
-/* Input errors become one line on rank 0; anything else gets PETSc's traceback. */
+/*
+  Input errors become one line on rank 0: ours, what PETSc says of an options file, and names of types that it does not
+  know. Anything else gets PETSc's traceback.
+*/
 static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code,
                                   PetscErrorType type, const char *message, void *ctx)
 {
   ErrorContext *context = (ErrorContext *)ctx;
 
-  if (code != MPM_ERR_INPUT && !context->reading)
-    return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
-  if (type == PETSC_ERROR_INITIAL && message) (void)PetscStrncpy(context->message, message, sizeof(context->message));
+  if (type == PETSC_ERROR_INITIAL) {
+    context->input = (PetscBool)(code == MPM_ERR_INPUT || code == PETSC_ERR_ARG_UNKNOWN_TYPE || context->file);
+    if (context->file) {
+      (void)PetscSNPrintf(context->message, sizeof(context->message), "-options_file %s: %s", context->file,
+                          message ? message : "cannot be read");
+    } else if (message) (void)PetscStrncpy(context->message, message, sizeof(context->message));
+  }
+  if (!context->input) return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
   return code;
 }
 
@@ -43,35 +52,41 @@ static PetscErrorCode Initialize(int *argc, char ***argv, char ***without_files)
   return PetscInitialize(&count, without_files, NULL, help);
 }
 
-/* Reads files and command line under the quiet handler. */
-static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
+/* Reads the files, in their order, and then the rest of the command line, which overrides them. */
+static PetscErrorCode ReadOptions(int argc, char **argv, char **without_files, ErrorContext *context)
 {
+  int       count = 0;
   PetscBool log;
 
   PetscFunctionBeginUser;
-  for (int i = 1; i + 1 < argc; i++) {
-    if (strcmp(argv[i], "-options_file") && strcmp(argv[i], "-options_file_yaml")) continue;
-    PetscBool readable;
+  for (int i = 1; i < argc; i++) {
+    const PetscBool yaml = (PetscBool)!strcmp(argv[i], "-options_file_yaml");
+    PetscBool       readable;
 
+    if (!yaml && strcmp(argv[i], "-options_file")) continue;
+    MpmCheckInput(i + 1 < argc, "%s is the last word of the command line: a file must follow", argv[i]);
     PetscCall(PetscTestFile(argv[i + 1], 'r', &readable));
     MpmCheckInput(readable, "%s %s: the file cannot be read", argv[i], argv[i + 1]);
+    context->file = argv[i + 1];
+    if (yaml) PetscCall(PetscOptionsInsertFileYAML(PETSC_COMM_WORLD, NULL, argv[i + 1], PETSC_TRUE));
+    else PetscCall(PetscOptionsInsertFile(PETSC_COMM_WORLD, NULL, argv[i + 1], PETSC_TRUE));
+    context->file = NULL;
   }
-  context->reading = PETSC_TRUE;
-  PetscCall(PetscOptionsInsert(NULL, &argc, &argv, NULL));
-  context->reading = PETSC_FALSE;
+  while (without_files[count]) count++;
+  PetscCall(PetscOptionsInsert(NULL, &count, &without_files, NULL));
   /* an option file may ask for the log that PetscInitialize() would have started */
   PetscCall(PetscOptionsHasName(NULL, NULL, "-log_view", &log));
   if (log) PetscCall(PetscLogDefaultBegin());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *status)
+static PetscErrorCode Run(int argc, char **argv, char **without_files, ErrorContext *context, int *status)
 {
   MpmModel  model;
   PetscBool wants_help;
 
   PetscFunctionBeginUser;
-  PetscCall(ReadOptions(argc, argv, context));
+  PetscCall(ReadOptions(argc, argv, without_files, context));
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
   PetscCall(MpmModelSetFromOptions(model));
   wants_help = MpmOptionsHelp();
@@ -83,15 +98,15 @@ static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *sta
 
 int main(int argc, char **argv)
 {
-  ErrorContext   context = {PETSC_FALSE, ""};
-  int            status  = 0;
-  char         **arguments;
+  ErrorContext   context   = {NULL, PETSC_FALSE, ""};
+  int            status    = 0;
+  char         **arguments = NULL;
   PetscErrorCode error;
 
   if (Initialize(&argc, &argv, &arguments)) return 1;
   PetscCall(PetscPushErrorHandler(HandleError, &context));
-  error = Run(argc, argv, &context, &status);
-  if (error == MPM_ERR_INPUT || (error && context.reading)) {
+  error = Run(argc, argv, arguments, &context, &status);
+  if (error && context.input) {
     (void)PetscFPrintf(PETSC_COMM_WORLD, stderr, "talus: error: %s\n", context.message);
     status = MPM_EXIT_INPUT;
   } else if (error) {

@@ -135,7 +135,7 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
   model->dt_min = model->dt_nominal / 1024.;
   model->dt_max = model->dt_nominal;
   PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));
-  if (model->adaptive) model->dt_max = model->time_end / 4.;
+  if (model->adaptive) model->dt_max = PetscMax(model->time_end / 4., model->dt_nominal);
   PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
                            &model->dt_min, NULL));
   PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
@@ -145,6 +145,26 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
   MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(),
                 "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
                 (double)model->dt_nominal);
+  MpmCheckInput(!model->adaptive || model->dt_max >= model->dt_nominal || MpmOptionsHelp(),
+                "-mpm_time_step_max %g: must not be below -mpm_time_step, %g", (double)model->dt_max,
+                (double)model->dt_nominal);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The results' folder must be there and take files. */
+static PetscErrorCode CheckPrefix(MpmModel model)
+{
+  char      folder[PETSC_MAX_PATH_LEN] = ".", *slash;
+  PetscBool there;
+
+  PetscFunctionBeginUser;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(model->prefix[0] && strlen(model->prefix) < sizeof(folder) - 64,
+                "-mpm_output_prefix: must be a name of 1 to %d characters", (int)sizeof(folder) - 65);
+  slash = strrchr(model->prefix, '/');
+  if (slash) PetscCall(PetscStrncpy(folder, model->prefix, (size_t)(slash - model->prefix) + 2));
+  PetscCall(PetscTestDirectory(folder, 'w', &there));
+  MpmCheckInput(there, "-mpm_output_prefix %s: the folder %s is not there or cannot be written", model->prefix, folder);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -157,6 +177,7 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   model->output_every = 1;
   PetscCall(MpmOptionsHeading(&block, "Output"));
   PetscCall(MpmOptionsText(&block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->prefix));
+  PetscCall(CheckPrefix(model));
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->output_every, NULL));
   PetscCall(MpmOptionsBool(&block, "grid", "write the grid too", &grid, NULL));

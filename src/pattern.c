@@ -261,6 +261,8 @@ PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *sp
   /* only the routine of the matrix's own type acts */
   PetscCall(MatSeqAIJSetPreallocationCSR(*mat, i, j, NULL));
   PetscCall(MatMPIAIJSetPreallocationCSR(*mat, i, j, NULL));
+  PetscCall(MatSeqBAIJSetPreallocationCSR(*mat, bs, pattern->row, pattern->column, NULL));
+  PetscCall(MatMPIBAIJSetPreallocationCSR(*mat, bs, pattern->row, pattern->column, NULL));
   PetscCall(MatSetUp(*mat));
   PetscCall(PetscFree(i));
   PetscCall(PetscFree(j));

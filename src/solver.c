@@ -259,6 +259,53 @@ static PetscErrorCode CreateSNES(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Does PETSc know the type? One of the objects is made and thrown away. */
+static PetscErrorCode KnowsType(MpmModel model, const char *kind, const char *type, PetscBool *known)
+{
+  PetscErrorCode error;
+  Mat            mat;
+  Vec            vec;
+  KSP            ksp;
+  PC             pc;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatCreate(model->comm, &mat));
+  PetscCall(VecCreate(model->comm, &vec));
+  PetscCall(VecSetSizes(vec, 1, PETSC_DETERMINE));
+  PetscCall(KSPCreate(model->comm, &ksp));
+  PetscCall(PCCreate(model->comm, &pc));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  if (!strcmp(kind, "mpm_mat_type")) error = MatSetType(mat, type);
+  else if (!strcmp(kind, "mpm_vec_type")) error = VecSetType(vec, type);
+  else if (!strcmp(kind, "ksp_type")) error = KSPSetType(ksp, type);
+  else error = PCSetType(pc, type);
+  PetscCall(PetscPopErrorHandler());
+  *known = (PetscBool)!error;
+  PetscCall(MatDestroy(&mat));
+  PetscCall(VecDestroy(&vec));
+  PetscCall(KSPDestroy(&ksp));
+  PetscCall(PCDestroy(&pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A type that PETSc does not know must end the run with one line, before anything is written. */
+static PetscErrorCode CheckTypes(MpmModel model)
+{
+  static const char *const kinds[] = {"mpm_mat_type", "mpm_vec_type", "ksp_type", "pc_type"};
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kinds); k++) {
+    char      name[64], type[64] = "";
+    PetscBool set, known         = PETSC_TRUE;
+
+    PetscCall(PetscSNPrintf(name, sizeof(name), "-%s", kinds[k]));
+    PetscCall(PetscOptionsGetString(NULL, NULL, name, type, sizeof(type), &set));
+    if (set) PetscCall(KnowsType(model, kinds[k], type, &known));
+    MpmCheckInput(known, "%s %s: PETSc does not know this type", name, type);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(presets) + 2] = {"auto"};
@@ -294,6 +341,7 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
     if (type) PetscCall(PetscStrncpy(model->vec_type, type, sizeof(model->vec_type)));
     PetscCall(PetscFree(type));
   }
+  PetscCall(CheckTypes(model));
   PetscCall(CreateSNES(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

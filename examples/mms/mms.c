@@ -24,7 +24,8 @@ static PetscErrorCode BodyForce(PetscInt dim, PetscReal time, const PetscReal X[
   PetscReal   ln_J = 0.;
 
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < dim; i++) ln_J += PetscLogReal(1. + time * amplitude[i] * PETSC_PI * PetscCosReal(PETSC_PI * X[i]));
+  for (PetscInt i = 0; i < dim; i++)
+    ln_J += PetscLogReal(1. + time * amplitude[i] * PETSC_PI * PetscCosReal(PETSC_PI * X[i]));
   for (PetscInt i = 0; i < dim; i++) {
     const PetscReal F     = 1. + time * amplitude[i] * PETSC_PI * PetscCosReal(PETSC_PI * X[i]);
     const PetscReal slope = -time * amplitude[i] * PetscSqr(PETSC_PI) * PetscSinReal(PETSC_PI * X[i]);

@@ -97,7 +97,7 @@ int LawState(const Law *law, const char *name)
 
 static unsigned long long random_state = 1;
 
-void                      RandomSeed(unsigned seed)
+void RandomSeed(unsigned seed)
 {
   random_state = 0x9e3779b97f4a7c15ULL * (seed + 1ULL);
 }

@@ -320,12 +320,9 @@ START_TEST(test_drucker_prager_yield_surface)
     excess    = ConeExcess(&point, tau, &scale);
     tolerance = 1e-13 * PointStiffness(&point);
     ck_assert_msg(excess <= tolerance, "sample %d: yield function %g", sample, excess);
-    if (excess < -tolerance)
-      ++inside;
-    else if (SqrtJ2(tau, &p, deviator) > 10. * tolerance)
-      ++on_cone;
-    else
-      ++at_apex;
+    if (excess < -tolerance) ++inside;
+    else if (SqrtJ2(tau, &p, deviator) > 10. * tolerance) ++on_cone;
+    else ++at_apex;
   }
   ck_assert_int_gt(inside, 20);
   ck_assert_int_gt(on_cone, 20);

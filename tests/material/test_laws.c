@@ -11,7 +11,7 @@
 
 enum { SAMPLES = 60 };
 
-Suite     *LawValuesSuite(void);
+Suite *LawValuesSuite(void);
 
 static int IsSmallStrain(const Law *law)
 {
@@ -282,10 +282,8 @@ START_TEST(test_equal_principal_values)
 
     PointCreate(law, 0, &point);
     stiffness = PointStiffness(&point);
-    if (k % 2)
-      RandomRotation(R);
-    else
-      Identity(R);
+    if (k % 2) RandomRotation(R);
+    else Identity(R);
     Stretch(R, x, x, z, dF);
     ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, dF, tau, equal), 0);
     CheckTangent(&point, dF, sample, &columns, &kinks);

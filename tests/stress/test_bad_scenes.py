@@ -114,7 +114,7 @@ CASES = [
     ("body outside the grid", {"mpm_body_block_lower": "10,10", "mpm_body_block_upper": "12,12"}, "-mpm_body_block"),
     ("body half outside the grid", {"mpm_body_block_upper": "5,2"}, "-mpm_body_block"),
     ("disc outside the grid", {**NO_BOX, "mpm_body_block_region": "sphere", "mpm_body_block_center": "4,4",
-                               "mpm_body_block_radius": "1"}, "-mpm_body_block_center"),
+                               "mpm_body_block_radius": "1"}, "-mpm_body_block_region"),
     ("region between the points", {"mpm_body_block_lower": "0.1,0.1", "mpm_body_block_upper": "0.2,0.2"},
      "-mpm_body_block_region"),
     ("body upside down", {"mpm_body_block_upper": "2,-2"}, "-mpm_body_block_upper"),

@@ -9,8 +9,8 @@
 
 #define YAML_FILE "test_options.yaml"
 
-static MpmOptions     options;
-static char           printed[20000];
+static MpmOptions options;
+static char       printed[20000];
 
 static PetscErrorCode Capture(MPI_Comm comm, const char format[], ...)
 {

@@ -8,7 +8,7 @@
 
 static const PetscReal tolerance[3] = {1e-6, 2e-6, 4e-6};
 
-static MpmOptions      options;
+static MpmOptions options;
 
 /* Alternating names and values of the block's options, NULL at the end. */
 static void Block(const char *const pairs[])

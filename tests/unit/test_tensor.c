@@ -32,7 +32,7 @@ enum { LOG, EXP, SQRT };
 
 static unsigned long long random_state;
 
-static double             Uniform(double lower, double upper)
+static double Uniform(double lower, double upper)
 {
   random_state = random_state * 6364136223846793005ULL + 1442695040888963407ULL;
   return lower + (upper - lower) * (double)(random_state >> 11) * 0x1p-53;
