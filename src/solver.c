@@ -91,7 +91,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 
 /* A displacement unknown is weak when its diagonal is below this part of a typical one; it is raised by that part. */
 #define WEAK_NODE 1e-3
-#define WEAK_LIFT 1e-8
+#define WEAK_LIFT 1e-9
 
 /*
   Nodes that the corner of a single domain touches have more unknowns than the point has strains: a direct solver then
@@ -320,8 +320,12 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
   }
   PetscCall(PetscStrallocpy(presets[preset].name, &model->solver));
   PetscCall(ApplyPreset(presets[preset].text));
-  if (!strcmp(presets[preset].name, "direct"))
+  /* what a preset cannot know: whether the Jacobian is symmetric */
+  if (!strcmp(presets[preset].name, "direct")) {
     PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
+  } else {
+    PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
+  }
   if (model->ghost == MPM_GHOST_AUTO) {
     const PetscBool hat    = (PetscBool)(model->shape == MPM_SHAPE_LINEAR || model->shape == MPM_SHAPE_GIMP);
     const PetscBool direct = (PetscBool)!strcmp(presets[preset].name, "direct");
