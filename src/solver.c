@@ -91,7 +91,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 
 /* A displacement unknown is weak when its diagonal is below this part of a typical one; it is raised by that part. */
 #define WEAK_NODE 1e-3
-#define WEAK_LIFT 1e-9
+#define WEAK_LIFT 1e-11
 
 /*
   Nodes that the corner of a single domain touches have more unknowns than the point has strains: a direct solver then
