@@ -8,7 +8,7 @@
 #include "mpmimpl.h"
 
 /* Rebalance when the fullest rank holds this much more than the mean. */
-#define IMBALANCE_LIMIT 1.15
+#define IMBALANCE_LIMIT 1.05
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
                                   PetscInt extra_count, char *const extra[], MpmParticles *particles)

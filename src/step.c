@@ -194,7 +194,7 @@ static PetscErrorCode Commit(MpmModel model, const char **why)
                            model->comm));
   PetscCall(KeepInside(model, &lost));
   if (lost) *why = "a point left the grid";
-  MpmClock(model, MPM_TIME_RESIDUAL, since);
+  MpmClock(model, MPM_TIME_TRANSFER, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
