@@ -23,3 +23,10 @@
 #else
 #define MpmLineSearchShellSet SNESLineSearchShellSetApply
 #endif
+
+/* A residual that is not a number: renamed in 3.25. */
+#if PETSC_VERSION_LT(3, 25, 0)
+#define MPM_SNES_DIVERGED_NAN SNES_DIVERGED_FNORM_NAN
+#else
+#define MPM_SNES_DIVERGED_NAN SNES_DIVERGED_FUNCTION_NANORINF
+#endif

@@ -203,7 +203,7 @@ static const char *ReasonText(SNESConvergedReason reason)
   switch (reason) {
   case SNES_DIVERGED_FUNCTION_DOMAIN:
     return "a point had no stress (domain error)";
-  case SNES_DIVERGED_FNORM_NAN:
+  case MPM_SNES_DIVERGED_NAN:
     return "the residual was not finite";
   case SNES_DIVERGED_LINEAR_SOLVE:
     return "the linear solver failed";
