@@ -40,6 +40,14 @@
 */
 #if MPM_DIRECTIONS == 0
 #define MPM_KERNEL_FORM MPM_FORM_RESIDUAL
+#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_) \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
+  { \
+    set->inputs   = inputs_; \
+    set->residual = kernel_; \
+    set->mean     = mean_; \
+  }
 #define MPM_KERNEL(name_, inputs_, kernel_) \
   void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
   void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
@@ -86,4 +94,9 @@
   { \
     set->tangent = Tangent_##name_; \
   }
+#endif
+
+/* MPM_KERNEL_MEAN(name, inputs, kernel, mean) - the same for a kernel whose last input is a mean over the cell */
+#if MPM_DIRECTIONS != 0
+#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_) MPM_KERNEL(name_, inputs_, kernel_)
 #endif

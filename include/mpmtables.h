@@ -69,6 +69,7 @@ typedef struct {
   const double      *value_n;           /* values at the step's start of the fields with a rate, in field order */
   double             volume0;           /* initial volume, m3 (2D: m2 per metre of thickness) */
   double             dt;                /* s */
+  double             mean_flux;         /* kernels with a mean: what multiplies the point's own part of it */
   unsigned           traits;            /* of the law, MpmLawTrait */
   const MpmFunction *law;               /* the material's law, by MpmForm */
   double            *state;             /* history at the step's end */
@@ -83,10 +84,15 @@ typedef struct {
   residual    flux[inputs]
   direction   flux and dflux = (d flux / d input) dinput
   tangent     flux and tangent[k*inputs + l] = d flux_k / d input_l
+  mean        NULL, or m and its derivatives by the other inputs: the last input is then the mean of m over the points of
+              the cell. Where the residual derives from an energy, so must the flux of that input, and the kernel adds
+              mean_flux times the derivatives of m to the other fluxes: the engine passes the cell's sum of the mean's
+              flux times the point's share of the mean.
 */
 typedef struct {
   int inputs;
   int (*residual)(const MpmKernelPoint *point, const double *input, double *flux);
   int (*direction)(const MpmKernelPoint *point, const double *input, const double *dinput, double *flux, double *dflux);
   int (*tangent)(const MpmKernelPoint *point, const double *input, double *flux, double *tangent);
+  int (*mean)(const MpmKernelPoint *point, const double *input, double *m, double *dm);
 } MpmKernelSet;

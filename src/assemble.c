@@ -25,6 +25,7 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
     MpmSumBasis(known, sum->space, p, weights, &work->basis);
     MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
+    MpmSumMean(sum, group, p, &point, input);
     if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
     else MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
@@ -39,6 +40,7 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
 
   PetscFunctionBeginUser;
   *failed = 0;
+  PetscCall(MpmMeanEvaluate(sum, u, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
@@ -87,6 +89,7 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
     MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
+    MpmSumMean(sum, group, p, &point, input);
     /* the kernel reads state n while it writes n+1 */
     if (size) point.state = state;
     point.F      = F;
@@ -111,6 +114,7 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal 
 
   PetscFunctionBeginUser;
   *failed = 0;
+  PetscCall(MpmMeanEvaluate(sum, u, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(PetscMalloc1((sum->state_size + 1), &state));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {

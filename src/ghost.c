@@ -231,23 +231,15 @@ PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmGrid *grid, const MpmMate
                              const MpmPoints *points)
 {
   CellMap   map;
-  MpmGroup *groups;
-  PetscInt  offset = 0;
+  MpmGroup *faces;
 
   PetscFunctionBeginUser;
   PetscCall(MarkOwnPoints(space, materials, points, grid->size > 1 ? 3 : 0, &map));
   if (grid->size > 1) PetscCall(ExchangeMarks(grid, materials, &map));
   space->face_count = ListFaces(&map, grid, materials, NULL, NULL);
-  PetscCall(PetscMalloc1((space->group_count + space->face_count), &groups));
-  PetscCall(PetscArraycpy(groups, space->groups, space->group_count));
-  PetscCall(PetscFree(space->groups));
-  space->groups = groups;
+  PetscCall(MpmSpaceAppendBoxes(space, space->face_count, &faces));
   PetscCall(PetscMalloc1(space->face_count, &space->face_stiffness));
-  (void)ListFaces(&map, grid, materials, &groups[space->group_count], space->face_stiffness);
-  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) {
-    groups[g].node_offset = offset;
-    offset += groups[g].node_count;
-  }
+  (void)ListFaces(&map, grid, materials, faces, space->face_stiffness);
   PetscCall(PetscFree(map.mark));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -290,6 +282,23 @@ PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscRea
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt j = 0; j < n; j++)
         for (PetscInt c = 0; c < dim; c++) residual[nodes[i] * bs + c] += matrix[i * n + j] * u[nodes[j] * bs + c];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[])
+{
+  const MpmSpace *space = sum->space;
+  const PetscInt  bs = sum->layout->block, dim = space->dim;
+  PetscReal       matrix[MPM_GHOST_NODES * MPM_GHOST_NODES];
+
+  PetscFunctionBeginUser;
+  for (PetscInt f = 0; f < space->face_count; f++) {
+    const PetscInt  n     = MpmGhostMatrix(space, sum->grid, sum->ghost, f, matrix);
+    const PetscInt *nodes = &space->group_nodes[space->groups[space->group_count + f].node_offset];
+
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt c = 0; c < dim; c++) blocks[(nodes[i] * bs + c) * bs + c] += matrix[i * n + i];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -49,6 +49,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmSpaceReset(&model->space));
   PetscCall(MpmConstraintsReset(&model->constraints));
   PetscCall(PetscFree3(model->u, model->residual, model->force));
+  PetscCall(PetscFree2(model->mean.value, model->mean.flux));
   PetscCall(PetscFree(model->reaction));
   PetscCall(PetscFree(model->history_row));
   PetscCall(MpmOutputDestroy(&model->output));
@@ -95,28 +96,77 @@ static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether to penalise, and how much: `auto` follows the solver and is settled with it. */
+static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *options)
+{
+  const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
+  char            *ghost;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(&block, "Stabilization"));
+  PetscCall(MpmOptionsText(&block, "ghost",
+                           "penalty on the faces of edge cells: auto (1e-3 for iterative solvers and, with a direct "
+                           "one, from the first step that fails), off, or a factor times the material's stiffness",
+                           "auto", MPM_OPTIONAL, &ghost));
+  model->ghost = MPM_GHOST_AUTO;
+  if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
+  else if (ghost && strcmp(ghost, "auto")) {
+    char *end;
+
+    model->ghost = strtod(ghost, &end);
+    MpmCheckInput(!*end && model->ghost >= 0. && model->ghost < PETSC_INFINITY,
+                  "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
+  }
+  MpmCheckInput(model->ghost <= 0. || model->shape == MPM_SHAPE_LINEAR || model->shape == MPM_SHAPE_GIMP,
+                "-mpm_stabilization_ghost %s: not available for shape %s, must be auto or off", ghost,
+                MpmShapeTypes[model->shape]);
+  PetscCall(PetscFree(ghost));
+  PetscCall(MpmOptionsBool(&block, "fbar",
+                           "average the volume change over cells, against locking of nearly incompressible material",
+                           &model->fbar, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The physics of that name, or its form with a mean, and the layout of its unknowns. */
+static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt dim)
+{
+  PetscBool found = PETSC_TRUE, solid;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscStrcmp(name, "solid", &solid));
+  if (!model->physics.name) {
+    MpmCheckInput(solid, "-mpm_physics %s: must be one of solid", name);
+    PetscCall(MpmPhysicsCreate(model->fbar ? "solid_fbar" : name, &model->physics, &found));
+    PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", name);
+    model->physics.name = "solid";
+  } else {
+    MpmCheckInput(!model->fbar, "-mpm_stabilization_fbar true: not available for physics %s, must be false",
+                  model->physics.name);
+  }
+  PetscCall(MpmLayoutCreate(&model->physics, dim, &model->layout));
+  model->stretch = MpmStretchFind(dim);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Dimension, physics, shape: what everything else depends on. */
 static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
 {
-  PetscInt  dim = 2, shape = MPM_SHAPE_GIMP, jacobian = MPM_JACOBIAN_AUTO;
-  char     *name;
-  PetscBool found = PETSC_TRUE;
+  char    *name;
+  PetscInt dim = 2, shape = MPM_SHAPE_GIMP, jacobian = MPM_JACOBIAN_AUTO;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, "Scene"));
   PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->title));
   PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, &dim, NULL));
   PetscCall(MpmOptionsText(options, "physics", "what is solved: solid", "solid", MPM_OPTIONAL, &name));
-  if (!model->physics.name) PetscCall(MpmPhysicsCreate(name, &model->physics, &found));
-  MpmCheckInput(found, "-mpm_physics %s: must be one of solid", name);
-  PetscCall(PetscFree(name));
-  PetscCall(MpmLayoutCreate(&model->physics, dim, &model->layout));
-  model->stretch = MpmStretchFind(dim);
   PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
   model->shape = (MpmShapeType)shape;
   PetscCall(
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
+  PetscCall(ReadStabilization(model, options));
+  PetscCall(CreatePhysics(model, name, dim));
+  PetscCall(PetscFree(name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -186,37 +236,6 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether to penalise, and how much: `auto` follows the solver and is settled with it. */
-static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *options)
-{
-  const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
-  char            *ghost;
-  PetscBool        fbar = PETSC_FALSE;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsHeading(&block, "Stabilization"));
-  PetscCall(MpmOptionsText(&block, "ghost",
-                           "penalty on the faces of edge cells: auto (1e-3 for iterative solvers and, with a direct "
-                           "one, from the first step that fails), off, or a factor times the material's stiffness",
-                           "auto", MPM_OPTIONAL, &ghost));
-  model->ghost = MPM_GHOST_AUTO;
-  if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
-  else if (ghost && strcmp(ghost, "auto")) {
-    char *end;
-
-    model->ghost = strtod(ghost, &end);
-    MpmCheckInput(!*end && model->ghost >= 0. && model->ghost < PETSC_INFINITY,
-                  "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
-  }
-  MpmCheckInput(model->ghost <= 0. || model->shape == MPM_SHAPE_LINEAR || model->shape == MPM_SHAPE_GIMP,
-                "-mpm_stabilization_ghost %s: not available for shape %s, must be auto or off", ghost,
-                MpmShapeTypes[model->shape]);
-  PetscCall(PetscFree(ghost));
-  PetscCall(MpmOptionsBool(&block, "fbar", "against volumetric locking", &fbar, NULL));
-  MpmCheckInput(!fbar, "-mpm_stabilization_fbar true: not available in this version, must be false");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *options)
 {
   PetscReal stiffest = 0.;
@@ -227,7 +246,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscCall(PetscCalloc1(model->material_count, &model->materials));
   model->symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++) {
-    PetscCall(MpmMaterialCreate(options, model->material_names[m], model->grid.dim, model->layout.inputs,
+    PetscCall(MpmMaterialCreate(options, model->material_names[m], model->grid.dim, model->layout.kernel->inputs,
                                 &model->materials[m]));
     if (!(model->materials[m].info.traits & MPM_LAW_SYMMETRIC)) model->symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->materials[m].stiffness);
@@ -318,7 +337,6 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(MpmGridSetFromOptions(&model->grid, &options, model->layout.dim));
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
-  PetscCall(ReadStabilization(model, &options));
   PetscCall(ReadTime(model, &options));
   PetscCall(ReadOutput(model, &options));
   PetscCall(MpmSolverSetFromOptions(model, &options));

@@ -73,6 +73,7 @@ typedef struct {
   PetscInt  basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */
   PetscInt  component_of[MPM_MAX_INPUTS], basis_of[MPM_MAX_INPUTS];
   PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
+  PetscInt  means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
   PetscBool increment[MPM_MAX_BLOCK];
   const char         *component_name[MPM_MAX_BLOCK];
   PetscBool           solid; /* the displacement's gradient is all that the kernel sees */
@@ -150,7 +151,14 @@ typedef struct {
   PetscInt node_count;
   PetscInt node_offset;            /* into group_nodes */
   PetscInt point_begin, point_end; /* into order */
+  PetscInt cell;                   /* into cells, where the physics has a mean */
 } MpmGroup;
+
+/* The points over which a mean is taken: those whose centres lie in one cell of the grid, in whole groups. */
+typedef struct {
+  PetscInt group_begin, group_end;
+  PetscInt box; /* into groups: one without points that holds the nodes of them all */
+} MpmCell;
 
 /*
   The step's discrete space: weights of every point, and the active nodes. Local nodes are those that this rank's points
@@ -165,6 +173,11 @@ typedef struct {
   PetscInt  *order;             /* points by group */
   PetscInt   group_count;
   PetscInt   face_count;     /* faces of the ghost penalty: groups without points, behind the others */
+  PetscInt   cell_count;     /* cells with a mean, if the physics has one: their boxes come last */
+  PetscInt   box_count;      /* groups, faces and cells */
+  PetscInt   reach;          /* no box has more than reach + 1 nodes on an axis, on any rank */
+  MpmCell   *cells;
+  PetscReal *share;          /* of each point in the mean of its cell */
   PetscReal *face_stiffness; /* Pa */
   PetscBool  ghost;          /* are there faces on any rank? */
   MpmGroup  *groups;
@@ -186,11 +199,14 @@ typedef struct {
   MpmStretch         stretch;
   const MpmMaterial *materials;
   PetscBool          ghost; /* with the faces of the ghost penalty */
+  PetscBool          mean;  /* with the cells of a mean */
 } MpmRules;
 
 /* `why` is NULL, or the reason (static text) for which these points have no space; the same on all ranks. */
 PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
+/* Room for `count` boxes more, without points, behind the others. */
+PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes);
 /* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
 /* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */
@@ -283,7 +299,12 @@ PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
 PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[]);
 
-/* ---- assemble.c, jacobian.c, coloring.c, pattern.c ---- */
+/* ---- assemble.c, mean.c, jacobian.c, action.c, coloring.c, pattern.c ---- */
+
+/* Means over cells at the displacement that was last evaluated, and the sums of the fluxes conjugate to them. */
+typedef struct {
+  PetscReal *value, *flux; /* one a cell */
+} MpmMean;
 
 /* All that the sums over points need; borrowed from the model for the length of a step. */
 typedef struct {
@@ -297,6 +318,7 @@ typedef struct {
   PetscInt              state_size;
   PetscReal             dt;
   PetscReal             ghost; /* factor of the ghost penalty */
+  MpmMean               mean;
 } MpmSum;
 
 /* Do any of the kernel's inputs need the weights, not only their derivatives? */
@@ -308,23 +330,43 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmRules 
 PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum,
                                  PetscReal force[]);
 
+/*
+  A unit is what the Jacobian cannot take apart: a group, or a cell where the physics has a mean. Its groups, and the box
+  of their nodes.
+*/
+static inline PetscInt MpmUnitCount(const MpmSum *sum)
+{
+  return sum->layout->means ? sum->space->cell_count : sum->space->group_count;
+}
+static inline MpmCell MpmUnitGroups(const MpmSum *sum, PetscInt unit)
+{
+  return sum->layout->means ? sum->space->cells[unit] : (MpmCell){unit, unit + 1, unit};
+}
+
+/* Finds the cells that means are taken over, after the groups (mean.c). */
+PetscErrorCode MpmMeanCells(MpmSpace *space, const MpmPoints *points);
+/* Means and their fluxes for a displacement; does nothing where the physics has none. */
+PetscErrorCode MpmMeanEvaluate(const MpmSum *sum, const PetscReal u[], PetscInt *failed);
 /* Local residual += sum over points of phi flux(u). `failed` counts points without an answer on this rank. */
 PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
 /* Like it, and writes history, F, stress, positions and rate values of the converged step. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
 
 /*
-  The sparsity pattern, in node blocks, and the values of this rank's contributions in the same order. Rows of owned
-  nodes hold what any rank adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers,
-  ascending.
+  The sparsity pattern, in node blocks, and where this rank's contributions go: rows of owned nodes hold what any rank
+  adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers, ascending. A row stands in
+  the matrix's own array, or, where its columns are not all this rank's, in a buffer with the same order.
 */
 typedef struct {
-  PetscInt   block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
-  PetscInt   local, owned;
-  PetscInt  *row;    /* local + 1: where each row's columns start */
-  PetscInt  *column; /* global node numbers */
-  PetscInt  *slot;   /* local * window: position in the row, or -1 */
-  PetscReal *value;  /* row-major within a block row: row[i]*block^2 + (c * columns_i + k)*block + c' */
+  PetscInt    block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
+  PetscInt    local, owned;
+  PetscInt   *row;    /* local + 1: where each row's columns start */
+  PetscInt   *column; /* global node numbers */
+  PetscInt   *slot;   /* local * window: position in the row, or -1 */
+  PetscReal **value;  /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
+  PetscReal  *buffer;
+  PetscInt64  buffer_size;
+  PetscScalar *array; /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
 } MpmPattern;
 
 PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
@@ -332,12 +374,13 @@ PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_C
 PetscErrorCode MpmPatternReset(MpmPattern *pattern);
 PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type,
                                    Mat *mat);
+/* Between these two, blocks are added. Begin zeroes the matrix; End puts `diagonal` on constrained rows and assembles. */
+PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, Mat mat);
+PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
+                             PetscReal diagonal, Mat mat);
 /* Adds a group's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns are left out. */
 void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group,
                         const MpmConstraints *constraints, PetscReal element[]);
-/* Puts `diagonal` on constrained rows, hands everything to the matrix and assembles it. */
-PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
-                               PetscReal diagonal, Mat mat);
 
 /* The ghost penalty (ghost.c). Faces become groups of the space, before its nodes are numbered. */
 #define MPM_GHOST_NODES 12
@@ -349,10 +392,34 @@ PetscInt       MpmGhostMatrix(const MpmSpace *space, const MpmGrid *grid, PetscR
 PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscReal residual[]);
 /* Adds to the pattern's values; linear, so it is the same in every form of the Jacobian. */
 PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern);
+/* Adds to the diagonal blocks of the local nodes. */
+PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[]);
 
 PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscInt *failed);
 PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern,
                                    PetscInt *failed);
+/* This rank's part of the diagonal blocks, block^2 values for each local node; constraints are the caller's. */
+PetscErrorCode MpmJacobianDiagonal(const MpmSum *sum, const PetscReal u[], PetscReal blocks[], PetscInt *failed);
+
+/*
+  The Jacobian's action without a matrix. With `stored` each point keeps its tangent; otherwise one dual direction makes
+  the product anew each time. With `differences` the plain kernel is differenced in place of duals.
+*/
+typedef struct {
+  const MpmSum    *sum;
+  PetscBool        differences;
+  PetscReal       *u;       /* at the local nodes: where the derivative is taken */
+  PetscReal       *tangent; /* per place in the points' order, or NULL */
+  PetscReal       *values, *dvalues, *force, *storage;
+  MpmBasis         basis;
+} MpmAction;
+PetscErrorCode MpmActionCreate(const MpmSum *sum, PetscBool stored, MpmAction *action);
+PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed);
+/* y += J du at the local nodes, of one unit or of everything, the ghost penalty included. */
+PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscReal du[], PetscReal y[],
+                                  PetscInt *failed);
+PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
+PetscErrorCode MpmActionDestroy(MpmAction *action);
 
 /* ---- solver.c, step.c, model.c ---- */
 
@@ -379,6 +446,7 @@ struct _p_MpmModel {
   MpmParticles    particles;
   MpmBodyForce    body_force;
   void           *body_force_ctx;
+  PetscBool       fbar;
   PetscReal       ghost;        /* factor of the ghost penalty, 0: none */
   PetscBool       ghost_rescue; /* switch it on when a step fails */
   PetscBool       symmetric;
@@ -394,9 +462,11 @@ struct _p_MpmModel {
   MpmConstraints constraints;
   MpmPattern     pattern;
   MpmSum         sum;
+  MpmMean        mean;
   PetscReal     *u, *residual, *force; /* local nodes */
   PetscReal      diagonal;             /* of held unknowns: a typical stiffness */
   char           mat_type[64], vec_type[64];
+  PetscBool      factorises; /* the preconditioner is a direct solver */
   SNES           snes;
   Mat            jacobian;
   Vec            x, f;
@@ -424,6 +494,18 @@ static inline void MpmClock(MpmModel model, MpmTimer timer, PetscLogDouble since
   model->seconds[timer] += now - since;
 }
 
+/*
+  The Jacobian of the model's present step as a shell matrix, with or without tangents kept (matfree.c). It must not
+  outlive the step's space.
+*/
+PetscErrorCode MpmMatfreeCreate(MpmModel model, PetscBool stored, Mat *J);
+PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
+/*
+  The Jacobian of the model's present step as a shell matrix, with or without tangents kept (matfree.c). It must not
+  outlive the step's space.
+*/
+PetscErrorCode MpmMatfreeCreate(MpmModel model, PetscBool stored, Mat *J);
+PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmSolverSetUp(MpmModel model);

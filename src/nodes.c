@@ -107,7 +107,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
     map->lower[a] = PETSC_INT_MAX;
     map->upper[a] = 0;
   }
-  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) {
+  for (PetscInt g = 0; g < space->box_count; g++) {
     const MpmGroup *group = &space->groups[g];
     PetscInt        last[MPM_MAX_DIM];
 
@@ -116,7 +116,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
     MapInclude(map, last);
   }
   PetscCall(MapAllocate(map, &size));
-  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) {
+  for (PetscInt g = 0; g < space->box_count; g++) {
     PetscInt node[MPM_MAX_DIM];
 
     FOR_GROUP_NODES(&space->groups[g], node) * MapAt(map, node) = 0;
@@ -278,9 +278,9 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
   } else PetscCall(PetscCalloc1(1, &wanted.offset));
   PetscCall(NumberOwned(space, grid, &wanted, foreign.count ? foreign.offset[foreign.count] / grid->dim : 0, &map));
   PetscCall(NumberGhosts(space, grid, &foreign, &wanted, &map));
-  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) total += space->groups[g].node_count;
+  for (PetscInt g = 0; g < space->box_count; g++) total += space->groups[g].node_count;
   PetscCall(PetscMalloc1(total, &space->group_nodes));
-  for (PetscInt g = 0, fill = 0; g < space->group_count + space->face_count; g++) {
+  for (PetscInt g = 0, fill = 0; g < space->box_count; g++) {
     PetscInt node[MPM_MAX_DIM];
 
     FOR_GROUP_NODES(&space->groups[g], node) space->group_nodes[fill++] = *MapAt(&map, node);

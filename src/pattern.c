@@ -2,9 +2,9 @@
   The Jacobian's sparsity and the values on their way into the matrix.
 
   A row's columns lie in a window of (2w - 1)^dim nodes around it, w being the most nodes that a point touches on an
-  axis: a table over that window gives the place of any entry without a search. Values of owned rows are kept in the
-  order of PETSc's AIJ storage and copied there as they are; rows of ghosts go to their owners through the matrix's
-  stash.
+  axis: a table over that window gives the place of any entry without a search. Rows whose columns all belong to this
+  rank are written where they stand in PETSc's AIJ storage. Others are kept in a buffer: owned ones are copied, rows of
+  ghosts go to their owners through the matrix's stash.
 */
 #include "mpmimpl.h"
 
@@ -15,6 +15,7 @@ PetscErrorCode MpmPatternReset(MpmPattern *pattern)
   PetscCall(PetscFree(pattern->column));
   PetscCall(PetscFree(pattern->slot));
   PetscCall(PetscFree(pattern->value));
+  PetscCall(PetscFree(pattern->buffer));
   PetscCall(PetscMemzero(pattern, sizeof(*pattern)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -43,8 +44,8 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
   PetscCall(PetscMalloc1((pattern->local * pattern->window), &pattern->slot));
   for (PetscInt i = 0; i < pattern->local * pattern->window; i++) pattern->slot[i] = -1;
   for (PetscInt i = 0; i < pattern->owned; i++) pattern->slot[i * pattern->window + (pattern->window - 1) / 2] = 0;
-  PetscCall(PetscMalloc1(PetscPowInt(PetscMax(space->width, 3), space->dim), &offset));
-  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) {
+  PetscCall(PetscMalloc1(PetscPowInt(space->reach + 1, space->dim), &offset));
+  for (PetscInt g = 0; g < space->box_count; g++) {
     const MpmGroup *group  = &space->groups[g];
     const PetscInt *nodes  = &space->group_nodes[group->node_offset];
     const PetscInt  center = WindowOffsets(pattern, group, offset);
@@ -74,8 +75,8 @@ static PetscErrorCode FindNeighbours(const MpmPattern *pattern, const MpmSpace *
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((pattern->local * pattern->window), &found->neighbour));
   for (PetscInt i = 0; i < pattern->owned; i++) found->neighbour[i * pattern->window + (pattern->window - 1) / 2] = i;
-  PetscCall(PetscMalloc1(PetscPowInt(PetscMax(space->width, 3), space->dim), &offset));
-  for (PetscInt g = 0; g < space->group_count + space->face_count; g++) {
+  PetscCall(PetscMalloc1(PetscPowInt(space->reach + 1, space->dim), &offset));
+  for (PetscInt g = 0; g < space->box_count; g++) {
     const MpmGroup *group  = &space->groups[g];
     const PetscInt *nodes  = &space->group_nodes[group->node_offset];
     const PetscInt  center = WindowOffsets(pattern, group, offset);
@@ -205,7 +206,7 @@ PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_C
   PetscCall(PetscMemzero(pattern, sizeof(*pattern)));
   pattern->block  = block;
   pattern->dim    = space->dim;
-  pattern->reach  = PetscMax(space->width - 1, space->ghost ? 2 : 1);
+  pattern->reach  = space->reach;
   pattern->window = PetscPowInt(2 * pattern->reach + 1, space->dim);
   pattern->local  = space->local;
   pattern->owned  = space->owned;
@@ -216,7 +217,7 @@ PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_C
     PetscCall(SortForeign(pattern, &received, &foreign));
   }
   PetscCall(ListColumns(pattern, space, &found, space->sf ? &foreign : NULL));
-  PetscCall(PetscMalloc1((pattern->row[pattern->local] * block * block), &pattern->value));
+  PetscCall(PetscMalloc1(pattern->local, &pattern->value));
   PetscCall(PetscFree(found.neighbour));
   PetscCall(PetscFree(foreign.start));
   PetscCall(PetscFree(foreign.column));
@@ -292,7 +293,7 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   for (PetscInt i = 0; i < n; i++) {
     const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
     const PetscInt  width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
-    PetscReal      *row   = &pattern->value[pattern->row[nodes[i]] * bs * bs];
+    PetscReal      *row   = pattern->value[nodes[i]];
 
     for (PetscInt c = 0; c < bs; c++, row += width) {
       for (PetscInt d = 0; d < bs; d++) {
@@ -304,34 +305,96 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   }
 }
 
-/* Copies owned rows into the arrays of a (MPI)AIJ matrix: their order is the same, the off-diagonal part apart. */
-static PetscErrorCode CopyOwnedRows(const MpmPattern *pattern, const MpmSpace *space, Mat diagonal, Mat off_diagonal)
+/* Are all columns of an owned row this rank's own? They stand in ascending order. */
+static PetscBool IsInside(const MpmPattern *pattern, const MpmSpace *space, PetscInt row)
 {
-  const PetscInt bs = pattern->block, begin = space->global_begin, end = begin + space->owned;
-  PetscScalar   *a, *b = NULL;
+  const PetscInt begin = space->global_begin, end = begin + space->owned;
+
+  if (row >= pattern->owned) return PETSC_FALSE;
+  return (PetscBool)(pattern->column[pattern->row[row]] >= begin && pattern->column[pattern->row[row + 1] - 1] < end);
+}
+
+/* The part of a (MPI)AIJ matrix with this rank's columns, or NULL for other types. */
+static PetscErrorCode OwnPart(Mat mat, Mat *own, Mat *other)
+{
+  PetscBool seqaij, mpiaij;
 
   PetscFunctionBeginUser;
-  PetscCall(MatSeqAIJGetArrayWrite(diagonal, &a));
-  if (off_diagonal) PetscCall(MatSeqAIJGetArrayWrite(off_diagonal, &b));
-  PetscScalar *to_a = a, *to_b = b;
+  PetscCall(PetscObjectBaseTypeCompare((PetscObject)mat, MATSEQAIJ, &seqaij));
+  PetscCall(PetscObjectBaseTypeCompare((PetscObject)mat, MATMPIAIJ, &mpiaij));
+  *own = *other = NULL;
+  if (seqaij) *own = mat;
+  else if (mpiaij) PetscCall(MatMPIAIJGetSeqAIJ(mat, own, other, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, Mat mat)
+{
+  const PetscInt bs = pattern->block;
+  PetscInt64     size = 0, at = 0;
+  Mat            own, other;
+
+  PetscFunctionBeginUser;
+  PetscCall(OwnPart(mat, &own, &other));
+  PetscCall(MatZeroEntries(mat));
+  pattern->array = NULL;
+  if (own) PetscCall(MatSeqAIJGetArray(own, &pattern->array));
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    at = size = 0;
+    for (PetscInt i = 0; i < pattern->local; i++) {
+      const PetscInt64 values = (PetscInt64)(pattern->row[i + 1] - pattern->row[i]) * bs * bs;
+      const PetscBool  inside = (PetscBool)(own && IsInside(pattern, space, i));
+
+      if (pass) pattern->value[i] = inside ? pattern->array + at : pattern->buffer + size;
+      if (!inside) size += values;
+      if (inside) at += values;
+      else if (own && i < pattern->owned) { /* part of it stands in the own part too */
+        for (PetscInt k = pattern->row[i]; k < pattern->row[i + 1]; k++) {
+          const PetscInt column = pattern->column[k] - space->global_begin;
+
+          if (column >= 0 && column < space->owned) at += bs * bs;
+        }
+      }
+    }
+    if (!pass && size > pattern->buffer_size) {
+      PetscCall(PetscFree(pattern->buffer));
+      PetscCall(PetscMalloc1(size, &pattern->buffer));
+      pattern->buffer_size = size;
+    }
+  }
+  PetscCall(PetscArrayzero(pattern->buffer, size));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the owned rows of the buffer to where they stand in the two parts of an MPIAIJ matrix. */
+static PetscErrorCode CopyBuffer(const MpmPattern *pattern, const MpmSpace *space, Mat other)
+{
+  const PetscInt bs = pattern->block, begin = space->global_begin, end = begin + space->owned;
+  PetscScalar   *to_a = pattern->array, *b = NULL, *to_b;
+
+  PetscFunctionBeginUser;
+  if (other) PetscCall(MatSeqAIJGetArrayWrite(other, &b));
+  to_b = b;
   for (PetscInt i = 0; i < pattern->owned; i++) {
     const PetscInt  *column = &pattern->column[pattern->row[i]], count = pattern->row[i + 1] - pattern->row[i];
-    const PetscReal *value = &pattern->value[pattern->row[i] * bs * bs];
+    const PetscReal *value = pattern->value[i];
     PetscInt         lower = 0, upper = count;
 
+    if (IsInside(pattern, space, i)) {
+      to_a += (PetscInt64)count * bs * bs;
+      continue;
+    }
     while (lower < count && column[lower] < begin) lower++;
     while (upper > lower && column[upper - 1] >= end) upper--;
     for (PetscInt c = 0; c < bs; c++, value += count * bs) {
       PetscCall(PetscArraycpy(to_a, value + lower * bs, (upper - lower) * bs));
-      to_a += (upper - lower) * bs;
-      if (!off_diagonal) continue;
       PetscCall(PetscArraycpy(to_b, value, lower * bs));
       PetscCall(PetscArraycpy(to_b + lower * bs, value + upper * bs, (count - upper) * bs));
+      to_a += (upper - lower) * bs;
       to_b += (count - upper + lower) * bs;
     }
   }
-  PetscCall(MatSeqAIJRestoreArrayWrite(diagonal, &a));
-  if (off_diagonal) PetscCall(MatSeqAIJRestoreArrayWrite(off_diagonal, &b));
+  if (other) PetscCall(MatSeqAIJRestoreArrayWrite(other, &b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -350,7 +413,7 @@ static PetscErrorCode AddRows(const MpmPattern *pattern, const MpmSpace *space, 
 
     for (PetscInt c = 0; c < bs; c++) rows[c] = space->global[i] * bs + c;
     for (PetscInt k = 0; k < count * bs; k++) columns[k] = pattern->column[pattern->row[i] + k / bs] * bs + k % bs;
-    PetscCall(MatSetValues(mat, bs, rows, count * bs, columns, &pattern->value[pattern->row[i] * bs * bs], ADD_VALUES));
+    PetscCall(MatSetValues(mat, bs, rows, count * bs, columns, pattern->value[i], ADD_VALUES));
   }
   PetscCall(PetscFree(columns));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -365,32 +428,23 @@ static void SetConstrainedDiagonal(MpmPattern *pattern, const MpmConstraints *co
     const PetscInt i = k / bs, c = k % bs, count = pattern->row[i + 1] - pattern->row[i];
 
     if (constraints->condition[k] < 0) continue;
-    pattern->value[pattern->row[i] * bs * bs +
-                   (c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] = diagonal;
+    pattern->value[i][(c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] = diagonal;
   }
 }
 
-PetscErrorCode MpmPatternToMat(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
-                               PetscReal diagonal, Mat mat)
+PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
+                             PetscReal diagonal, Mat mat)
 {
-  PetscBool seqaij, mpiaij;
+  Mat own, other;
 
   PetscFunctionBeginUser;
   SetConstrainedDiagonal(pattern, constraints, diagonal);
-  PetscCall(PetscObjectBaseTypeCompare((PetscObject)mat, MATSEQAIJ, &seqaij));
-  PetscCall(PetscObjectBaseTypeCompare((PetscObject)mat, MATMPIAIJ, &mpiaij));
-  if (seqaij) {
-    PetscCall(CopyOwnedRows(pattern, space, mat, NULL));
-  } else if (mpiaij) {
-    Mat a, b;
-
-    PetscCall(MatMPIAIJGetSeqAIJ(mat, &a, &b, NULL));
-    PetscCall(CopyOwnedRows(pattern, space, a, b));
-    PetscCall(AddRows(pattern, space, pattern->owned, pattern->local, mat));
-  } else {
-    PetscCall(MatZeroEntries(mat));
-    PetscCall(AddRows(pattern, space, 0, pattern->local, mat));
+  PetscCall(OwnPart(mat, &own, &other));
+  if (own) {
+    PetscCall(CopyBuffer(pattern, space, other));
+    PetscCall(MatSeqAIJRestoreArray(own, &pattern->array));
   }
+  PetscCall(AddRows(pattern, space, own ? pattern->owned : 0, pattern->local, mat));
   PetscCall(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -27,6 +27,10 @@ static const MpmField solid_fields[] = {
 
 static const MpmPhysics physics_list[] = {
   {.name = "solid", .summary = "quasi-static solid at finite strain", .field_count = 1, .fields = solid_fields},
+  {.name        = "solid_fbar",
+   .summary     = "quasi-static solid with the volume change averaged over cells",
+   .field_count = 1,
+   .fields      = solid_fields},
 };
 
 PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found)
@@ -77,8 +81,9 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->component_first[b + 1] = layout->inputs;
     }
   }
+  layout->means = layout->kernel->mean ? 1 : 0;
   layout->solid = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
-  PetscCheck(layout->kernel->inputs == layout->inputs && layout->kernel->residual && layout->kernel->direction &&
+  PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual && layout->kernel->direction &&
                layout->kernel->tangent,
              PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,
              physics->name, layout->kernel->inputs, layout->inputs);

@@ -127,11 +127,12 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   (void)snes;
   PetscCall(PetscTime(&since));
   PetscCall(GatherSolution(model, x));
+  PetscCall(MpmPatternBegin(&model->pattern, &model->space, P));
   if (model->jacobian_type == MPM_JACOBIAN_LOCAL)
     PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, &failed));
   else PetscCall(MpmJacobianColoring(&model->sum, model->jacobian_type, model->u, &model->pattern, &failed));
-  PetscCall(MpmPatternToMat(&model->pattern, &model->space, &model->constraints, model->diagonal, P));
-  PetscCall(LiftWeakNodes(model, P));
+  PetscCall(MpmPatternEnd(&model->pattern, &model->space, &model->constraints, model->diagonal, P));
+  if (model->factorises) PetscCall(LiftWeakNodes(model, P));
   if (model->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
   if (J != P) {
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
@@ -245,6 +246,8 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 static PetscErrorCode CreateSNES(MpmModel model)
 {
   SNESLineSearch search;
+  KSP            ksp;
+  PC             pc;
 
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(model->comm, &model->snes));
@@ -256,6 +259,9 @@ static PetscErrorCode CreateSNES(MpmModel model)
   PetscCall(MpmLineSearchShellSet(search, LineSearch, NULL));
   PetscCall(SNESSetConvergenceTest(model->snes, TestConvergence, model, NULL));
   PetscCall(SNESSetFromOptions(model->snes));
+  PetscCall(SNESGetKSP(model->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->factorises, PCLU, PCCHOLESKY, ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -400,16 +406,10 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model)
   Vec            mode[6];
   PetscScalar    dot[6];
   PetscInt       kept = 0;
-  KSP            ksp;
-  PC             pc;
-  PetscBool      direct;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESGetKSP(model->snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &direct, PCLU, PCCHOLESKY, ""));
   PetscCall(MatGetNearNullSpace(model->jacobian, &space));
-  if (direct || space) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->factorises || space) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < modes; k++) {
     PetscScalar *values;
     PetscReal    norm;

@@ -14,6 +14,8 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
   PetscCall(PetscFree(space->face_stiffness));
+  PetscCall(PetscFree(space->cells));
+  PetscCall(PetscFree(space->share));
   PetscCall(PetscFree(space->group_nodes));
   PetscCall(PetscFree2(space->node, space->global));
   PetscCall(PetscSFDestroy(&space->sf));
@@ -145,8 +147,11 @@ static PetscErrorCode CountingSort(PetscInt count, const PetscInt key[], PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Orders the points by first node, then by the shape of their node box, and marks off the groups. */
-static PetscErrorCode MakeGroups(MpmSpace *space)
+/*
+  Orders the points by first node, then by the shape of their node box, and marks off the groups. With a mean the points
+  of a cell, by their centres, stand side by side: the first node follows from the cell and a place of `width` beside it.
+*/
+static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const MpmPoints *points)
 {
   const PetscInt n = space->point_count, dim = space->dim;
   PetscInt       lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
@@ -156,21 +161,27 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < n * dim; k++) {
     lower[k % dim] = PetscMin(lower[k % dim], space->first[k]);
-    upper[k % dim] = PetscMax(upper[k % dim], space->first[k]);
+    upper[k % dim] = PetscMax(upper[k % dim], space->first[k] + (rules->mean ? space->width : 0));
   }
   for (PetscInt a = 0; n && a < dim; a++) {
     cells *= upper[a] - lower[a] + 1;
-    shapes *= space->width;
+    shapes *= space->width * (rules->mean ? space->width : 1);
   }
   PetscCheck(cells < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
              "the points of one rank span %" PetscInt64_FMT " cells", cells);
   PetscCall(PetscMalloc3(n, &cell_key, n, &shape_key, n, &order));
   PetscCall(PetscMalloc1(n, &space->order));
   for (PetscInt p = 0; p < n; p++) {
+    PetscInt home[MPM_MAX_DIM];
+
     cell_key[p] = shape_key[p] = 0;
+    if (rules->mean) MpmGridFindCell(rules->grid, &points->x[p * dim], home);
     for (PetscInt a = dim - 1; a >= 0; a--) {
-      cell_key[p]  = cell_key[p] * (upper[a] - lower[a] + 1) + space->first[p * dim + a] - lower[a];
+      const PetscInt first = space->first[p * dim + a], place = rules->mean ? home[a] : first;
+
+      cell_key[p]  = cell_key[p] * (upper[a] - lower[a] + 1) + place - lower[a];
       shape_key[p] = shape_key[p] * space->width + space->count[p * dim + a] - 1;
+      if (rules->mean) shape_key[p] = shape_key[p] * space->width + place - first;
     }
   }
   PetscCall(CountingSort(n, shape_key, shapes, NULL, order));
@@ -181,7 +192,7 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
   for (PetscInt i = 0; i < n; i++) groups += NEW_GROUP(i);
   PetscCall(PetscMalloc1(groups, &space->groups));
   space->group_count = groups;
-  for (PetscInt i = 0, g = -1, offset = 0; i < n; i++) {
+  for (PetscInt i = 0, g = -1, cell = -1; i < n; i++) {
     if (NEW_GROUP(i)) {
       MpmGroup *group = &space->groups[++g];
 
@@ -191,14 +202,45 @@ static PetscErrorCode MakeGroups(MpmSpace *space)
         group->count[a] = a < dim ? space->count[space->order[i] * dim + a] : 1;
         group->node_count *= group->count[a];
       }
-      group->node_offset = offset;
       group->point_begin = i;
-      offset += group->node_count;
+      group->cell        = cell += !i || cell_key[space->order[i]] != cell_key[space->order[i - 1]];
     }
     space->groups[g].point_end = i + 1;
   }
 #undef NEW_GROUP
   PetscCall(PetscFree3(cell_key, shape_key, order));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where each box's nodes will stand, and how far a box reaches. */
+static PetscErrorCode FinishBoxes(MpmSpace *space, MPI_Comm comm)
+{
+  PetscInt offset = 0;
+
+  PetscFunctionBeginUser;
+  space->reach = PetscMax(space->width - 1, space->ghost ? 2 : 1);
+  for (PetscInt g = 0; g < space->box_count; g++) {
+    MpmGroup *box = &space->groups[g];
+
+    for (PetscInt a = 0; a < space->dim; a++) space->reach = PetscMax(space->reach, box->count[a] - 1);
+    box->node_offset = offset;
+    offset += box->node_count;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->reach, 1, MPIU_INT, MPI_MAX, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes)
+{
+  MpmGroup *groups;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((space->box_count + count), &groups));
+  PetscCall(PetscArraycpy(groups, space->groups, space->box_count));
+  PetscCall(PetscFree(space->groups));
+  space->groups = groups;
+  *boxes        = &groups[space->box_count];
+  space->box_count += count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -209,9 +251,12 @@ PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPo
   PetscCall(MpmSpaceReset(space));
   PetscCall(EvaluateShapes(space, rules, points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MakeGroups(space));
-  space->ghost = rules->ghost;
+  PetscCall(MakeGroups(space, rules, points));
+  space->ghost     = rules->ghost;
+  space->box_count = space->group_count;
   if (rules->ghost) PetscCall(MpmGhostFaces(space, rules->grid, rules->materials, points));
+  if (rules->mean) PetscCall(MpmMeanCells(space, points));
+  PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -70,7 +70,8 @@ static MpmRules Rules(MpmModel model)
                     .walls      = model->walls,
                     .stretch    = model->stretch,
                     .materials  = model->materials,
-                    .ghost      = (PetscBool)(model->ghost > 0.)};
+                    .ghost      = (PetscBool)(model->ghost > 0.),
+                    .mean       = (PetscBool)(model->layout.means > 0)};
 }
 
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
@@ -86,6 +87,8 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscCall(PetscFree3(model->u, model->residual, model->force));
   PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual,
                          (model->space.local * bs), &model->force));
+  PetscCall(PetscFree2(model->mean.value, model->mean.flux));
+  PetscCall(PetscMalloc2(model->space.cell_count, &model->mean.value, model->space.cell_count, &model->mean.flux));
   PetscCall(MpmSolverSetUp(model));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,7 +129,8 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
                         .physics_parameter = model->physics.parameters,
                         .state_size        = model->particles.state_size,
                         .dt                = dt,
-                        .ghost             = model->ghost};
+                        .ghost             = model->ghost,
+                        .mean              = model->mean};
   PetscCall(PrepareConditions(model, &rules, time));
   PetscCall(InitialGuess(model));
   MpmClock(model, MPM_TIME_TRANSFER, since);

@@ -154,11 +154,21 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
   point->volume0           = points->volume0[p];
   point->dt                = sum->dt;
+  point->mean_flux         = 0.;
   point->traits            = material->info.traits;
   point->law               = material->law;
   point->state             = NULL;
   point->F                 = NULL;
   point->stress            = NULL;
+}
+
+/* What a kernel with a mean gets besides: the mean as its last input, and what the mean's flux does at this point. */
+MPM_INLINE void MpmSumMean(const MpmSum *sum, const MpmGroup *group, PetscInt p, MpmKernelPoint *point,
+                           PetscReal input[])
+{
+  if (!sum->layout->means) return;
+  input[sum->layout->inputs] = sum->mean.value[group->cell];
+  point->mean_flux           = sum->mean.flux[group->cell] * sum->space->share[p];
 }
 
 /*

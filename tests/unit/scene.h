@@ -136,6 +136,8 @@ static inline PetscErrorCode SceneDifference(Mat A, Mat *B, PetscReal *differenc
 typedef struct {
   PetscReal norm;                /* of the local Jacobian */
   PetscReal coloring, dense, fd; /* distance from the local one, relative */
+  PetscReal action[2];           /* that of actions on a vector, with tangents kept and without */
+  PetscReal diagonal, blocks;    /* of the diagonal without a matrix, and of inverted blocks times blocks from identity */
   PetscReal asymmetry;
   PetscReal slope;     /* least order of the Taylor remainder */
   PetscReal remainder; /* relative to the residual's change */
@@ -179,6 +181,78 @@ static inline PetscErrorCode SceneTaylor(MpmModel model, Mat J, Vec x, Vec v, Sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* J v without a matrix against the local Jacobian's product. */
+static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v, PetscBool stored,
+                                         PetscReal *difference)
+{
+  Mat       J;
+  Vec       y, z;
+  PetscReal norm;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMatfreeCreate(model, stored, &J));
+  PetscCall(MpmMatfreeSetState(J, x));
+  PetscCall(VecDuplicate(x, &y));
+  PetscCall(VecDuplicate(x, &z));
+  PetscCall(MatMult(J, v, y));
+  PetscCall(MatMult(local, v, z));
+  PetscCall(VecNorm(z, NORM_2, &norm));
+  PetscCall(VecAXPY(y, -1., z));
+  PetscCall(VecNorm(y, NORM_2, difference));
+  *difference /= norm;
+  PetscCall(VecDestroy(&y));
+  PetscCall(VecDestroy(&z));
+  PetscCall(MatDestroy(&J));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The diagonal without a matrix against the local Jacobian's, and the inverted diagonal blocks times its blocks against identity. */
+static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, SceneVerdict *verdict)
+{
+  const PetscInt     bs = model->layout.block;
+  Mat                J;
+  Vec                y, z;
+  PetscReal          norm;
+  const PetscScalar *inverse;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMatfreeCreate(model, PETSC_TRUE, &J));
+  PetscCall(MpmMatfreeSetState(J, x));
+  PetscCall(VecDuplicate(x, &y));
+  PetscCall(VecDuplicate(x, &z));
+  PetscCall(MatGetDiagonal(J, y));
+  PetscCall(MatGetDiagonal(local, z));
+  PetscCall(VecNorm(z, NORM_2, &norm));
+  PetscCall(VecAXPY(y, -1., z));
+  PetscCall(VecNorm(y, NORM_2, &verdict->diagonal));
+  verdict->diagonal /= norm;
+  PetscCall(MatInvertBlockDiagonal(J, &inverse));
+  verdict->blocks = 0.;
+  for (PetscInt i = 0; i < model->space.owned; i++) {
+    PetscInt    rows[MPM_MAX_BLOCK];
+    PetscScalar block[MPM_MAX_BLOCK * MPM_MAX_BLOCK];
+    PetscReal   off = 0., least = PETSC_MAX_REAL;
+
+    for (PetscInt c = 0; c < bs; c++) rows[c] = (model->space.global_begin + i) * bs + c;
+    PetscCall(MatGetValues(local, bs, rows, bs, rows, block));
+    for (PetscInt r = 0; r < bs; r++) {
+      least = PetscMin(least, PetscAbsScalar(block[r * bs + r]));
+      for (PetscInt c = 0; c < bs; c++) {
+        PetscScalar product = r == c ? -1. : 0.;
+
+        for (PetscInt k = 0; k < bs; k++) product += inverse[(i * bs + k) * bs + r] * block[k * bs + c];
+        off = PetscMax(off, PetscAbsScalar(product));
+      }
+    }
+    if (least > 1e-6 * model->diagonal) verdict->blocks = PetscMax(verdict->blocks, off);
+  }
+  PetscCall(VecDestroy(&y));
+  PetscCall(VecDestroy(&z));
+  PetscCall(MatDestroy(&J));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &verdict->blocks, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Compares the Jacobians at x, and the local one with the residual's change along v. */
 static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVerdict *verdict)
 {
@@ -195,6 +269,9 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
   PetscCall(SceneDifference(local, &other, &verdict->fd));
   PetscCall(MatTranspose(local, MAT_INITIAL_MATRIX, &other));
   PetscCall(SceneDifference(local, &other, &verdict->asymmetry));
+  PetscCall(SceneAction(model, local, x, v, PETSC_TRUE, &verdict->action[0]));
+  PetscCall(SceneAction(model, local, x, v, PETSC_FALSE, &verdict->action[1]));
+  PetscCall(SceneDiagonal(model, local, x, verdict));
   PetscCall(SceneTaylor(model, local, x, v, verdict));
   PetscCall(MatDestroy(&local));
   PetscFunctionReturn(PETSC_SUCCESS);

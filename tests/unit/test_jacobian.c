@@ -1,6 +1,6 @@
 /*
   The Jacobian: point by point, by colours and densely it is one matrix; differences and the residual's Taylor expansion say that it is the
-  right one. Every scene has moved once before it is looked at, so that F, history and domains are those of a deformed body.
+  right one; so do actions without a matrix. Every scene has moved once before it is looked at, so that F, history and domains are those of a deformed body.
 
   Ranks: 1 2
 */
@@ -37,7 +37,10 @@ static const Law laws[] = {
    PETSC_TRUE},
 };
 
-static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscBool held, MpmModel *model)
+/* A body without conditions; held; held with F-bar. */
+enum { FREE, HELD, HELD_FBAR, VARIANTS };
+
+static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscInt held, MpmModel *model)
 {
   const PetscBool hat = (PetscBool)(!strcmp(shape, "linear") || !strcmp(shape, "gimp"));
   char            options[4096];
@@ -47,9 +50,10 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
   PetscCall(PetscSNPrintf(
     options, sizeof(options),
     "%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
-    "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25%s",
+    "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi%s%s",
     dim == 2 ? scene_2d : scene_3d, held ? (dim == 2 ? held_2d : held_3d) : "", law->parameters, shape, law->name,
-    held && hat ? " -mpm_stabilization_ghost 0.05" : ""));
+    held && hat ? " -mpm_stabilization_ghost 0.05" : "",
+    held == HELD_FBAR ? " -mpm_stabilization_fbar true" : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -118,19 +122,26 @@ static PetscErrorCode Look(MpmModel model, PetscReal domain, PetscReal *plastic,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Check(MpmModel model, const Law *law, PetscBool held, PetscReal plastic, const SceneVerdict *verdict)
+static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plastic, const SceneVerdict *verdict)
 {
   const unsigned traits = model->materials[0].info.traits;
   char           name[200];
 
   snprintf(name, sizeof(name), "%dD %s %s %s", (int)model->grid.dim, MpmShapeTypes[model->shape], law->name,
-           held ? "held" : "free");
+           held == HELD_FBAR ? "held, F-bar" : held ? "held" : "free");
   ck_assert_msg(verdict->norm > 0., "%s: the Jacobian is empty", name);
   ck_assert_msg(verdict->coloring <= 1e-14, "%s: local and coloured Jacobian differ by %g", name,
                 (double)verdict->coloring);
   ck_assert_msg(verdict->dense <= 1e-14, "%s: local and dense Jacobian differ by %g", name, (double)verdict->dense);
   ck_assert_msg(verdict->fd <= 1e-7, "%s: local and finite-difference Jacobian differ by %g", name,
                 (double)verdict->fd);
+  for (int k = 0; k < 2; k++) {
+    ck_assert_msg(verdict->action[k] <= 1e-13, "%s: local Jacobian and action %s tangents differ by %g", name,
+                  k ? "without" : "with", (double)verdict->action[k]);
+  }
+  ck_assert_msg(verdict->diagonal <= 1e-13, "%s: diagonals differ by %g", name, (double)verdict->diagonal);
+  /* blocks of a yielding law may be singular */
+  ck_assert_msg(law->plastic || verdict->blocks <= 1e-8, "%s: inverted diagonal blocks are wrong by %g", name, (double)verdict->blocks);
   if (traits & MPM_LAW_SYMMETRIC)
     ck_assert_msg(verdict->asymmetry <= 1e-13, "%s: unsymmetric by %g", name, (double)verdict->asymmetry);
   if (traits & MPM_LAW_SMALL_STRAIN)
@@ -143,15 +154,16 @@ static void CheckAll(PetscInt dim)
 {
   for (PetscInt shape = 0; shape < MPM_SHAPE_COUNT; shape++) {
     for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(laws); l++) {
-      for (PetscInt held = 0; held < 2; held++) {
+      for (PetscInt held = 0; held < VARIANTS; held++) {
         MpmModel     model;
         SceneVerdict verdict;
         PetscReal    plastic;
 
-        SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], (PetscBool)held, &model));
+        SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], held, &model));
         SCENE_CALL(Look(model, 0., &plastic, &verdict));
         ck_assert_int_eq(model->constraints.any || !held, 1);
-        Check(model, &laws[l], (PetscBool)held, plastic, &verdict);
+        ck_assert_int_eq((int)model->layout.means, held == HELD_FBAR);
+        Check(model, &laws[l], held, plastic, &verdict);
         SCENE_CALL(SceneDestroy(&model));
       }
     }
@@ -182,11 +194,11 @@ START_TEST(long_domains)
       SceneVerdict verdict;
       PetscReal    plastic;
 
-      SCENE_CALL(Create(dim, shapes[s], &laws[2], (PetscBool)(s == 0), &model));
+      SCENE_CALL(Create(dim, shapes[s], &laws[2], s == 0 ? HELD : FREE, &model));
       SCENE_CALL(Look(model, dim == 2 ? half : 0.7, &plastic, &verdict));
       ck_assert_int_ge((int)model->space.width, dim == 2 ? 5 : 4);
       ck_assert_int_eq((int)model->pattern.reach, (int)model->space.width - 1);
-      Check(model, &laws[2], (PetscBool)(s == 0), plastic, &verdict);
+      Check(model, &laws[2], s == 0 ? HELD : FREE, plastic, &verdict);
       SCENE_CALL(SceneDestroy(&model));
     }
   }
