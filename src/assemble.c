@@ -52,6 +52,28 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Keeps the increment's gradient by the new position: with g by the old one, g (I + g)^{-1} = I - (I + g)^{-1}. */
+static void KeepGradient(PetscInt dim, const PetscReal g[], PetscReal gradient[])
+{
+  PetscReal F[9], C[9], det;
+
+  for (PetscInt k = 0; k < dim * dim; k++) F[k] = g[k] + (k % (dim + 1) ? 0. : 1.);
+  if (dim == 2) {
+    det = F[0] * F[3] - F[1] * F[2];
+    for (PetscInt k = 0; k < 4; k++) C[k] = (k % 3 ? -F[k] : F[3 - k]) / det;
+  } else {
+    for (PetscInt i = 0; i < 3; i++)
+      for (PetscInt j = 0; j < 3; j++) {
+        const PetscInt i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+
+        C[j * 3 + i] = F[i1 * 3 + j1] * F[i2 * 3 + j2] - F[i1 * 3 + j2] * F[i2 * 3 + j1];
+      }
+    det = F[0] * C[0] + F[1] * C[3] + F[2] * C[6];
+    for (PetscInt k = 0; k < 9; k++) C[k] /= det;
+  }
+  for (PetscInt k = 0; k < dim * dim; k++) gradient[k] = (k % (dim + 1) ? 0. : 1.) - C[k];
+}
+
 /* Moves a point by the increment at its nodes and takes over its new values of fields with a rate. */
 static void MovePoint(const MpmSum *sum, PetscInt p, PetscInt n, const PetscReal values[], const MpmBasis *basis)
 {
@@ -63,6 +85,7 @@ static void MovePoint(const MpmSum *sum, PetscInt p, PetscInt n, const PetscReal
 
     for (PetscInt i = 0; i < n; i++) du += basis->basis[0][i] * values[a * n + i];
     sum->points->x[p * dim + a] += du;
+    if (sum->points->increment) sum->points->increment[p * dim * (dim + 1) + a] = du;
   }
   for (PetscInt r = 0; r < layout->rates; r++) {
     PetscReal value = 0.;
@@ -100,6 +123,8 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     }
     MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
     MovePoint(sum, p, known.n, work->values, &work->basis);
+    if (sum->points->increment)
+      KeepGradient(known.dim, input, &sum->points->increment[p * known.dim * (known.dim + 1) + known.dim]);
     for (PetscInt k = 0; k < known.dim * known.dim; k++) sum->points->F[p * known.dim * known.dim + k] = F[k];
     for (PetscInt k = 0; k < size; k++) sum->points->state[p * sum->state_size + k] = state[k];
   }

@@ -173,6 +173,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
     if (points.state) InitialState(&materials[points.material[p]], grid->dim, &points.state[p * particles->state_size]);
   }
   PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
+  if (points.increment) PetscCall(PetscArrayzero(points.increment, local * grid->dim * (grid->dim + 1)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   particles->total = id;

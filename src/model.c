@@ -3,7 +3,7 @@
 */
 #include "mpmimpl.h"
 
-const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "dense", "fd", NULL};
+const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
 
 PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
 {
@@ -182,6 +182,8 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
     MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
   PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED,
                            &model->dt_nominal, NULL));
+  model->predict = PETSC_TRUE;
+  PetscCall(MpmOptionsBool(&block, "predict", "start each step from the increment of the last", &model->predict, NULL));
   model->dt_min = model->dt_nominal / 1024.;
   model->dt_max = model->dt_nominal;
   PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));
@@ -313,8 +315,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (model->loads[l].share_field) fields[extra++] = model->loads[l].share_field;
   }
   for (PetscInt t = 0; t < model->track_count; t++) fields[extra++] = model->tracks[t].share_field;
-  PetscCall(
-    MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, extra, fields, &model->particles));
+  PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra, fields,
+                               &model->particles));
   PetscCall(PetscFree(fields));
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));

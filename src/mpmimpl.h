@@ -100,17 +100,18 @@ typedef struct {
   PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
   PetscReal *state;  /* state_size values */
   PetscReal *value;  /* rate values */
+  PetscReal *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major */
 } MpmPoints;
 
 typedef struct {
   DM         swarm;
   PetscInt   dim, stress_size, state_size, rates;
-  PetscBool  has_half_length;
+  PetscBool  has_half_length, has_increment;
   PetscInt64 total;
 } MpmParticles;
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
-                                  PetscInt extra_count, char *const extra[], MpmParticles *particles);
+                                  PetscBool increment, PetscInt extra_count, char *const extra[], MpmParticles *particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
@@ -234,6 +235,13 @@ PetscErrorCode MpmListsDestroy(MpmLists *lists);
 typedef struct {
   PetscReal *basis[MPM_MAX_DIM + 1];
 } MpmBasis;
+/*
+  Values of the points, and their gradients by x where `gradient` is not NULL, at the owned nodes (project.c). Point p has
+  `components` values from value[p*stride] and components * dim derivatives from gradient[p*stride].
+*/
+PetscErrorCode MpmProjectToNodes(const MpmSpace *space, const MpmGrid *grid, const MpmPoints *points,
+                                 PetscInt components, PetscInt stride, const PetscReal value[],
+                                 const PetscReal gradient[], PetscReal nodal[]);
 void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
 
 /* ---- condition.c ---- */
@@ -421,7 +429,7 @@ PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscR
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
 PetscErrorCode MpmActionDestroy(MpmAction *action);
 
-/* ---- solver.c, step.c, model.c ---- */
+/* ---- newton.c, solver.c, step.c, model.c ---- */
 
 struct _p_MpmModel {
   MPI_Comm        comm;
@@ -468,8 +476,17 @@ struct _p_MpmModel {
   char           mat_type[64], vec_type[64];
   PetscBool      factorises; /* the preconditioner is a direct solver */
   SNES           snes;
-  Mat            jacobian;
+  Mat            jacobian;      /* assembled; NULL when the preconditioner does without it */
+  Mat            shell;         /* its action alone, with MPM_JACOBIAN_MATFREE */
+  PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
+  PetscBool      keep_tangents;
   Vec            x, f;
+  PetscBool      predict;       /* start from the last step's increment */
+  PetscReal      dt_last;       /* of the last step, 0 before the first */
+  PetscReal      reference;     /* residual of the step in which nothing moves */
+  PetscBool      lag;           /* may a Jacobian serve for more than one iteration? */
+  PetscInt       lagged;        /* iterations since the last one was made */
+  PetscReal      fnorm_last;
   PetscInt       newton, linear;
   PetscInt64     newton_total, linear_total, active_dofs_max;
 
@@ -506,6 +523,11 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 */
 PetscErrorCode MpmMatfreeCreate(MpmModel model, PetscBool stored, Mat *J);
 PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
+/* Residual, Jacobian, convergence test and line search, handed to SNES (newton.c). */
+PetscErrorCode MpmNewtonAttach(MpmModel model);
+PetscErrorCode MpmNewtonSetMats(MpmModel model);
+/* Brings the solution vector to the local nodes, ghosts included. */
+PetscErrorCode MpmGatherSolution(MpmModel model, Vec x);
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmSolverSetUp(MpmModel model);

@@ -11,7 +11,7 @@
 #define IMBALANCE_LIMIT 1.05
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
-                                  PetscInt extra_count, char *const extra[], MpmParticles *particles)
+                                  PetscBool increment, PetscInt extra_count, char *const extra[], MpmParticles *particles)
 {
   const PetscInt dim = grid->dim;
   DM             swarm;
@@ -30,6 +30,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
   if (half_length) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "half_length", dim, PETSC_REAL));
   if (state_size) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "state", state_size, PETSC_REAL));
+  if (increment) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "increment", dim + dim * dim, PETSC_REAL));
   if (rates) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "value", rates, PETSC_REAL));
   for (PetscInt e = 0; e < extra_count; e++)
     PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, extra[e], 1, PETSC_REAL));
@@ -40,6 +41,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   particles->state_size      = state_size;
   particles->rates           = rates;
   particles->has_half_length = half_length;
+  particles->has_increment   = increment;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -67,6 +69,8 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->has_half_length)
     PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->has_increment)
+    PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -87,6 +91,8 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   if (particles->has_half_length)
     PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->has_increment)
+    PetscCall(DMSwarmRestoreField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscCall(PetscMemzero(points, sizeof(*points)));
   PetscFunctionReturn(PETSC_SUCCESS);

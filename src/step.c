@@ -6,48 +6,42 @@
 /* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
 static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 {
-  const MpmSpace *space = &model->space;
-  const PetscInt  rates = model->layout.rates, bs = model->layout.block, most = PetscPowInt(space->width, space->dim);
-  PetscReal      *sums, *storage;
-  MpmBasis        basis;
+  const PetscInt rates = model->layout.rates, bs = model->layout.block;
+  PetscReal     *nodal;
 
   PetscFunctionBeginUser;
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1((space->local * (rates + 1)), &sums));
-  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
-  for (PetscInt g = 0; g < space->group_count; g++) {
-    const MpmGroup *group = &space->groups[g];
-    const PetscInt *nodes = &space->group_nodes[group->node_offset];
-
-    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt p = space->order[s];
-
-      MpmSpaceEvaluate(space, group, p, &basis);
-      for (PetscInt i = 0; i < group->node_count; i++) {
-        const PetscReal weight = basis.basis[0][i] * model->points.volume0[p];
-
-        sums[nodes[i] * (rates + 1) + rates] += weight;
-        for (PetscInt r = 0; r < rates; r++)
-          sums[nodes[i] * (rates + 1) + r] += weight * model->points.value[p * rates + r];
-      }
-    }
-  }
-  PetscCall(MpmSpaceAddToOwners(space, rates + 1, sums));
-  for (PetscInt i = 0; i < space->owned; i++) {
-    for (PetscInt r = 0; r < rates; r++) {
-      const PetscReal weight = sums[i * (rates + 1) + rates];
-
-      u[i * bs + model->layout.rate_component[r]] = weight != 0. ? sums[i * (rates + 1) + r] / weight : 0.;
-    }
-  }
-  PetscCall(PetscFree(storage));
-  PetscCall(PetscFree(sums));
+  PetscCall(PetscMalloc1((model->space.owned * rates), &nodal));
+  PetscCall(
+    MpmProjectToNodes(&model->space, &model->grid, &model->points, rates, rates, model->points.value, NULL, nodal));
+  for (PetscInt k = 0; k < model->space.owned * rates; k++)
+    u[k / rates * bs + model->layout.rate_component[k % rates]] = nodal[k];
+  PetscCall(PetscFree(nodal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The start of Newton: nothing moves, totals stay, held unknowns take their values. */
-static PetscErrorCode InitialGuess(MpmModel model)
+/*
+  The last step's increment at the nodes, scaled to the length of this one: loads and motions go on much as before from
+  step to step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
+*/
+static PetscErrorCode Predict(MpmModel model, PetscReal u[])
+{
+  const PetscInt   dim = model->grid.dim, bs = model->layout.block;
+  const PetscReal *increment = model->points.increment;
+  PetscReal       *nodal;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((model->space.owned * dim), &nodal));
+  PetscCall(MpmProjectToNodes(&model->space, &model->grid, &model->points, dim, dim + dim * dim, increment,
+                              increment + dim, nodal));
+  for (PetscInt k = 0; k < model->space.owned * dim; k++)
+    u[k / dim * bs + k % dim] = nodal[k] * model->sum.dt / model->dt_last;
+  PetscCall(PetscFree(nodal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The start of Newton: nothing moves, or all goes on as before; totals stay, held unknowns take their values. */
+static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
 {
   const PetscInt n = model->space.owned * model->layout.block;
   PetscScalar   *x;
@@ -56,6 +50,7 @@ static PetscErrorCode InitialGuess(MpmModel model)
   PetscCall(VecZeroEntries(model->x));
   PetscCall(VecGetArray(model->x, &x));
   PetscCall(ProjectRates(model, x));
+  if (predict) PetscCall(Predict(model, x));
   for (PetscInt k = 0; k < n; k++)
     if (model->constraints.condition[k] >= 0) x[k] = model->constraints.value[k];
   PetscCall(VecRestoreArray(model->x, &x));
@@ -89,7 +84,6 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
                          (model->space.local * bs), &model->force));
   PetscCall(PetscFree2(model->mean.value, model->mean.flux));
   PetscCall(PetscMalloc2(model->space.cell_count, &model->mean.value, model->space.cell_count, &model->mean.flux));
-  PetscCall(MpmSolverSetUp(model));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -131,8 +125,9 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
                         .dt                = dt,
                         .ghost             = model->ghost,
                         .mean              = model->mean};
+  if (!again) PetscCall(MpmSolverSetUp(model));
   PetscCall(PrepareConditions(model, &rules, time));
-  PetscCall(InitialGuess(model));
+  PetscCall(InitialGuess(model, PETSC_FALSE));
   MpmClock(model, MPM_TIME_TRANSFER, since);
   PetscCall(MpmSolverSetNearNullSpace(model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -222,6 +217,25 @@ static const char *ReasonText(SNESConvergedReason reason)
   }
 }
 
+/* Newton from the prediction; where that fails, or there is none, from rest. */
+static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+{
+  PetscFunctionBeginUser;
+  model->reference = 0.;
+  model->newton = model->linear = 0;
+  if (model->predict && model->dt_last > 0.) {
+    PetscCall(SNESComputeFunction(model->snes, model->x, model->f)); /* at rest: what the tolerance refers to */
+    PetscCall(VecNorm(model->f, NORM_2, &model->reference));
+    if (PetscIsInfOrNanReal(model->reference)) model->reference = 0.;
+    PetscCall(InitialGuess(model, PETSC_TRUE));
+    PetscCall(MpmSolverSolve(model, reason));
+    if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(InitialGuess(model, PETSC_FALSE));
+  }
+  PetscCall(MpmSolverSolve(model, reason));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *hopeless)
 {
@@ -231,13 +245,14 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
   *hopeless = PETSC_TRUE;
   PetscCall(MpmStepPrepare(model, time, dt, again, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSolverSolve(model, &reason));
+  PetscCall(Solve(model, &reason));
   if (reason < 0) {
     *hopeless = PETSC_FALSE;
     *why      = ReasonText(reason);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(Commit(model, why));
+  model->dt_last = dt;
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,269 @@
+/*
+  Newton's parts: residual and Jacobian as SNES calls them, when a step has converged, and the line search.
+*/
+#include "mpmimpl.h"
+
+/* Brings the solution vector to the local nodes, ghosts included. */
+PetscErrorCode MpmGatherSolution(MpmModel model, Vec x)
+{
+  const PetscScalar *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayRead(x, &values));
+  PetscCall(PetscArraycpy(model->u, values, model->space.owned * model->layout.block));
+  PetscCall(VecRestoreArrayRead(x, &values));
+  PetscCall(MpmSpaceToGhosts(&model->space, model->layout.block, model->u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  f = internal - external force; on held unknowns, diagonal * (u - value). Where a point has no answer f becomes
+  infinite and SNES backs off.
+*/
+static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
+{
+  MpmModel       model = (MpmModel)ctx;
+  const PetscInt bs    = model->layout.block;
+  PetscScalar   *values;
+  PetscLogDouble since;
+  PetscInt       failed;
+
+  PetscFunctionBeginUser;
+  (void)snes;
+  PetscCall(PetscTime(&since));
+  PetscCall(MpmGatherSolution(model, x));
+  for (PetscInt k = 0; k < model->space.local * bs; k++) model->residual[k] = -model->force[k];
+  PetscCall(MpmResidualLocal(&model->sum, model->u, model->residual, &failed));
+  PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
+  PetscCall(VecGetArrayWrite(f, &values));
+  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
+    values[k] = model->constraints.condition[k] < 0 ? model->residual[k]
+                                                    : model->diagonal * (model->u[k] - model->constraints.value[k]);
+  }
+  /* a rank may own no unknown of its failing points: the flag travels apart */
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, model->comm));
+  if (failed && model->space.owned) values[0] = PETSC_INFINITY;
+  PetscCall(VecRestoreArrayWrite(f, &values));
+  MpmClock(model, MPM_TIME_RESIDUAL, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A displacement unknown is weak when its diagonal is below this part of a typical one; it is raised by that part. */
+#define WEAK_NODE 1e-3
+#define WEAK_LIFT 1e-11
+
+/*
+  Nodes that the corner of a single domain touches have more unknowns than the point has strains: a direct solver then
+  returns, in modes without energy, whatever rounding gives, and the result depends on the number of ranks. Raising the
+  diagonal of weak nodes a little makes these modes zero. Newton's residual is untouched, so what it converges to is.
+*/
+static PetscErrorCode LiftWeakNodes(MpmModel model, Mat J)
+{
+  const PetscInt bs = model->layout.block, dim = model->grid.dim;
+  Vec            diagonal;
+  PetscScalar   *d;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecDuplicate(model->x, &diagonal));
+  PetscCall(MatGetDiagonal(J, diagonal));
+  PetscCall(VecGetArray(diagonal, &d));
+  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
+    if (k % bs < dim && PetscAbsScalar(d[k]) < WEAK_NODE * model->diagonal) d[k] *= 1. + WEAK_LIFT;
+  }
+  PetscCall(VecRestoreArray(diagonal, &d));
+  PetscCall(MatDiagonalSet(J, diagonal, INSERT_VALUES));
+  PetscCall(VecDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the matrix in the way that was asked for. */
+static PetscErrorCode AssembleJacobian(MpmModel model, Mat P)
+{
+  PetscInt failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmPatternBegin(&model->pattern, &model->space, P));
+  if (model->jacobian_type == MPM_JACOBIAN_LOCAL || model->jacobian_type == MPM_JACOBIAN_MATFREE)
+    PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, &failed));
+  else PetscCall(MpmJacobianColoring(&model->sum, model->jacobian_type, model->u, &model->pattern, &failed));
+  PetscCall(MpmPatternEnd(&model->pattern, &model->space, &model->constraints, model->diagonal, P));
+  if (model->factorises) PetscCall(LiftWeakNodes(model, P));
+  if (model->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* No more than this many iterations in a row use an old Jacobian. */
+#define LAG_MOST 2
+
+/*
+  Will the last Jacobian do? With it the residual goes on falling by about its last factor, since that factor is the
+  distance of the last iterate; a new one squares it. So the old one is kept when it brings the residual to its
+  tolerance in as many iterations as cost less than a new one.
+*/
+static PetscBool KeepJacobian(const MpmModel model, PetscInt it, PetscReal fnorm, PetscReal target)
+{
+  PetscReal expected = fnorm;
+
+  if (!model->lag || !it || model->lagged >= LAG_MOST) return PETSC_FALSE;
+  if (model->lagged) return (PetscBool)(fnorm <= 0.3 * model->fnorm_last);
+  for (PetscInt k = 0; k < LAG_MOST; k++) {
+    expected *= fnorm / model->fnorm_last;
+    if (expected <= 0.3 * target) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
+{
+  MpmModel       model = (MpmModel)ctx;
+  PetscLogDouble since;
+  PetscReal      fnorm = 0., rtol;
+  PetscInt       it;
+  PetscBool      keep;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetIterationNumber(snes, &it));
+  PetscCall(SNESGetFunctionNorm(snes, &fnorm));
+  PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
+  keep              = KeepJacobian(model, it, fnorm, rtol * model->reference);
+  model->fnorm_last = fnorm;
+  model->lagged     = keep ? model->lagged + 1 : 0;
+  if (keep) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscTime(&since));
+  PetscCall(MpmGatherSolution(model, x));
+  if (model->jacobian) PetscCall(AssembleJacobian(model, P));
+  if (model->shell) PetscCall(MpmMatfreeSetState(J, x));
+  MpmClock(model, MPM_TIME_JACOBIAN, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Relative to the residual of a step in which nothing moves, whatever the first guess; and a floor: a residual as small
+  as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the last from the differences of
+  nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node.
+*/
+static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
+                                      SNESConvergedReason *reason, void *ctx)
+{
+  const MpmModel  model    = (MpmModel)ctx;
+  const PetscReal unknowns = (PetscReal)(model->space.global_count * model->layout.block);
+  const PetscReal cells    = model->grid.h[0] * PetscSqrtReal(unknowns); /* a cell a node */
+  const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
+  const PetscReal floor    = 2. * PETSC_MACHINE_EPSILON * model->diagonal * (cells + size);
+  PetscReal       atol, rtol, stol, divtol;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetTolerances(snes, &atol, &rtol, &stol, NULL, NULL));
+  PetscCall(SNESGetDivergenceTolerance(snes, &divtol));
+  if (!it && !(model->reference > 0.)) model->reference = fnorm;
+  *reason = SNES_CONVERGED_ITERATING;
+  if (PetscIsInfOrNanReal(fnorm)) *reason = MPM_SNES_DIVERGED_NAN;
+  else if (fnorm <= PetscMax(atol, floor)) *reason = SNES_CONVERGED_FNORM_ABS;
+  else if (fnorm <= rtol * model->reference) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+  else if (it && snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
+  else if (it && divtol > 0. && fnorm > divtol * model->reference) *reason = SNES_DIVERGED_DTOL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- line search ---- */
+
+/* a step is too long when it raises both the residual and, this much, the slope's size */
+#define LINE_SEARCH_RATIO    2.
+#define LINE_SEARCH_TRIALS   8
+#define LINE_SEARCH_SHORTEST 0.02
+
+/* Tries X - lambda Y: the residual there, its norm, and the slope G . Y, which is the rate of work for a potential. */
+static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, PetscReal *norm, PetscReal *slope)
+{
+  Vec         X, F, Y, W, G;
+  PetscScalar dot;
+
+  PetscFunctionBeginUser;
+  (void)search;
+  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
+  PetscCall(VecWAXPY(W, -lambda, Y, X));
+  PetscCall(SNESComputeFunction(snes, W, G));
+  PetscCall(VecNorm(G, NORM_2, norm));
+  *slope = 0.;
+  if (PetscIsInfOrNanReal(*norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDot(G, Y, &dot));
+  *slope = PetscRealPart(dot);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The program's own line search: the full step costs one residual and is taken when the residual falls or the slope of
+  the work does; otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step.
+
+  A test on the residual alone would throttle bending and rotation, where a good full step raises the residual first.
+*/
+static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
+{
+  Vec         X, F, Y, W, G;
+  SNES        snes;
+  PetscReal   xnorm, fnorm, ynorm, norm = 0., slope = 0., lambda = 1., good = 0., slope_good;
+  PetscScalar dot;
+
+  PetscFunctionBeginUser;
+  (void)ctx;
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
+  PetscCall(SNESLineSearchGetNorms(search, &xnorm, &fnorm, &ynorm));
+  PetscCall(VecDot(F, Y, &dot));
+  const PetscReal start = PetscRealPart(dot);
+
+  slope_good = start;
+  for (PetscInt trial = 0;; trial++) {
+    PetscCall(Try(search, snes, lambda, &norm, &slope));
+    if (PetscIsInfOrNanReal(norm)) {
+      if (trial == LINE_SEARCH_TRIALS) {
+        PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_NANORINF));
+        PetscFunctionReturn(PETSC_SUCCESS);
+      }
+      lambda = 0.5 * (lambda + good);
+      continue;
+    }
+    if (norm <= fnorm || start <= 0. || PetscAbsReal(slope) <= LINE_SEARCH_RATIO * start || trial >= LINE_SEARCH_TRIALS)
+      break;
+    if (slope > 0.) break; /* still downhill */
+    /* overshot: the zero lies between the last good length and this one */
+    {
+      const PetscReal next = good + (lambda - good) * slope_good / (slope_good - slope);
+
+      if (next < LINE_SEARCH_SHORTEST) break;
+      lambda = PetscMin(next, 0.9 * lambda);
+    }
+  }
+  PetscCall(VecNorm(Y, NORM_2, &ynorm));
+  PetscCall(VecCopy(W, X));
+  PetscCall(VecCopy(G, F));
+  PetscCall(VecNorm(X, NORM_2, &xnorm));
+  PetscCall(SNESLineSearchSetLambda(search, lambda));
+  PetscCall(SNESLineSearchSetNorms(search, xnorm, norm, ynorm));
+  PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNewtonAttach(MpmModel model)
+{
+  SNESLineSearch search;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetType(model->snes, SNESNEWTONLS));
+  PetscCall(SNESSetTolerances(model->snes, PETSC_DEFAULT, 1e-8, 0., 25, PETSC_DEFAULT));
+  PetscCall(SNESSetDivergenceTolerance(model->snes, 1e12));
+  PetscCall(SNESGetLineSearch(model->snes, &search));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
+  PetscCall(MpmLineSearchShellSet(search, LineSearch, NULL));
+  PetscCall(SNESSetConvergenceTest(model->snes, TestConvergence, model, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNewtonSetMats(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetFunction(model->snes, model->f, FormFunction, model));
+  PetscCall(SNESSetJacobian(model->snes, model->shell ? model->shell : model->jacobian,
+                            model->jacobian ? model->jacobian : model->shell, FormJacobian, model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
