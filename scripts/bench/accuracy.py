@@ -10,8 +10,8 @@ for folder in ("scripts", "examples"):
 import bar as column  # noqa: E402  (the folders have to be known first)
 from results import Results  # noqa: E402
 
-# u/L and v/L of the middle of the end section, from quartic finite elements in the initial configuration, 40 x 4, good to
-# 2e-5: neo-Hookean, E = 12 MPa, nu = 0.2, 1000 kg/m3, 20 m/s2, root clamped.
+# u/L and v/L of the middle of the end section, from quartic finite elements in the initial configuration, 40 x 4, good
+# to 2e-5: neo-Hookean, E = 12 MPa, nu = 0.2, 1000 kg/m3, 20 m/s2, root clamped.
 CANTILEVER_END = np.array([-0.55126, -0.84272])
 
 
@@ -42,14 +42,14 @@ class Bar:
 class Cantilever:
     """The cantilever under its own weight: how far the middle of its end section is from the reference, over L.
 
-    Points end half a spacing before the beam does. From each of those around the middle of the end section, X, the place
-    is x_p + F_p (X - X_p); their mean is taken. The section carries no moment, so that what is left out is small.
+    Points end half a spacing before the beam does. From each of those around the middle of the end section, X, the
+    place is x_p + F_p (X - X_p); their mean is taken. The section carries no moment, so that what is left out is small.
     """
 
     name, title = "cantilever", "cantilever: error of the end's displacement over the length"
     scene = ROOT / "scripts" / "bench" / "cantilever_weight.yaml"
     levels, quick_levels = (30, 60, 120, 240), (30, 60)
-    shapes = ("gimp", "bspline2", "bspline3", "gimp_bspline2")  # with hats, points that cross cells stop Newton's method
+    shapes = ("gimp", "bspline2", "bspline3", "gimp_bspline2")  # with hats, crossing points stop Newton's method
     length, width, end = 10.0, 15.0, np.array([10.0, 9.5])  # m
     reach = 1.7  # spacings of points: the end's two next to its middle and their four neighbours
 

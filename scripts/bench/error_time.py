@@ -1,8 +1,8 @@
 """Run time against error, for shapes, cell sizes, points a cell and solvers.
 
-Two cases: `bar`, the column of examples/bar_elastic with its exact solution, and `cantilever`, a beam that hangs under its
-own weight, with a limit from finite elements. A run that fails is a row that says how. Afterwards the observed order of
-each shape is printed, fitted over the cell sizes with the first solver.
+Two cases: `bar`, the column of examples/bar_elastic with its exact solution, and `cantilever`, a beam that hangs under
+its own weight, with a limit from finite elements. A run that fails is a row that says how. Afterwards the observed
+order of each shape is printed, fitted over the cell sizes with the first solver.
 """
 import itertools
 
@@ -19,7 +19,8 @@ FRONT_WIDTH = 5.0  # points
 def add_arguments(parser):
     parser.set_defaults(ranks=1)
     parser.add_argument("--cases", nargs="+", choices=tuple(CASES), default=tuple(CASES), help="(both)")
-    parser.add_argument("--shapes", nargs="+", choices=SHAPES, help="shape functions (all; no linear ones for the cantilever)")
+    parser.add_argument("--shapes", nargs="+", choices=SHAPES,
+                        help="shape functions (all; never linear ones for the cantilever)")
     parser.add_argument("--bar-cells", type=int, nargs="+", metavar="N", help="cells over the height (8 16 ... 512)")
     parser.add_argument("--cantilever-cells", type=int, nargs="+", metavar="N", help="cells an axis (30 60 120 240)")
     parser.add_argument("--points", type=int, nargs="+", metavar="N", help="points a cell and axis (2 3 4 6)")
@@ -34,7 +35,8 @@ def levels(arguments, case):
 
 def measure(arguments, case, table):
     shapes = [shape for shape in case.shapes if not arguments.shapes or shape in arguments.shapes]
-    for shape, points, solver, level in itertools.product(shapes, arguments.points, arguments.solvers, levels(arguments, case)):
+    for shape, points, solver, level in itertools.product(shapes, arguments.points, arguments.solvers,
+                                                          levels(arguments, case)):
         options = {**case.options(level, points), "mpm_shape": shape, "mpm_solver": solver,
                    "mpm_output_every": 1000000}  # the first and the last state
         runs = repeated(arguments.repeat, lambda options=options: run_scene(
@@ -42,9 +44,9 @@ def measure(arguments, case, table):
         row = {"case": case.name, "shape": shape, "points_per_cell": points, "solver": solver, "cells": level,
                "h": case.cell_size(level), "ranks": arguments.ranks, "status": runs[0].status}
         if runs[0].summary:
-            row.update(points=runs[0]["points"], unknowns=runs[0]["active_dofs_max"], newton=runs[0]["newton_iterations"],
-                       linear=runs[0]["linear_iterations"], cuts=runs[0]["step_cuts"], error=runs[0].value,
-                       seconds=median(runs, "time_total_s"))
+            row.update(points=runs[0]["points"], unknowns=runs[0]["active_dofs_max"],
+                       newton=runs[0]["newton_iterations"], linear=runs[0]["linear_iterations"],
+                       cuts=runs[0]["step_cuts"], error=runs[0].value, seconds=median(runs, "time_total_s"))
         table.add(**row)
 
 
@@ -54,7 +56,8 @@ def completed(table, **values):
 
 def orders(arguments, table):
     """The observed orders, one row for each case, shape and number of points."""
-    result = Table(arguments.out, "error_time_orders", ["case", "shape", "points_per_cell", "solver", "levels", "order"])
+    columns = ["case", "shape", "points_per_cell", "solver", "levels", "order"]
+    result = Table(arguments.out, "error_time_orders", columns)
     solver = arguments.solvers[0]
     for case, shape, points in itertools.product(arguments.cases, SHAPES, arguments.points):
         rows = completed(table, case=case, shape=shape, points_per_cell=points, solver=solver)
@@ -106,8 +109,8 @@ def run(arguments):
     arguments.repeat = arguments.repeat or (1 if quick else 3)
     arguments.limit = arguments.limit or (60.0 if quick else 600.0)
     table = Table(arguments.out, "error_time", [
-        "case", "shape", "points_per_cell", "solver", "cells", "h", "ranks", "points", "unknowns", "newton", "linear", "cuts",
-        "error", "seconds", "status"])
+        "case", "shape", "points_per_cell", "solver", "cells", "h", "ranks", "points", "unknowns", "newton", "linear",
+        "cuts", "error", "seconds", "status"])
     for name in arguments.cases:
         measure(arguments, CASES[name], table)
     orders(arguments, table)

@@ -1,4 +1,5 @@
 """What the benchmarks' pictures share."""
+from math import isfinite
 from pathlib import Path
 
 import matplotlib
@@ -28,10 +29,10 @@ def panels_with_legend(count, handles, width=5.2, height=4.4, legend=2.2):
 
 
 def label(axes, title, x, y, log="xy"):
-    """Axis labels, logarithmic axes, a grid, a panel's title."""
-    if "x" in log:
+    """Axis labels, logarithmic axes where there is anything to draw, a grid, a panel's title."""
+    if "x" in log and isfinite(axes.dataLim.minposx):
         axes.set_xscale("log")
-    if "y" in log:
+    if "y" in log and isfinite(axes.dataLim.minposy):
         axes.set_yscale("log")
     axes.set(xlabel=x, ylabel=y)
     axes.set_title(title, fontsize="medium")
@@ -40,7 +41,7 @@ def label(axes, title, x, y, log="xy"):
 
 def ticks(axes, values):
     """The values themselves as ticks of a logarithmic x axis."""
-    axes.set_xticks(sorted(values), [f"{value:g}" for value in sorted(values)])
+    axes.set_xticks(sorted(values), [f"{value:.3g}" for value in sorted(values)])
     axes.minorticks_off()
 
 

@@ -12,7 +12,8 @@ from collections import defaultdict
 from pathlib import Path
 
 from bench import figures
-from bench.runs import CANTILEVER, BenchmarkError, Run, Table, check_program, execute, in_turn, median, run_scene, words_of
+from bench.runs import (CANTILEVER, BenchmarkError, Run, Table, check_program, execute, in_turn, median, run_scene,
+                        words_of)
 
 FORMS = ("local", "hand", "coloring", "dense", "fd")
 RUN_FORMS = ("local", "hand", "coloring", "dense")
@@ -162,8 +163,8 @@ def run(arguments):
     for row in tangents:
         alone.add(**row)
     if not arguments.no_runs:
-        whole = Table(arguments.out, "jacobian_runs", ["h", "cells", "form", "ranks", "newton", "seconds", "jacobian_seconds",
-                                                       "jacobian_percent", "over_local", "status"])
+        whole = Table(arguments.out, "jacobian_runs", ["h", "cells", "form", "ranks", "newton", "seconds",
+                                                       "jacobian_seconds", "jacobian_percent", "over_local", "status"])
         whole_runs(arguments, whole, expected)
     draw(arguments, assembled, whole)
     return 1 if any(row["status"].startswith("differs") for row in assembled.rows) else 0

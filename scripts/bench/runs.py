@@ -42,7 +42,10 @@ class Run:
 
 def words_of(options):
     """The command line's words for options by name; an option without a value has None."""
-    return [word for name, value in options.items() for word in ([f"-{name}"] if value is None else [f"-{name}", str(value)])]
+    words = []
+    for name, value in options.items():
+        words += [f"-{name}"] if value is None else [f"-{name}", str(value)]
+    return words
 
 
 def execute(words, limit=None):
@@ -64,8 +67,9 @@ def execute(words, limit=None):
 
 
 def launcher(ranks):
-    """One rank needs no launcher, which takes longer than a small run."""
-    return [] if ranks == 1 else ["mpiexec", "-n", str(ranks)]
+    """The words before the program's. For one rank mpiexec takes longer than a small run; the shell between keeps the
+    size of Python's process out of the program's, which inherits its parent's largest size."""
+    return ["sh", "-c", '"$@"; exit $?', "sh"] if ranks == 1 else ["mpiexec", "-n", str(ranks)]
 
 
 def check_program(path):
@@ -78,7 +82,8 @@ def run_scene(program, scene, options, ranks=1, limit=None, measure=None):
     check_program(program)
     with tempfile.TemporaryDirectory() as folder:
         prefix = str(Path(folder) / "run")
-        words = [*launcher(ranks), str(program), "-options_file", str(scene), "-mpm_quiet", "-mpm_output_prefix", prefix]
+        words = [*launcher(ranks), str(program), "-options_file", str(scene), "-mpm_quiet", "-mpm_output_prefix",
+                 prefix]
         status, _, errors = execute(words + words_of(options), limit)
         summary = Path(prefix + "_summary.json")
         if status is None:

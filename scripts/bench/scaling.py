@@ -1,9 +1,9 @@
 """Seconds on 1 and 2 ranks, and what ranks tell each other on 1, 2, 4 and 8.
 
-The scenes are the cantilever of examples/cantilever and a thick one in 3D. Times are medians of runs that take turns; on
-more ranks than the machine has cores they would say nothing, and are not taken. Messages, their length and reductions are
-those that PETSc's -log_view counts: the most of any rank, and the most over the least where PETSc gives it. The engine's
-own exchange of points is not among them. The balance is that of floating-point operations in PETSc.
+The scenes are the cantilever of examples/cantilever and a thick one in 3D. Times are medians of runs that take turns;
+on more ranks than the machine has cores they would say nothing and are not taken. Messages, their length and reductions
+are those that PETSc's -log_view counts, the engine's own among them: the most of any rank, and the most over the least
+where PETSc gives it. So are the floating-point operations, but these are PETSc's only.
 """
 import os
 import re
@@ -15,7 +15,9 @@ from bench.runs import CANTILEVER, ROOT, Table, in_turn, median, run_scene
 
 LINES = {"MPI Msg Count": "messages", "MPI Msg Len (bytes)": "message_bytes", "MPI Reductions": "reductions",
          "Flops": "petsc_flops"}
+STAGES = ("transfer", "residual", "jacobian", "solve", "migrate")
 RATIOS = ("messages", "message_bytes", "petsc_flops")
+COUNTED = (("messages", "messages", 1.0), ("message_bytes", "kilobytes sent", 1e-3), ("reductions", "reductions", 1.0))
 
 
 def scenes(quick):
@@ -68,7 +70,7 @@ def times(arguments, name, table):
         table.add(scene=name, ranks=ranks, seconds=total, status=runs[ranks][0].status,
                   speedup=first / total if first and total else None,
                   efficiency=first * allowed[0] / (total * ranks) if first and total else None,
-                  **{stage: median(runs[ranks], stage) for stage in ("transfer", "residual", "jacobian", "solve", "migrate")})
+                  **{stage: median(runs[ranks], stage) for stage in STAGES})
 
 
 def messages(arguments, name, table):
@@ -91,13 +93,14 @@ def draw(arguments, timed, counted):
         rows = [row for row in timed.select(scene=name) if row.get("speedup")]
         axes[0].plot([row["ranks"] for row in rows], [row["speedup"] for row in rows], **style)
         rows = [row for row in counted.select(scene=name) if row.get("newton")]
-        for panel, entry, factor in ((axes[1], "messages", 1.0), (axes[2], "message_bytes", 1e-3), (axes[3], "reductions", 1.0)):
+        for panel, (entry, _, factor) in zip(axes[1:], COUNTED):
             panel.plot([row["ranks"] for row in rows],
                        [factor * row.get(entry, 0.0) / row["newton"] for row in rows], **style)
-    axes[0].plot(arguments.ranks, [ranks / arguments.ranks[0] for ranks in arguments.ranks], "--", color="0.6", label="ideal")
+    ideal = [ranks / arguments.ranks[0] for ranks in arguments.ranks]
+    axes[0].plot(arguments.ranks, ideal, "--", color="0.6", label="ideal")
     figures.label(axes[0], "speed-up", "ranks", "", log="")
-    for panel, title in zip(axes[1:], ("messages", "kB sent", "reductions")):
-        figures.label(panel, f"{title} of the busiest rank, a Newton iteration", "ranks", "", log="")
+    for panel, (_, title, _) in zip(axes[1:], COUNTED):
+        figures.label(panel, f"{title} a Newton iteration, busiest rank", "ranks", "", log="")
         panel.set_ylim(0.0, None)
     for panel, ticks in zip(axes, (arguments.ranks, *[arguments.message_ranks] * 3)):
         panel.set_xticks(list(ticks))
@@ -108,8 +111,7 @@ def draw(arguments, timed, counted):
 def run(arguments):
     arguments.repeat = arguments.repeat or (1 if arguments.quick else 3)
     arguments.message_ranks = arguments.message_ranks or ((1, 2, 4) if arguments.quick else (1, 2, 4, 8))
-    timed = Table(arguments.out, "scaling", ["scene", "ranks", "seconds", "speedup", "efficiency", "transfer", "residual",
-                                             "jacobian", "solve", "migrate", "status"])
+    timed = Table(arguments.out, "scaling", ["scene", "ranks", "seconds", "speedup", "efficiency", *STAGES, "status"])
     for name in arguments.scenes:
         times(arguments, name, timed)
     counted = Table(arguments.out, "scaling_messages", [

@@ -35,7 +35,8 @@ def draw(table, folder):
         bottom = [low + height for low, height in zip(bottom, heights)]
     axes.set_xticks(range(len(rows)), [f"{row['form']}\n{row['cells']} cells" for row in rows])
     figures.label(axes, "cantilever, 50 steps", "", "seconds", log="")
-    axes.legend()
+    axes.set_axisbelow(True)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     figures.save(figure, folder, "stages")
 
 
