@@ -1,76 +1,66 @@
 #!/usr/bin/env python3
-"""Benchmarks of Talus: seconds by stage, medians of several runs, as CSV on the terminal.
+"""Benchmarks of Talus: medians of several runs, as CSV on the terminal and, with pictures, in a folder.
 
-    scripts/bench.py stages [--ranks 2] [--repeat 3] [--cells 60 240] [--jacobian local coloring]
-    scripts/bench.py box    [--ranks 2] [--repeat 5]
+    scripts/bench.py SUBCOMMAND --help
+    scripts/bench.py SUBCOMMAND --quick     # small and short: does it work?
 
-stages: the cantilever of examples/cantilever, its time by stage for cell counts and forms of the Jacobian.
-box:    the same cantilever in a box four times as long on each axis, with the same cells: what unused grid costs.
 Run it on a machine that does nothing else.
 """
 import argparse
-import json
-import os
-import statistics
-import subprocess
-import tempfile
+import importlib
+import pkgutil
+import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-SCENE = ROOT / "examples" / "cantilever" / "case.yaml"
-ALLOW_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1"}
+import bench
+from bench.runs import ROOT, BenchmarkError
 
 
-def run(program, ranks, **options):
-    """The summary of one run of the cantilever."""
-    with tempfile.TemporaryDirectory() as folder:
-        prefix = str(Path(folder) / "run")
-        words = ["mpiexec", "-n", str(ranks), program, "-options_file", str(SCENE), "-mpm_quiet", "-mpm_output_prefix", prefix]
-        for name, value in options.items():
-            words += [f"-{name}", value]
-        subprocess.run(words, check=True, env={**os.environ, **ALLOW_ROOT})
-        return json.loads(Path(prefix + "_summary.json").read_text(encoding="utf-8"))
+def subcommands():
+    """Modules of the package by the name of their subcommand; one whose imports are missing is left out."""
+    found = {}
+    for entry in pkgutil.iter_modules(bench.__path__):
+        try:
+            module = importlib.import_module(f"bench.{entry.name}")
+        except ImportError as error:
+            print(f"bench.py: {entry.name} is left out: {error}", file=sys.stderr)
+            continue
+        if hasattr(module, "add_arguments") and hasattr(module, "run"):
+            found[getattr(module, "NAME", entry.name.replace("_", "-"))] = module
+    return found
 
 
-def median(runs, key):
-    return statistics.median(run["time"][key] if key in run["time"] else run[key] for run in runs)
+def common_arguments(parser):
+    parser.add_argument("--program", default=str(ROOT / "build" / "talus"), help="what is measured (build/talus)")
+    parser.add_argument("--ranks", type=int, default=None, metavar="N", help="MPI ranks of a run")
+    parser.add_argument("--repeat", type=int, default=None, metavar="N", help="runs that a median is taken of")
+    parser.add_argument("--quick", action="store_true", help="a short version on small grids")
+    parser.add_argument("--out", type=Path, default=Path("out/bench"), metavar="FOLDER",
+                        help="where CSV files and pictures go (out/bench)")
 
 
-def stages(arguments):
-    timers = ["setup", "transfer", "residual", "jacobian", "solve", "migrate", "output"]
-    print("cells,points,jacobian,ranks,newton," + ",".join(timers) + ",total,us_per_point_iteration_core")
-    for jacobian in arguments.jacobian:
-        for cells in arguments.cells:
-            runs = [run(arguments.program, arguments.ranks, mpm_grid_cells=f"{cells},{cells}", mpm_jacobian=jacobian)
-                    for _ in range(arguments.repeat)]
-            points, newton = runs[0]["points"], runs[0]["newton_iterations"]
-            work = (median(runs, "residual") + median(runs, "jacobian")) * arguments.ranks / (points * newton) * 1e6
-            values = [f"{median(runs, timer):.3f}" for timer in [*timers, "time_total_s"]]
-            print(",".join([str(cells), str(points), jacobian, str(arguments.ranks), str(newton), *values, f"{work:.3f}"]),
-                  flush=True)
-
-
-def box(arguments):
-    near, far = [], []
-    for _ in range(arguments.repeat):  # in turn, so that both see the same machine
-        near.append(run(arguments.program, arguments.ranks))
-        far.append(run(arguments.program, arguments.ranks, mpm_grid_upper="60,60", mpm_grid_cells="240,240"))
-    print("ranks,time_ratio,memory_ratio")
-    print(f"{arguments.ranks},{median(far, 'time_total_s') / median(near, 'time_total_s'):.3f},"
-          f"{median(far, 'memory_max_bytes') / median(near, 'memory_max_bytes'):.3f}")
-
-
-def main():
+def parse(words):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("benchmark", choices=["stages", "box"])
-    parser.add_argument("--program", default=str(ROOT / "build" / "talus"))
-    parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--cells", type=int, nargs="+", default=[60, 240])
-    parser.add_argument("--jacobian", nargs="+", default=["local", "coloring"])
-    arguments = parser.parse_args()
-    {"stages": stages, "box": box}[arguments.benchmark](arguments)
+    subparsers = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
+    for name, module in subcommands().items():
+        text = (module.__doc__ or name).strip()
+        subparser = subparsers.add_parser(name, help=text.splitlines()[0].rstrip("."), description=text,
+                                          formatter_class=argparse.RawDescriptionHelpFormatter,
+                                          conflict_handler="resolve")  # a module may have its own idea of --ranks
+        common_arguments(subparser)
+        module.add_arguments(subparser)
+        subparser.set_defaults(function=module.run)
+    return parser.parse_args(words)
+
+
+def main(words=None):
+    arguments = parse(words)
+    try:
+        return arguments.function(arguments) or 0
+    except (BenchmarkError, OSError) as error:
+        print(f"bench.py: {error}", file=sys.stderr)
+        return 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
