@@ -1,29 +1,29 @@
 /*
   Ghost penalty: a cure for nodes that the material hardly touches.
 
-  Cells that a point's domain touches are material cells; one with a face neighbour in the grid that is none is an edge
-  cell. On every face F between two material cells, one of them at least an edge cell, the step's increment u gets the
-  energy
+  The grid's field is a spline of degree p, hats (p = 1) under GIMP too, and a polynomial on each piece between knots: the
+  grid's cells, or for even p the cells around nodes. Pieces that a point's domain touches are material; one with a
+  neighbour in the grid that is none is an edge piece. On every face F between two material pieces, one of them at least
+  an edge piece, the step's increment u gets the energy
 
-    (gamma/2) (E_s/h_n) Int_F |u_- - 2 u_0 + u_+|^2 dA
+    (gamma/2) E_s h_n^{2p-1} Int_F |[d^p u/dn^p]|^2 dA ,    h_n^p [d^p u/dn^p] = the (p + 1)-th difference of u along n
 
-  where u_-, u_0, u_+ are the nodes before, on and behind the face along its normal n, with cell size h_n, and the
-  integral along the face uses the linear mass matrix, h/6 [2 1; 1 2] an axis: the jump of the normal derivative of the
-  grid's piecewise linear field, times h. E_s is the constrained modulus of the stiffest material beside the face. The
-  badly supported node is tied to the linear extension of its neighbours, whatever sliver touches it, and the energy
-  vanishes for any linear field. Being on increments, it puts no lasting force on the material.
+  over the p + 2 nodes that the two pieces share out along the normal n; along the face the spline's mass matrix of one
+  piece integrates. E_s is the constrained modulus of the stiffest material beside the face. The badly supported node is
+  tied to the polynomial extension of its neighbours, whatever sliver touches it, and the energy vanishes for any
+  polynomial of degree p. Being on increments, it puts no lasting force on the material. Where a spline ends, at the
+  grid's edge or a wall, nodes beyond are the linear extension of those before, as in the shape functions.
 
-  A face is a group of nodes, 3 along the normal and 2 on the other axes, without points: numbering and sparsity treat it
-  like one.
+  A face is a group of nodes without points: numbering and sparsity treat it like one.
 
   Sources: Burman (2010), doi:10.1016/j.crma.2010.10.006; for the material point method Coombs (2023),
   doi:10.1016/j.cma.2022.115736.
 */
 #include "sum.h"
 
-/* The material cells around this rank's nodes: 0 where there is none, or the number of the stiffest material plus one. */
+/* The material pieces around this rank's nodes: 0 where there is none, or the number of the stiffest material plus one. */
 typedef struct {
-  PetscInt  dim, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
+  PetscInt  dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
   PetscInt *mark;
 } CellMap;
 
@@ -49,12 +49,13 @@ static PetscBool IsMaterial(const CellMap *map, const PetscInt cell[])
 
 static PetscBool IsEdge(const CellMap *map, const MpmGrid *grid, const PetscInt cell[])
 {
-  PetscInt next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]};
+  const PetscInt more              = map->degree % 2 ? 0 : 1;
+  PetscInt       next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]};
 
   for (PetscInt a = 0; a < map->dim; a++) {
     for (PetscInt side = -1; side <= 1; side += 2) {
       next[a] = cell[a] + side;
-      if (next[a] >= 0 && next[a] < grid->cells[a] && !IsMaterial(map, next)) return PETSC_TRUE;
+      if (next[a] >= 0 && next[a] < grid->cells[a] + more && !IsMaterial(map, next)) return PETSC_TRUE;
     }
     next[a] = cell[a];
   }
@@ -74,26 +75,50 @@ static void Mark(const CellMap *map, const MpmMaterial materials[], const PetscI
     for (at[1] = (lower)[1]; at[1] < (lower)[1] + (count)[1]; at[1]++) \
       for (at[0] = (lower)[0]; at[0] < (lower)[0] + (count)[0]; at[0]++)
 
-/* The cells of a group: between its nodes. */
-static void GroupCells(const MpmGroup *group, PetscInt dim, PetscInt lower[], PetscInt count[])
+/* The first of the p + 1 nodes of a piece, counted from the piece. */
+static PetscInt FirstNode(PetscInt degree)
 {
+  return -(degree / 2);
+}
+
+/*
+  The pieces that a group's points may touch: those whose nodes are all in its box, and what an edge has cut from it.
+*/
+static void GroupPieces(const MpmGroup *group, const MpmRules *rules, const PetscReal x[], PetscInt lower[],
+                        PetscInt count[])
+{
+  const PetscInt p = MpmShapeDegree(rules->shape);
+  PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
+
+  MpmSpaceEdges(rules, x, edge, far_edge);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    lower[a] = group->first[a];
-    count[a] = a < dim ? PetscMax(group->count[a] - 1, 1) : 1;
+    const PetscInt first = group->first[a], last = first + group->count[a] - 1;
+    PetscInt       begin = first - FirstNode(p), end = last - p - FirstNode(p);
+
+    lower[a] = 0;
+    count[a] = 1;
+    if (a >= rules->grid->dim) continue;
+    if (first == edge[a]) begin = first;
+    if (last == far_edge[a]) end = last - p % 2;
+    lower[a] = PetscMin(begin, end);
+    count[a] = PetscMax(end - lower[a] + 1, 1);
   }
 }
 
 /* Marks the cells of this rank's points, in a map that reaches `margin` cells further. */
-static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmMaterial materials[], const MpmPoints *points,
+static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
                                     PetscInt margin, CellMap *map)
 {
   PetscInt upper[MPM_MAX_DIM] = {0, 0, 0}, lower[MPM_MAX_DIM], count[MPM_MAX_DIM], cell[MPM_MAX_DIM], total = 1;
 
   PetscFunctionBeginUser;
-  map->dim = space->dim;
+  map->dim    = space->dim;
+  map->degree = MpmShapeDegree(rules->shape);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) map->lower[a] = PETSC_INT_MAX;
   for (PetscInt g = 0; g < space->group_count; g++) {
-    GroupCells(&space->groups[g], space->dim, lower, count);
+    const MpmGroup *group = &space->groups[g];
+
+    GroupPieces(group, rules, &points->x[space->order[group->point_begin] * space->dim], lower, count);
     for (PetscInt a = 0; a < space->dim; a++) {
       map->lower[a] = PetscMin(map->lower[a], lower[a] - margin);
       upper[a]      = PetscMax(upper[a], lower[a] + count[a] + margin);
@@ -108,12 +133,12 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmMaterial mat
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
-    GroupCells(group, space->dim, lower, count);
+    GroupPieces(group, rules, &points->x[space->order[group->point_begin] * space->dim], lower, count);
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt material = points->material[space->order[s]];
 
       if (s > group->point_begin && material == points->material[space->order[s - 1]]) continue;
-      FOR_BOX(lower, count, cell) Mark(map, materials, cell, material);
+      FOR_BOX(lower, count, cell) Mark(map, rules->materials, cell, material);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -194,32 +219,59 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends the faces whose lower cell this rank owns; counts them where `faces` is NULL. */
-static PetscInt ListFaces(const CellMap *map, const MpmGrid *grid, const MpmMaterial materials[], MpmGroup faces[],
-                          PetscReal stiffness[])
+/* The box of a face's nodes between the edges; PETSC_FALSE where there is no room for it. */
+static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace *face, MpmGroup *box)
 {
-  PetscInt cell[MPM_MAX_DIM], count = 0;
+  const MpmGrid *grid = rules->grid;
+  PetscReal      x[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < grid->dim; a++)
+    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)piece[a] + (face->degree % 2 ? 0.5 : 0.));
+  MpmSpaceEdges(rules, x, face->lower, face->upper);
+  box->node_count  = 1;
+  box->point_begin = box->point_end = 0;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    PetscInt last;
+
+    face->first[a] = box->first[a] = 0;
+    box->count[a]                  = 1;
+    if (a >= grid->dim) continue;
+    face->first[a] = piece[a] + FirstNode(face->degree);
+    last           = face->first[a] + face->degree + (a == face->axis);
+    box->first[a]  = PetscMax(face->first[a], face->lower[a]);
+    box->count[a]  = PetscMin(last, face->upper[a]) - box->first[a] + 1;
+    if (box->count[a] < 2) return PETSC_FALSE;
+    box->node_count *= box->count[a];
+    /* nodes beyond an edge must find their mirror images in the box */
+    if (2 * face->lower[a] - face->first[a] > box->first[a] + box->count[a] - 1) return PETSC_FALSE;
+    if (2 * face->upper[a] - last < box->first[a]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Lists the faces whose lower piece this rank owns; counts them where `faces` is NULL. */
+static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace faces[], MpmGroup boxes[])
+{
+  const MpmGrid     *grid      = rules->grid;
+  const MpmMaterial *materials = rules->materials;
+  PetscInt           cell[MPM_MAX_DIM], count = 0;
 
   FOR_BOX(map->lower, map->size, cell)
   {
     if (!IsMaterial(map, cell) || MpmGridNodeOwner(grid, cell) != grid->rank) continue;
     for (PetscInt axis = 0; axis < map->dim; axis++) {
       PetscInt next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]};
+      MpmFace  face              = {.axis = axis, .degree = map->degree};
+      MpmGroup box;
 
       next[axis]++;
       if (!IsMaterial(map, next) || !(IsEdge(map, grid, cell) || IsEdge(map, grid, next))) continue;
+      if (!FaceBox(rules, cell, &face, &box)) continue;
+      face.stiffness =
+        PetscMax(materials[*CellAt(map, cell) - 1].stiffness, materials[*CellAt(map, next) - 1].stiffness);
       if (faces) {
-        MpmGroup *face = &faces[count];
-
-        face->node_count = 1;
-        for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-          face->first[a] = cell[a];
-          face->count[a] = a >= map->dim ? 1 : a == axis ? 3 : 2;
-          face->node_count *= face->count[a];
-        }
-        face->point_begin = face->point_end = 0;
-        stiffness[count] =
-          PetscMax(materials[*CellAt(map, cell) - 1].stiffness, materials[*CellAt(map, next) - 1].stiffness);
+        faces[count] = face;
+        boxes[count] = box;
       }
       count++;
     }
@@ -227,40 +279,86 @@ static PetscInt ListFaces(const CellMap *map, const MpmGrid *grid, const MpmMate
   return count;
 }
 
-PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmGrid *grid, const MpmMaterial materials[],
-                             const MpmPoints *points)
+PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmRules *rules, const MpmPoints *points)
 {
   CellMap   map;
-  MpmGroup *faces;
+  MpmGroup *boxes;
 
   PetscFunctionBeginUser;
-  PetscCall(MarkOwnPoints(space, materials, points, grid->size > 1 ? 3 : 0, &map));
-  if (grid->size > 1) PetscCall(ExchangeMarks(grid, materials, &map));
-  space->face_count = ListFaces(&map, grid, materials, NULL, NULL);
-  PetscCall(MpmSpaceAppendBoxes(space, space->face_count, &faces));
-  PetscCall(PetscMalloc1(space->face_count, &space->face_stiffness));
-  (void)ListFaces(&map, grid, materials, faces, space->face_stiffness);
+  PetscCall(MarkOwnPoints(space, rules, points, rules->grid->size > 1 ? 3 : 0, &map));
+  if (rules->grid->size > 1) PetscCall(ExchangeMarks(rules->grid, rules->materials, &map));
+  space->face_count = ListFaces(&map, rules, NULL, NULL);
+  PetscCall(MpmSpaceAppendBoxes(space, space->face_count, &boxes));
+  PetscCall(PetscMalloc1(space->face_count, &space->faces));
+  (void)ListFaces(&map, rules, space->faces, boxes);
   PetscCall(PetscFree(map.mark));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt MpmGhostMatrix(const MpmSpace *space, const MpmGrid *grid, PetscReal factor, PetscInt face, PetscReal matrix[])
-{
-  const MpmGroup *group = &space->groups[space->group_count + face];
-  const PetscInt  n     = group->node_count;
+/* The (p + 1)-th difference, and the mass matrix of p + 1 splines on one piece (times `whole`), h = 1. */
+static const PetscReal difference[3][5] = {{1., -2., 1.}, {-1., 3., -3., 1.}, {1., -4., 6., -4., 1.}};
+static const PetscReal mass[3][16]      = {
+  {2., 1., 1., 2.},
+  {6., 13., 1., 13., 54., 13., 1., 13., 6.},
+  {20., 129., 60., 1., 129., 1188., 933., 60., 60., 933., 1188., 129., 1., 60., 129., 20.},
+};
+static const PetscReal whole[3] = {6., 120., 5040.};
 
+/* Adds `value` to the nodes of the box that stand for node `node`: itself, or its image where it lies beyond an edge. */
+static void Fold(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscInt node, PetscReal value, PetscReal to[])
+{
+  const PetscInt edge = node < face->lower[a] ? face->lower[a] : face->upper[a];
+
+  if (node >= face->lower[a] && node <= face->upper[a]) to[node - box->first[a]] += value;
+  else {
+    to[edge - box->first[a]] += 2. * value;
+    to[2 * edge - node - box->first[a]] -= value;
+  }
+}
+
+/* The face's matrix along one axis, count x count. */
+static void AxisMatrix(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal h, PetscReal matrix[])
+{
+  const PetscInt p = face->degree, n = box->count[a];
+  PetscReal      rows[(MPM_GHOST_WIDTH - 1) * MPM_GHOST_WIDTH], jump[MPM_GHOST_WIDTH];
+
+  for (PetscInt k = 0; k < n * n; k++) matrix[k] = 0.;
+  if (a == face->axis) {
+    for (PetscInt k = 0; k < n; k++) jump[k] = 0.;
+    for (PetscInt k = 0; k < p + 2; k++) Fold(face, box, a, face->first[a] + k, difference[p - 1][k], jump);
+    for (PetscInt k = 0; k < n * n; k++) matrix[k] = jump[k / n] * jump[k % n] / h;
+    return;
+  }
+  for (PetscInt i = 0; i <= p; i++) {
+    for (PetscInt k = 0; k < n; k++) rows[i * n + k] = 0.;
+    for (PetscInt j = 0; j <= p; j++)
+      Fold(face, box, a, face->first[a] + j, mass[p - 1][i * (p + 1) + j] * h / whole[p - 1], &rows[i * n]);
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal column[MPM_GHOST_WIDTH] = {0.};
+
+    for (PetscInt i = 0; i <= p; i++) Fold(face, box, a, face->first[a] + i, rows[i * n + k], column);
+    for (PetscInt i = 0; i < n; i++) matrix[i * n + k] = column[i];
+  }
+}
+
+PetscInt MpmGhostMatrix(const MpmSpace *space, const MpmGrid *grid, PetscReal factor, PetscInt f, PetscReal matrix[])
+{
+  const MpmGroup *box  = &space->groups[space->group_count + f];
+  const MpmFace  *face = &space->faces[f];
+  const PetscInt  n    = box->node_count;
+  PetscReal       along[MPM_MAX_DIM][MPM_GHOST_WIDTH * MPM_GHOST_WIDTH];
+
+  for (PetscInt a = 0; a < space->dim; a++) AxisMatrix(face, box, a, grid->h[a], along[a]);
   for (PetscInt i = 0; i < n; i++) {
     for (PetscInt j = 0; j < n; j++) {
       PetscInt  p = i, q = j;
-      PetscReal value = factor * space->face_stiffness[face];
+      PetscReal value = factor * face->stiffness;
 
       for (PetscInt a = 0; a < space->dim; a++) {
-        const PetscInt k = p % group->count[a], l = q % group->count[a];
-
-        if (group->count[a] == 3) value *= (k == 1 ? -2. : 1.) * (l == 1 ? -2. : 1.) / grid->h[a];
-        else value *= grid->h[a] / (k == l ? 3. : 6.);
-        p /= group->count[a];
-        q /= group->count[a];
+        value *= along[a][(p % box->count[a]) * box->count[a] + q % box->count[a]];
+        p /= box->count[a];
+        q /= box->count[a];
       }
       matrix[i * n + j] = value;
     }
@@ -272,9 +370,11 @@ PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscRea
 {
   const MpmSpace *space = sum->space;
   const PetscInt  bs = sum->layout->block, dim = space->dim;
-  PetscReal       matrix[MPM_GHOST_NODES * MPM_GHOST_NODES];
+  PetscReal      *matrix;
 
   PetscFunctionBeginUser;
+  if (!space->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
   for (PetscInt f = 0; f < space->face_count; f++) {
     const PetscInt  n     = MpmGhostMatrix(space, sum->grid, sum->ghost, f, matrix);
     const PetscInt *nodes = &space->group_nodes[space->groups[space->group_count + f].node_offset];
@@ -283,6 +383,7 @@ PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscRea
       for (PetscInt j = 0; j < n; j++)
         for (PetscInt c = 0; c < dim; c++) residual[nodes[i] * bs + c] += matrix[i * n + j] * u[nodes[j] * bs + c];
   }
+  PetscCall(PetscFree(matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -290,9 +391,11 @@ PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[])
 {
   const MpmSpace *space = sum->space;
   const PetscInt  bs = sum->layout->block, dim = space->dim;
-  PetscReal       matrix[MPM_GHOST_NODES * MPM_GHOST_NODES];
+  PetscReal      *matrix;
 
   PetscFunctionBeginUser;
+  if (!space->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
   for (PetscInt f = 0; f < space->face_count; f++) {
     const PetscInt  n     = MpmGhostMatrix(space, sum->grid, sum->ghost, f, matrix);
     const PetscInt *nodes = &space->group_nodes[space->groups[space->group_count + f].node_offset];
@@ -300,6 +403,7 @@ PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[])
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt c = 0; c < dim; c++) blocks[(nodes[i] * bs + c) * bs + c] += matrix[i * n + i];
   }
+  PetscCall(PetscFree(matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -307,9 +411,11 @@ PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern)
 {
   const MpmSpace *space = sum->space;
   const PetscInt  bs = sum->layout->block, dim = space->dim;
-  PetscReal       matrix[MPM_GHOST_NODES * MPM_GHOST_NODES], *element;
+  PetscReal      *matrix, *element;
 
   PetscFunctionBeginUser;
+  if (!space->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
   PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES * bs * bs), &element));
   for (PetscInt f = 0; f < space->face_count; f++) {
     const PetscInt n = MpmGhostMatrix(space, sum->grid, sum->ghost, f, matrix);
@@ -320,6 +426,7 @@ PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern)
         for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] = matrix[i * n + j];
     MpmPatternAddBlock(pattern, space, &space->groups[space->group_count + f], sum->constraints, element);
   }
+  PetscCall(PetscFree(matrix));
   PetscCall(PetscFree(element));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -117,9 +117,6 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
     MpmCheckInput(!*end && model->ghost >= 0. && model->ghost < PETSC_INFINITY,
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
-  MpmCheckInput(model->ghost <= 0. || model->shape == MPM_SHAPE_LINEAR || model->shape == MPM_SHAPE_GIMP,
-                "-mpm_stabilization_ghost %s: not available for shape %s, must be auto or off", ghost,
-                MpmShapeTypes[model->shape]);
   PetscCall(PetscFree(ghost));
   PetscCall(MpmOptionsBool(&block, "fbar",
                            "average the volume change over cells, against locking of nearly incompressible material",

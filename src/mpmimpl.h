@@ -161,6 +161,16 @@ typedef struct {
   PetscInt box; /* into groups: one without points that holds the nodes of them all */
 } MpmCell;
 
+/* Most nodes of a face of the ghost penalty on an axis, and in all: cubic splines. */
+#define MPM_GHOST_WIDTH 5
+#define MPM_GHOST_NODES 80
+/* A face of the ghost penalty; its box leaves out the nodes beyond an edge, where first does not. */
+typedef struct {
+  PetscInt  axis, degree;
+  PetscInt  first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
+  PetscReal stiffness;                                                  /* Pa */
+} MpmFace;
+
 /*
   The step's discrete space: weights of every point, and the active nodes. Local nodes are those that this rank's points
   touch or that it owns: first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes
@@ -179,7 +189,7 @@ typedef struct {
   PetscInt   reach;          /* no box has more than reach + 1 nodes on an axis, on any rank */
   MpmCell   *cells;
   PetscReal *share;          /* of each point in the mean of its cell */
-  PetscReal *face_stiffness; /* Pa */
+  MpmFace   *faces;
   PetscBool  ghost;          /* are there faces on any rank? */
   MpmGroup  *groups;
   PetscInt  *group_nodes;  /* local nodes of each group, x fastest */
@@ -206,6 +216,8 @@ typedef struct {
 /* `why` is NULL, or the reason (static text) for which these points have no space; the same on all ranks. */
 PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
+/* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
+void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /* Room for `count` boxes more, without points, behind the others. */
 PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes);
 /* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
@@ -391,9 +403,7 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
                         const MpmConstraints *constraints, PetscReal element[]);
 
 /* The ghost penalty (ghost.c). Faces become groups of the space, before its nodes are numbered. */
-#define MPM_GHOST_NODES 12
-PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmGrid *grid, const MpmMaterial materials[],
-                             const MpmPoints *points);
+PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmRules *rules, const MpmPoints *points);
 /* The face's matrix, the same for every component; returns its number of nodes. */
 PetscInt       MpmGhostMatrix(const MpmSpace *space, const MpmGrid *grid, PetscReal factor, PetscInt face,
                               PetscReal matrix[]);

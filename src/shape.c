@@ -45,7 +45,7 @@ PetscBool MpmShapeHasDomain(MpmShapeType type)
   return (type == MPM_SHAPE_GIMP || type == MPM_SHAPE_GIMP_BSPLINE2) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-static inline PetscInt Degree(MpmShapeType type)
+PetscInt MpmShapeDegree(MpmShapeType type)
 {
   switch (type) {
   case MPM_SHAPE_BSPLINE2:
@@ -60,7 +60,7 @@ static inline PetscInt Degree(MpmShapeType type)
 
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length)
 {
-  const PetscInt degree = Degree(type);
+  const PetscInt degree = MpmShapeDegree(type);
 
   /* A domain of length 2l meets at most ceil(2l) + 1 knot intervals, an interval meets p + 1 nodes, and the next one
      adds one node. */

@@ -129,11 +129,10 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
     PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
   }
   if (model->ghost == MPM_GHOST_AUTO) {
-    const PetscBool hat    = (PetscBool)(model->shape == MPM_SHAPE_LINEAR || model->shape == MPM_SHAPE_GIMP);
     const PetscBool direct = (PetscBool)!strcmp(presets[preset].name, "direct");
 
-    model->ghost        = hat && !direct ? MPM_GHOST_FACTOR : 0.;
-    model->ghost_rescue = (PetscBool)(hat && direct);
+    model->ghost        = direct ? 0. : MPM_GHOST_FACTOR;
+    model->ghost_rescue = direct;
   }
   PetscCall(PetscStrncpy(model->mat_type, MATAIJ, sizeof(model->mat_type)));
   PetscCall(PetscStrncpy(model->vec_type, VECSTANDARD, sizeof(model->vec_type)));

@@ -13,7 +13,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree2(space->weight, space->gradient));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
-  PetscCall(PetscFree(space->face_stiffness));
+  PetscCall(PetscFree(space->faces));
   PetscCall(PetscFree(space->cells));
   PetscCall(PetscFree(space->share));
   PetscCall(PetscFree(space->group_nodes));
@@ -32,8 +32,7 @@ static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[
   return PETSC_TRUE;
 }
 
-/* First and last node that bound the material around a point on each axis: the grid's edges, or a wall between. */
-static void FindEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[])
+void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[])
 {
   const MpmGrid *grid  = rules->grid;
   const MpmWall *walls = rules->walls;
@@ -72,7 +71,7 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
     PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
 
     if (rules->stretch(&points->F[p * dim * dim], U)) *longest = PETSC_INFINITY;
-    FindEdges(rules, x, lower, upper);
+    MpmSpaceEdges(rules, x, lower, upper);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
       PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
@@ -113,7 +112,7 @@ static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmRules *rules, con
   for (PetscInt p = 0; p < points->count; p++) {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
-    FindEdges(rules, &points->x[p * dim], lower, upper);
+    MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt  k  = p * dim + a;
       const PetscReal xi = (points->x[k] - grid->lower[a]) / grid->h[a];
@@ -218,7 +217,7 @@ static PetscErrorCode FinishBoxes(MpmSpace *space, MPI_Comm comm)
   PetscInt offset = 0;
 
   PetscFunctionBeginUser;
-  space->reach = PetscMax(space->width - 1, space->ghost ? 2 : 1);
+  space->reach = PetscMax(space->width - 1, 1);
   for (PetscInt g = 0; g < space->box_count; g++) {
     MpmGroup *box = &space->groups[g];
 
@@ -254,7 +253,7 @@ PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPo
   PetscCall(MakeGroups(space, rules, points));
   space->ghost     = rules->ghost;
   space->box_count = space->group_count;
-  if (rules->ghost) PetscCall(MpmGhostFaces(space, rules->grid, rules->materials, points));
+  if (rules->ghost) PetscCall(MpmGhostFaces(space, rules, points));
   if (rules->mean) PetscCall(MpmMeanCells(space, points));
   PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));

@@ -42,8 +42,7 @@ enum { FREE, HELD, HELD_FBAR, VARIANTS };
 
 static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscInt held, MpmModel *model)
 {
-  const PetscBool hat = (PetscBool)(!strcmp(shape, "linear") || !strcmp(shape, "gimp"));
-  char            options[4096];
+  char options[4096];
 
   PetscFunctionBeginUser;
   /* the ghost penalty, where there is one, is part of half of the scenes */
@@ -52,7 +51,7 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
     "%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
     "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi%s%s",
     dim == 2 ? scene_2d : scene_3d, held ? (dim == 2 ? held_2d : held_3d) : "", law->parameters, shape, law->name,
-    held && hat ? " -mpm_stabilization_ghost 0.05" : "",
+    held ? " -mpm_stabilization_ghost 0.05" : "",
     held == HELD_FBAR ? " -mpm_stabilization_fbar true" : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
