@@ -105,8 +105,8 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
   PetscCall(MpmOptionsText(&block, "ghost",
-                           "penalty on the faces of edge cells: auto (1e-3 for iterative solvers and, with a direct "
-                           "one, from the first step that fails), off, or a factor times the material's stiffness",
+                           "penalty on the faces of edge cells: auto (1e-4 for iterative solvers; with a direct one, "
+                           "1e-3 from the first step that fails), off, or a factor times the material's stiffness",
                            "auto", MPM_OPTIONAL, &ghost));
   model->ghost = MPM_GHOST_AUTO;
   if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
@@ -342,6 +342,7 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options));
   PetscCall(CreateParticles(model));
+  PetscCall(MpmSolverChoose(model));
   MpmClock(model, MPM_TIME_SETUP, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -355,9 +356,10 @@ static PetscErrorCode PrintHeader(MpmModel model)
   PetscFunctionBeginUser;
   if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, model->title[0] ? model->title : model->prefix));
-  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s, %d rank%s\n",
+  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
                         model->physics.name, grid->dim, MpmShapeTypes[model->shape],
-                        MpmJacobianTypes[model->jacobian_type], model->solver, model->size,
+                        MpmJacobianTypes[model->jacobian_type], model->solver, model->solver_why ? " (" : "",
+                        model->solver_why ? model->solver_why : "", model->solver_why ? ")" : "", model->size,
                         model->size > 1 ? "s" : ""));
   PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " points, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
                         model->particles.total, grid->cells[0], grid->cells[1]));
@@ -415,7 +417,7 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
 {
   PetscFunctionBeginUser;
-  model->ghost        = MPM_GHOST_FACTOR;
+  model->ghost        = MPM_GHOST_RESCUE;
   model->ghost_rescue = PETSC_FALSE;
   if (!model->quiet) {
     PetscCall(PetscPrintf(model->comm, "       %s; from here on with -mpm_stabilization_ghost %g\n", why,

@@ -8,7 +8,8 @@
 #define MPM_MAX_BLOCK    8    /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS   24   /* inputs of a kernel */
 #define MPM_GHOST_AUTO   -1.  /* the factor follows the solver */
-#define MPM_GHOST_FACTOR 1e-3 /* the factor where it is on */
+#define MPM_GHOST_FACTOR 1e-4 /* the factor for iterative solvers */
+#define MPM_GHOST_RESCUE 1e-3 /* and where a step has failed without */
 #define MPM_TOLERANCE    1e-6 /* of a cell: what counts as "on" a region's edge */
 
 /* ---- grid.c ---- */
@@ -452,7 +453,7 @@ struct _p_MpmModel {
   MpmGrid         grid;
   MpmShapeType    shape;
   MpmJacobianType jacobian_type;
-  char           *solver;
+  char           *solver, *solver_why; /* the preset; why `auto` took it, or NULL */
   PetscInt        material_count, body_count, bc_count, load_count, track_count, wall_count;
   char          **material_names, **body_names, **bc_names, **load_names, **track_names;
   MpmMaterial    *materials;
@@ -540,6 +541,8 @@ PetscErrorCode MpmNewtonSetMats(MpmModel model);
 PetscErrorCode MpmGatherSolution(MpmModel model, Vec x);
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options);
+/* Settles `auto` once the points are there, and applies the preset. */
+PetscErrorCode MpmSolverChoose(MpmModel model);
 PetscErrorCode MpmSolverSetUp(MpmModel model);
 PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model);
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason);

@@ -108,51 +108,103 @@ static PetscErrorCode CheckTypes(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Direct solvers win below these numbers of unknowns: time and memory grow as their power 3/2 in 2D and 2 in 3D. */
+#define DIRECT_MOST_2D 1e6
+#define DIRECT_MOST_3D 2e4
+#define DIRECT_MOST_FBAR_3D 1e5
+
+/* About how many unknowns the material needs: the cells that its volume fills, and as many nodes. */
+static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
+{
+  PetscReal volume = 0.;
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
+  for (PetscInt p = 0; p < points.count; p++) volume += points.volume0[p];
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt a = 0; a < model->grid.dim; a++) volume /= model->grid.h[a];
+  *unknowns = volume * (PetscReal)model->layout.block;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What `auto` takes, and why. */
+static PetscErrorCode ChooseSolver(MpmModel model, const char **name)
+{
+  PetscReal unknowns = 0., most = model->grid.dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
+  char      why[128];
+
+  PetscFunctionBeginUser;
+  PetscCall(EstimateUnknowns(model, &unknowns));
+  if (model->jacobian_type == MPM_JACOBIAN_MATFREE) {
+    *name = "pbjacobi";
+    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
+  } else {
+    if (model->grid.dim == 3 && model->fbar) most = DIRECT_MOST_FBAR_3D; /* near incompressibility is hard for multigrid */
+    *name = unknowns <= most ? "direct" : "amg";
+    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: %" PetscInt_FMT "D, about %.2g unknowns", model->grid.dim,
+                            (double)unknowns));
+  }
+  PetscCall(PetscStrallocpy(why, &model->solver_why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverChoose(MpmModel model)
+{
+  const char *name = model->solver;
+  PetscBool   direct;
+
+  PetscFunctionBeginUser;
+  if (!strcmp(name, "auto")) PetscCall(ChooseSolver(model, &name));
+  direct = (PetscBool)!strcmp(name, "direct");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
+    if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
+  if (name != model->solver) {
+    PetscCall(PetscFree(model->solver));
+  PetscCall(PetscFree(model->solver_why));
+    PetscCall(PetscStrallocpy(name, &model->solver));
+  }
+  /* what a preset cannot know: whether the Jacobian is symmetric */
+  if (direct) PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
+  else PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
+  if (model->ghost == MPM_GHOST_AUTO) {
+    model->ghost        = direct ? 0. : MPM_GHOST_FACTOR;
+    model->ghost_rescue = direct;
+  }
+  PetscCall(CreateSNES(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A PETSc type that the user may choose. */
+static PetscErrorCode ReadType(const MpmOptions *options, const char *name, const char *help, const char *fallback,
+                               char type[64])
+{
+  char *text;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsText(options, name, help, fallback, MPM_OPTIONAL, &text));
+  PetscCall(PetscStrncpy(type, text ? text : fallback, 64));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(presets) + 2] = {"auto"};
   PetscInt    choice                                        = 0;
-  size_t      preset                                        = 0;
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++) names[k + 1] = presets[k].name;
   PetscCall(MpmOptionsWord(options, "solver", "preset of PETSc solver options", names, MPM_OPTIONAL, &choice, NULL));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++) {
-    if (choice ? (size_t)choice - 1 == k : !strcmp(presets[k].name, "direct")) preset = k;
-  }
-  PetscCall(PetscStrallocpy(presets[preset].name, &model->solver));
-  PetscCall(ApplyPreset(presets[preset].text));
-  /* what a preset cannot know: whether the Jacobian is symmetric */
-  if (!strcmp(presets[preset].name, "direct")) {
-    PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
-  } else {
-    PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
-  }
-  if (model->ghost == MPM_GHOST_AUTO) {
-    const PetscBool direct = (PetscBool)!strcmp(presets[preset].name, "direct");
-
-    model->ghost        = direct ? 0. : MPM_GHOST_FACTOR;
-    model->ghost_rescue = direct;
-  }
-  PetscCall(PetscStrncpy(model->mat_type, MATAIJ, sizeof(model->mat_type)));
-  PetscCall(PetscStrncpy(model->vec_type, VECSTANDARD, sizeof(model->vec_type)));
-  {
-    char *type;
-
-    PetscCall(MpmOptionsText(options, "mat_type", "PETSc type of the Jacobian", model->mat_type, MPM_OPTIONAL, &type));
-    if (type) PetscCall(PetscStrncpy(model->mat_type, type, sizeof(model->mat_type)));
-    PetscCall(PetscFree(type));
-    PetscCall(MpmOptionsText(options, "vec_type", "PETSc type of the vectors", model->vec_type, MPM_OPTIONAL, &type));
-    if (type) PetscCall(PetscStrncpy(model->vec_type, type, sizeof(model->vec_type)));
-    PetscCall(PetscFree(type));
-  }
+  PetscCall(PetscStrallocpy(names[choice], &model->solver));
+  PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, model->mat_type));
+  PetscCall(ReadType(options, "vec_type", "PETSc type of the vectors", VECSTANDARD, model->vec_type));
   PetscCall(CheckTypes(model));
-  model->lag           = PETSC_TRUE;
-  model->keep_tangents = PETSC_TRUE;
+  model->lag = model->keep_tangents = PETSC_TRUE;
   PetscCall(MpmOptionsBool(options, "newton_lag", "keep a Jacobian where a new one would not pay", &model->lag, NULL));
   PetscCall(MpmOptionsBool(options, "matfree_tangents", "keep the points' tangents for jacobian: matfree",
                            &model->keep_tangents, NULL));
-  PetscCall(CreateSNES(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -286,5 +338,6 @@ PetscErrorCode MpmSolverDestroy(MpmModel model)
   PetscCall(VecDestroy(&model->x));
   PetscCall(VecDestroy(&model->f));
   PetscCall(PetscFree(model->solver));
+  PetscCall(PetscFree(model->solver_why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
