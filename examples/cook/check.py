@@ -98,7 +98,7 @@ def draw(results):
                       markersize=8, fillstyle="none", capsize=4, label=f"finite elements, {100 * REACH:g} % each way")
     axes.set(xlabel="upward displacement of the right edge (m)", ylabel="y (m)")
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.06))
     return figure
 
 
