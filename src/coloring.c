@@ -90,11 +90,10 @@ static PetscErrorCode AddColumns(Seeds *seeds, const PetscInt color[], PetscInt 
   PlantSeeds(seeds, color, c);
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmGroup *box = &space->groups[MpmUnitGroups(sum, unit).box];
-    const PetscInt  j   = NodeOfColor(seeds, box, color);
+    const PetscInt  j   = NodeOfColor(seeds, box, color), node = j < 0 ? -1 : space->group_nodes[box->node_offset + j];
 
     /* dense differentiation is kept honest: it evaluates every point for every column */
-    if (!seeds->dense && (j < 0 || seeds->du[space->group_nodes[box->node_offset + j] * sum->layout->block + c] == 0.))
-      continue;
+    if (!seeds->dense && (node < 0 || seeds->du[node * sum->layout->block + c] == 0.)) continue;
     PetscCall(MpmActionApplyUnit(&seeds->action, unit, seeds->du, seeds->y, failed));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -9,7 +9,7 @@
     (gamma/2) E_s h_n^{2p-1} Int_F |[d^p u/dn^p]|^2 dA ,    h_n^p [d^p u/dn^p] = the (p + 1)-th difference of u along n
 
   over the p + 2 nodes that the two pieces share out along the normal n; along the face the spline's mass matrix of one
-  piece integrates. E_s is the constrained modulus of the stiffest material beside the face. The badly supported node is
+  piece integrates. E_s is Young's modulus of the stiffest material beside the face. The badly supported node is
   tied to the polynomial extension of its neighbours, whatever sliver touches it, and the energy vanishes for any
   polynomial of degree p. Being on increments, it puts no lasting force on the material. Where a spline ends, at the
   grid's edge or a wall, nodes beyond are the linear extension of those before, as in the shape functions.
@@ -67,7 +67,7 @@ static void Mark(const CellMap *map, const MpmMaterial materials[], const PetscI
 {
   PetscInt *mark = CellAt(map, cell);
 
-  if (mark && (!*mark || materials[*mark - 1].stiffness < materials[material].stiffness)) *mark = material + 1;
+  if (mark && (!*mark || materials[*mark - 1].penalty < materials[material].penalty)) *mark = material + 1;
 }
 
 #define FOR_BOX(lower, count, at) \
@@ -262,13 +262,13 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
     for (PetscInt axis = 0; axis < map->dim; axis++) {
       PetscInt next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]};
       MpmFace  face              = {.axis = axis, .degree = map->degree};
-      MpmGroup box;
+      MpmGroup box               = {0};
 
       next[axis]++;
       if (!IsMaterial(map, next) || !(IsEdge(map, grid, cell) || IsEdge(map, grid, next))) continue;
       if (!FaceBox(rules, cell, &face, &box)) continue;
       face.stiffness =
-        PetscMax(materials[*CellAt(map, cell) - 1].stiffness, materials[*CellAt(map, next) - 1].stiffness);
+        PetscMax(materials[*CellAt(map, cell) - 1].penalty, materials[*CellAt(map, next) - 1].penalty);
       if (faces) {
         faces[count] = face;
         boxes[count] = box;

@@ -140,7 +140,7 @@ static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const 
   const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
   for (PetscInt i = 0; i < n; i++)
-    for (PetscInt c = 0; c < bs; c++)
+    for (PetscInt c = 0; nodes[i] >= 0 && c < bs; c++)
       for (PetscInt d = 0; d < bs; d++)
         blocks[(nodes[i] * bs + c) * bs + d] += CouplingEntry(coupling, c * n + i, d * n + i);
 }

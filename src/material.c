@@ -126,6 +126,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   for (size_t i = 0; i < material->info.parameter_count; i++) {
     PetscCall(ReadParameter(&block, &material->info.parameters[i], &material->parameter[i]));
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
   }
   if (material->info.check) {
     const char *why = "contradictory parameters";
@@ -134,6 +135,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
                   why);
   }
   material->stiffness = material->info.stiffness(material->parameter);
+  if (material->penalty == 0.) material->penalty = material->stiffness;
   for (size_t i = 0; i < material->info.state_count; i++)
     material->state_size += MpmStateComponents(&material->info.states[i], dim);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,6 +14,7 @@ static void BoxOfGroups(const MpmSpace *space, const MpmCell *cell, MpmGroup *bo
   *box             = space->groups[cell->group_begin];
   box->point_begin = box->point_end = 0;
   box->node_count                   = 1;
+  box->holes                        = PETSC_TRUE; /* a corner that no group touches */
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     PetscInt end = 0;
 

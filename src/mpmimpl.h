@@ -50,6 +50,7 @@ typedef struct {
   double     *parameter;
   MpmFunction law[MPM_FORM_COUNT];
   PetscReal   density, stiffness;
+  PetscReal   penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
   PetscInt    state_size;
 } MpmMaterial;
 
@@ -154,6 +155,7 @@ typedef struct {
   PetscInt node_offset;            /* into group_nodes */
   PetscInt point_begin, point_end; /* into order */
   PetscInt cell;                   /* into cells, where the physics has a mean */
+  PetscBool holes;                 /* some of its nodes may be inactive: local node -1 */
 } MpmGroup;
 
 /* The points over which a mean is taken: those whose centres lie in one cell of the grid, in whole groups. */
@@ -399,7 +401,10 @@ PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *sp
 PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, Mat mat);
 PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints,
                              PetscReal diagonal, Mat mat);
-/* Adds a group's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns are left out. */
+/*
+  Adds a box's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns, and those of holes, are left
+  out.
+*/
 void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group,
                         const MpmConstraints *constraints, PetscReal element[]);
 

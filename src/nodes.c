@@ -119,6 +119,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
   for (PetscInt g = 0; g < space->box_count; g++) {
     PetscInt node[MPM_MAX_DIM];
 
+    if (space->groups[g].holes) continue;
     FOR_GROUP_NODES(&space->groups[g], node) * MapAt(map, node) = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

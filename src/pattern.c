@@ -53,7 +53,8 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
     for (PetscInt i = 0; i < group->node_count; i++) {
       PetscInt *slot = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
 
-      for (PetscInt j = 0; j < group->node_count; j++) slot[offset[j]] = 0;
+      for (PetscInt j = 0; nodes[i] >= 0 && j < group->node_count; j++)
+        if (nodes[j] >= 0) slot[offset[j]] = 0;
     }
   }
   PetscCall(PetscFree(offset));
@@ -84,7 +85,8 @@ static PetscErrorCode FindNeighbours(const MpmPattern *pattern, const MpmSpace *
     for (PetscInt i = 0; i < group->node_count; i++) {
       PetscInt *neighbour = &found->neighbour[nodes[i] * pattern->window + center - offset[i]];
 
-      for (PetscInt j = 0; j < group->node_count; j++) neighbour[offset[j]] = nodes[j];
+      for (PetscInt j = 0; nodes[i] >= 0 && j < group->node_count; j++)
+        if (nodes[j] >= 0) neighbour[offset[j]] = nodes[j];
     }
   }
   PetscCall(PetscFree(offset));
@@ -271,6 +273,27 @@ PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *sp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same, entry by entry. */
+static void AddBlockWithHoles(MpmPattern *pattern, const PetscInt nodes[], const MpmGroup *group,
+                              const PetscInt offset[], PetscInt center, const MpmConstraints *constraints,
+                              const PetscReal element[])
+{
+  const PetscInt n = group->node_count, bs = pattern->block;
+
+  for (PetscInt k = 0; k < n * bs * bs; k++) {
+    const PetscInt i = k / (bs * bs), c = k / bs % bs, d = k % bs;
+
+    if (nodes[i] < 0 || constraints->condition[nodes[i] * bs + c] >= 0) continue;
+    const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
+    const PetscInt  width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
+
+    for (PetscInt j = 0; j < n; j++) {
+      if (nodes[j] < 0 || constraints->condition[nodes[j] * bs + d] >= 0) continue;
+      pattern->value[nodes[i]][c * width + slot[offset[j]] * bs + d] += element[k * n + j];
+    }
+  }
+}
+
 void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group,
                         const MpmConstraints *constraints, PetscReal element[])
 {
@@ -279,6 +302,10 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   PetscInt        offset[MPM_MAX_WIDTH * MPM_MAX_WIDTH * MPM_MAX_WIDTH];
   const PetscInt  center = WindowOffsets(pattern, group, offset);
 
+  if (group->holes) {
+    AddBlockWithHoles(pattern, nodes, group, offset, center, constraints, element);
+    return;
+  }
   if (constraints->any) {
     for (PetscInt i = 0; i < n; i++) {
       for (PetscInt c = 0; c < bs; c++) {

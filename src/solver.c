@@ -162,15 +162,15 @@ PetscErrorCode MpmSolverChoose(MpmModel model)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
   if (name != model->solver) {
     PetscCall(PetscFree(model->solver));
-  PetscCall(PetscFree(model->solver_why));
     PetscCall(PetscStrallocpy(name, &model->solver));
   }
   /* what a preset cannot know: whether the Jacobian is symmetric */
   if (direct) PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
   else PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
   if (model->ghost == MPM_GHOST_AUTO) {
-    model->ghost        = direct ? 0. : MPM_GHOST_FACTOR;
-    model->ghost_rescue = direct;
+    /* F-bar takes stiffness from points at the edge of the material, too much where splines reach beyond it */
+    model->ghost        = direct && !model->fbar ? 0. : MPM_GHOST_FACTOR;
+    model->ghost_rescue = (PetscBool)(model->ghost == 0.);
   }
   PetscCall(CreateSNES(model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -319,6 +319,12 @@ PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
   inside = model->seconds[MPM_TIME_RESIDUAL] + model->seconds[MPM_TIME_JACOBIAN] - before;
   model->seconds[MPM_TIME_SOLVE] += now - since - inside;
   PetscCall(SNESGetConvergedReason(model->snes, reason));
+  if (*reason == SNES_DIVERGED_LINEAR_SOLVE) { /* a factorisation that failed must not be used again */
+    KSP ksp;
+
+    PetscCall(SNESGetKSP(model->snes, &ksp));
+    PetscCall(KSPReset(ksp));
+  }
   PetscCall(SNESGetIterationNumber(model->snes, &newton));
   PetscCall(SNESGetLinearSolveIterations(model->snes, &linear));
   model->newton += newton;

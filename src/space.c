@@ -189,7 +189,7 @@ static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const M
   (!(i) || cell_key[space->order[i]] != cell_key[space->order[(i)-1]] || \
    shape_key[space->order[i]] != shape_key[space->order[(i)-1]])
   for (PetscInt i = 0; i < n; i++) groups += NEW_GROUP(i);
-  PetscCall(PetscMalloc1(groups, &space->groups));
+  PetscCall(PetscCalloc1(groups, &space->groups));
   space->group_count = groups;
   for (PetscInt i = 0, g = -1, cell = -1; i < n; i++) {
     if (NEW_GROUP(i)) {
