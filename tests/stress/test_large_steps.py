@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""Steps ten times too long, up to the whole load in one: cut as often as needed, the end is that of the usual step.
+
+A longer step changes the answer even where Newton converges: domains and shape functions are those of the step's start.
+The reach of each comparison is a part of the whole displacement.
+
+With --full: the same at half the cell size, on 1 and 2 ranks.
+"""
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from hostile import Hostile  # noqa: E402
+from talus_test import example  # noqa: E402
+
+LIMIT = 60.0  # s, for one run
+
+# example, tracked displacement, steps to try, how far the end may be from that of the example's own step
+CASES = (
+    ("cantilever", "track_tip_uy", (0.2, 1), 0.05),
+    ("bar_elastic", "track_top_uy", (0.25, 1), 0.05),
+    ("bar_j2", "track_top_uy", (0.25, 1), 0.05),
+    ("collapse", "track_top_uy", (0.1, 0.25, 1), 0.1),
+)
+
+with Hostile(LIMIT) as test:
+    for name, column, steps, reach in CASES:
+        for refine, ranks in ((1, 1), (1, 2), (2, 1), (2, 2)) if test.full else ((1, 1),):
+            options = {"mpm_quiet": None, "mpm_grid_refine": refine, "ranks": ranks}
+            usual = test.ends(f"{name}.usual_step", example(name), **options).last(column)
+            for step in steps:
+                label = f"{name}.step_{step:g}"
+                run = test.ends(label, example(name), mpm_time_step=step, **options)
+                if run.completed:
+                    test.near(f"{label}.{column}", run.last(column), usual, relative=reach)
