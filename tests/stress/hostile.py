@@ -21,6 +21,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ENVIRONMENT, Run, Test  # noqa: E402
+from results import ResultsError  # noqa: E402  (talus_test makes the folder known)
 
 GRACE = 5.0  # s that a run which is told to stop has for it
 GAVE_UP = re.compile(r"^talus: gave up after step \d+ at time \S+: (.+)$", re.MULTILINE)
@@ -28,7 +29,7 @@ SIGNS_OF_A_CRASH = ("PETSC ERROR", "Caught signal", "MPI_ABORT", "Segmentation",
 
 
 class Ended(Run):
-    """A run that has ended or was ended: `hung` tells which."""
+    """A run that has ended or was ended: `hung` tells which; `completed` is true when it ended well, with status 0."""
 
     def __init__(self, program, scene, ranks, options, folder, limit):
         command = ["mpiexec", "--oversubscribe", "-n", ranks] if ranks > 1 else []
@@ -36,7 +37,7 @@ class Ended(Run):
         for name, value in options.items():
             command += ["-" + name] if value is None else ["-" + name, value]
         self.folder, self.command = Path(folder), [str(word) for word in command]
-        self.hung = False
+        self.hung = self.completed = False
         with subprocess.Popen(self.command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
             try:
@@ -58,10 +59,6 @@ class Ended(Run):
             except (subprocess.TimeoutExpired, ProcessLookupError):
                 continue
         return "", ""
-
-    @property
-    def completed(self):
-        return not self.hung and self.status == 0
 
     @property
     def reason(self):
@@ -134,8 +131,10 @@ def faults(run, or_gives_up):
     """Everything that is wrong with the way in which a run ended."""
     found = list(wrong_ending(run, or_gives_up))
     if run.prefix is not None and not run.hung:
-        found += wrong_history(run)
-        found += wrong_states(run)
+        try:
+            found += [*wrong_history(run), *wrong_states(run)]
+        except (ResultsError, OSError, KeyError, ValueError) as error:
+            found.append(f"results that cannot be read: {error}")
     return found
 
 
@@ -156,6 +155,7 @@ class Hostile(Test):
             scene = folder / "scene.yaml"
         run = Ended(self.program, scene, ranks, options, folder, self.limit)
         found = faults(run, or_gives_up)
+        run.completed = not found and run.status == 0
         self.check(f"{label}.faults", len(found), None, 0)
         for fault in found:
             print(f"    {fault}")

@@ -137,7 +137,8 @@ with Hostile(LIMIT) as test:
     run = test.ends("hencky_beyond_its_limit", SCENE, or_gives_up=True, mpm_load_cap_value=f"0,{traction!r}",
                     mpm_material_rubber_nu=0, mpm_body_bar_points_per_cell="4,4")
     test.check("hencky_beyond_its_limit.status", run.status, 3, 3)
-    test.check("hencky_beyond_its_limit.load", run.last("load") * 1.05, 0.95, 1.0)
+    if run.status == 3:
+        test.check("hencky_beyond_its_limit.load", run.last("load") * 1.05, 0.95, 1.0)
     pull(test, "3d.to_3", "neo_hookean", 0.0, 3.0, False, scene=SOLID, mpm_body_bar_points_per_cell="2,2,4")
     pull(test, "3d.to_a_tenth", "neo_hookean", 0.0, 0.1, False, scene=SOLID)
     if test.full:
