@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Bodies that touch the grid's edge on every side, with and without conditions there.
 
-Held all round, a body that fills the grid carries its weight at rest: sigma_yy = - rho g (H - y), sigma_xx = nu/(1 - nu)
-sigma_yy. Free to spread, it leaves the grid, which must end the run with one line. Not held at all it has no equilibrium,
-or any: the run gives up, or comes to an end of which only the numbers' being finite can be asked.
+Held all round, a body that fills the grid carries its weight at rest: sigma_yy = - rho g (H - y), sigma_xx =
+nu/(1 - nu) sigma_yy. Free to spread, it leaves the grid, which must end the run with one line. Not held at all it has
+no equilibrium, or any: the run gives up, or comes to an end of which only the numbers' being finite can be asked.
 
 With --full: the same at four times the cells per axis.
 """

@@ -3,8 +3,8 @@
 
 A body keeps the points of its cells' lattices that lie in its region: where its edge cuts cells the points' domains
 neither tile it nor end with it. The weight of the points is then the weight of the scene, and the base must carry it;
-what stands there is checked for equilibrium only. One point a cell leaves, under `gimp` and `linear`, displacements that
-strain no point; such a scene may give up.
+what stands there is checked for equilibrium only. One point a cell leaves displacements that strain no point; such a
+scene may give up. So may B-splines where a body ends in slivers: they have no ghost penalty.
 
 With --full: every case on 2 ranks and with the iterative solvers, cells of half the size.
 """
@@ -93,7 +93,8 @@ with Hostile(LIMIT) as test:
     for name, bodies in BODIES.items():
         for shape in SHAPES if test.full else ("linear", "gimp"):
             for refine in refinements:
-                stands(test, f"{name}.{shape}.h_over_{refine}", bodies, mpm_shape=shape, mpm_grid_refine=refine)
+                stands(test, f"{name}.{shape}.h_over_{refine}", bodies, or_gives_up=shape not in ("linear", "gimp"),
+                       mpm_shape=shape, mpm_grid_refine=refine)
         # soft: the weight strains it by a tenth and more
         stands(test, f"{name}.soft", bodies, mpm_material_soil_E=1e5)
         for solver in ("amg", "boomeramg") if test.full else ("amg",):

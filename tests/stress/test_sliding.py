@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """A body that slides by 0.37 cells a step: grid lines pass through it at every phase, and its stress must not notice.
 
-`carried`: every node is prescribed. Each column of nodes has its own ramp: first the columns close in on the first one, a
-uniform strain; then all move alike. The strain no longer changes, so that the stress may only gather rounding, at most
+`carried`: every node is prescribed. Each column of nodes has its own ramp: first the columns close in on the first one,
+a uniform strain; then all move alike. The strain no longer changes, so that the stress may only gather rounding, at most
 eps times the distance in cells a step: 1e-10 of it is asked for.
 
 `pushed`: only the nodes under the body are driven, sideways; a traction on its top, with nu = 0, has made its stress
-uniform before. The domains of `gimp` tile the body, so that uniform stress is the discrete equilibrium as well, and what
-may be added a step is what Newton leaves: its relative tolerance, 1e-8 of a residual of the order of the stress that the
-nodes' step makes while the rest stands still, 0.37 E. A step's share of noise is 1e-8 E; errors add up at worst. `drag`
+uniform before. The domains of `gimp` tile the body, so that uniform stress is the discrete equilibrium as well, and
+what may be added a step is what Newton leaves: its relative tolerance, 1e-8 of a residual of the order of the stress
+that the nodes' step makes while the rest stands still, 0.37 E. A step's share of noise is 1e-8 E; errors add up at worst. `drag`
 is the same without traction.
 
 With --full: 200 steps, all shapes, 2 ranks.
@@ -54,7 +54,7 @@ def width(steps):
 
 
 def carried(steps, walls):
-    """Every column of nodes on its own ramp; as boxes they are walls to the shape functions, as polygons they are not."""
+    """Every column of nodes on its own ramp; as boxes they are walls to the shape functions, as polygons not."""
     upper = width(steps)
     blocks, names = ["  bc_floor: {components: \"y\"}"], ["floor"]
     for i in range(upper + 1):
@@ -76,7 +76,7 @@ def pushed(steps, traction):
 
 
 def noise(run):
-    """Largest difference of any stress component at any step from that after the first one, in Pa; the largest stress."""
+    """Largest difference of any stress component at any step from that after the first one; the largest stress, Pa."""
     results = run.results
     start = results.state(1)["stress"]
     worst = max(np.max(np.abs(results.state(step)["stress"] - start)) for step in results.steps if step > 0)

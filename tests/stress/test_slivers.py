@@ -6,8 +6,8 @@ while the block, without stress until then, takes its load. With `linear` the ou
 their domains, is brought to that place. `beyond` has a hair of the block in the next column of cells, `behind` leaves a
 hair of it in the last one, `above` lifts it.
 
-Reactions are the load, and the top moves as that of the block whose edge stands in the row of nodes itself, whatever the
-sliver; the reach is what the ghost penalty may change with a cell a quarter of the block.
+Reactions are the load, and the top moves as that of the block whose edge stands in the row of nodes itself, whatever
+the sliver; the reach is what the ghost penalty may change with a cell a quarter of the block.
 
 With --full: all of it on 2 ranks too, more laws, and in 3D with every solver.
 """

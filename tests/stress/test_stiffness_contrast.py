@@ -76,7 +76,8 @@ def stacked(test, label, low, high, mpm_grid_refine=1, **options):
         return
     weight = DENSITY * GRAVITY * 2.0 * 2.0 * HEIGHT
     test.near(f"{label}.base_reaction", run.last("reaction_base_y"), weight, relative=1e-5)
-    test.near(f"{label}.settlement", -run.last("track_top_uy"), settlement(low, high), relative=CELL / mpm_grid_refine / HEIGHT)
+    cell = CELL / mpm_grid_refine
+    test.near(f"{label}.settlement", -run.last("track_top_uy"), settlement(low, high), relative=cell / HEIGHT)
 
 
 def free(test, label, low, high, **options):
