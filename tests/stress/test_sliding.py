@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """A body that slides by 0.37 cells a step: grid lines pass through it at every phase, and its stress must not notice.
 
-`carried`: every node is prescribed. Each column of nodes has its own ramp: first the columns close in on the first one,
-a uniform strain; then all move alike. The strain no longer changes, so that the stress may only gather rounding, at most
-eps times the distance in cells a step: 1e-10 of it is asked for.
+`carried`: every node is prescribed. Each column of nodes has its own ramp: first the columns close in on the first
+one, a uniform strain; then all move alike. The strain no longer changes, so that the stress may only gather rounding,
+at most eps times the distance in cells a step: 1e-10 of it is asked for.
 
 `pushed`: only the nodes under the body are driven, sideways; a traction on its top, with nu = 0, has made its stress
 uniform before. The domains of `gimp` tile the body, so that uniform stress is the discrete equilibrium as well, and
 what may be added a step is what Newton leaves: its relative tolerance, 1e-8 of a residual of the order of the stress
-that the nodes' step makes while the rest stands still, 0.37 E. A step's share of noise is 1e-8 E; errors add up at worst. `drag`
-is the same without traction.
+that the nodes' step makes while the rest stands still, 0.37 E. A step's share of noise is 1e-8 E; errors add up at
+worst. `drag` is the same without traction.
 
 With --full: 200 steps, all shapes, 2 ranks.
 """

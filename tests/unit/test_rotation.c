@@ -1,8 +1,8 @@
 /*
-  Rigid rotation of a body under stress, by 360 degrees in 12 steps: grid lines pass through it at every angle. The nodes
-  are given the rotation's displacement, which every shape function reproduces, so that a step's deformation is the rotation
-  itself. What an objective law and a sound update make of it: after every step F = Q F_0, sigma = Q sigma_0 Q^T and
-  x = c + Q (x_0 - c), with Q the rotation so far; after the last one everything is where it was.
+  Rigid rotation of a body under stress, by 360 degrees in 12 steps: grid lines pass through it at every angle. The
+  nodes are given the rotation's displacement, which every shape function reproduces, so that a step's deformation is
+  the rotation itself. What an objective law and a sound update make of it: after every step F = Q F_0, sigma = Q
+  sigma_0 Q^T and x = c + Q (x_0 - c), with Q the rotation so far; after the last one everything is where it was.
 
   A small-strain law is not objective and is left out.
 
