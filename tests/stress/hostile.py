@@ -147,6 +147,14 @@ class Hostile(Test):
         self.limit = limit
         super().__init__()
 
+    def takes(self, scene, **options):
+        """Whether the program takes these options at all; what it does not have is refused with status 2."""
+        folder = self.folder()
+        run = Ended(self.program, scene, 1, {**options, "mpm_time_end": 1e-6, "mpm_quiet": None}, folder, self.limit)
+        if run.status == 2:
+            print(f"passed over: {run.errors.strip()}", flush=True)
+        return run.status != 2
+
     def ends(self, label, scene, ranks=1, or_gives_up=False, **options):
         """Runs a scene, a path or a text; checks that it ends well, which may mean that it gives up. One line a run."""
         folder = self.folder()

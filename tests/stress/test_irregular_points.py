@@ -13,6 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
+from talus_test import example  # noqa: E402
 
 LIMIT = 90.0  # s, for one run
 GRAVITY = 10.0  # m/s2
@@ -88,7 +89,10 @@ def stands(test, label, bodies, or_gives_up=False, **options):
         test.check(f"{label}.sideways", abs(run.last("reaction_base_x")) / weight, None, 1e-5)
 
 
+FBAR = {"mpm_stabilization_fbar": "true"}
+
 with Hostile(LIMIT) as test:
+    fbar = test.takes(example("bar_elastic"), **FBAR)
     refinements = (1, 2) if test.full else (1,)
     for name, bodies in BODIES.items():
         for shape in SHAPES if test.full else ("linear", "gimp"):
@@ -97,6 +101,9 @@ with Hostile(LIMIT) as test:
                        mpm_shape=shape, mpm_grid_refine=refine)
         # soft: the weight strains it by a tenth and more
         stands(test, f"{name}.soft", bodies, mpm_material_soil_E=1e5)
+        if fbar:
+            stands(test, f"{name}.fbar", bodies, **FBAR)
+            stands(test, f"{name}.soft.fbar", bodies, mpm_material_soil_E=1e5, **FBAR)
         for solver in ("amg", "boomeramg") if test.full else ("amg",):
             stands(test, f"{name}.{solver}", bodies, mpm_solver=solver)
         if test.full or name in ("slope", "patchwork"):

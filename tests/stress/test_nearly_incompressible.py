@@ -13,9 +13,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
+from talus_test import example  # noqa: E402
 
 LIMIT = 90.0  # s, for one run
 E, DENSITY, GRAVITY, SIZE = 1e6, 1000.0, 10.0, 4.0  # Pa, kg/m3, m/s2, m
+FBAR = {"mpm_stabilization_fbar": "true"}
 
 PLANE = """
 mpm:
@@ -99,11 +101,18 @@ def column(test, label, nu, **options):
 
 
 with Hostile(LIMIT) as test:
+    fbar = test.takes(example("bar_elastic"), **FBAR)
     for nu in (0.4999, 0.49999) if test.full else (0.4999,):
         for law in ("hencky", "neo_hookean"):
             block(test, f"{law}.{nu}.block", PLANE, nu, SIZE, 2, mpm_material_gel_type=law)
             column(test, f"{law}.{nu}.column", nu, mpm_material_gel_type=law)
             block(test, f"{law}.{nu}.block_3d", SOLID, nu, 2.0, 3, mpm_material_gel_type=law)
+        if fbar:
+            for law in ("hencky", "neo_hookean"):
+                block(test, f"{law}.{nu}.block_fbar", PLANE, nu, SIZE, 2, mpm_material_gel_type=law, **FBAR)
+                block(test, f"{law}.{nu}.block_3d_fbar", SOLID, nu, 2.0, 3, mpm_material_gel_type=law, **FBAR)
+            column(test, f"{nu}.column_fbar", nu, **FBAR)
+            block(test, f"{nu}.block_fbar_on_2_ranks", PLANE, nu, SIZE, 2, ranks=2, **FBAR)
         block(test, f"{nu}.block_on_2_ranks", PLANE, nu, SIZE, 2, ranks=2)
         block(test, f"{nu}.block_linear", PLANE, nu, SIZE, 2, mpm_shape="linear")
         block(test, f"{nu}.block_amg", PLANE, nu, SIZE, 2, mpm_solver="amg")
