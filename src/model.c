@@ -179,8 +179,14 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
     MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
   PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED,
                            &model->dt_nominal, NULL));
+  /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
   model->predict = PETSC_TRUE;
-  PetscCall(MpmOptionsBool(&block, "predict", "start each step from the increment of the last", &model->predict, NULL));
+  for (PetscInt m = 0; m < model->material_count; m++)
+    if (model->materials[m].state_size) model->predict = PETSC_FALSE;
+  PetscCall(MpmOptionsBool(&block, "predict",
+                           "start each step from the increment of the last; the default is true where no material has "
+                           "history",
+                           &model->predict, NULL));
   model->dt_min = model->dt_nominal / 1024.;
   model->dt_max = model->dt_nominal;
   PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));

@@ -490,6 +490,8 @@ struct _p_MpmModel {
   PetscReal     *u, *residual, *force; /* local nodes */
   PetscReal      diagonal;             /* of held unknowns: a typical stiffness */
   char           mat_type[64], vec_type[64];
+  PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
+  PetscBool      indefinite;        /* it has */
   PetscBool      factorises; /* the preconditioner is a direct solver */
   SNES           snes;
   Mat            jacobian;      /* assembled; NULL when the preconditioner does without it */
@@ -497,6 +499,7 @@ struct _p_MpmModel {
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
   Vec            x, f;
+  char           lost[128];     /* tells of a point that left the grid */
   PetscBool      predict;       /* start from the last step's increment */
   PetscReal      dt_last;       /* of the last step, 0 before the first */
   PetscReal      reference;     /* residual of the step in which nothing moves */

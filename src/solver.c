@@ -54,6 +54,10 @@ static PetscErrorCode CreateSNES(MpmModel model)
   PetscCall(MpmNewtonAttach(model));
   PetscCall(SNESSetFromOptions(model->snes));
   PetscCall(SNESGetKSP(model->snes, &ksp));
+  if (model->indefinite) {
+    PetscCall(KSPSetType(ksp, KSPGMRES));
+    PetscCall(KSPGMRESSetRestart(ksp, 100));
+  }
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->factorises, PCLU, PCCHOLESKY, ""));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->matrix_unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL, PCMAT, ""));
@@ -166,7 +170,14 @@ PetscErrorCode MpmSolverChoose(MpmModel model)
   }
   /* what a preset cannot know: whether the Jacobian is symmetric */
   if (direct) PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
-  else PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
+  else {
+    PetscBool chosen;
+
+    PetscCall(PetscOptionsHasName(NULL, NULL, "-ksp_type", &chosen));
+    model->may_be_indefinite = (PetscBool)(model->symmetric && !chosen);
+    PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
+    if (!model->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
+  }
   if (model->ghost == MPM_GHOST_AUTO) {
     /* F-bar takes stiffness from points at the edge of the material, too much where splines reach beyond it */
     model->ghost        = direct && !model->fbar ? 0. : MPM_GHOST_FACTOR;
@@ -322,7 +333,18 @@ PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
   if (*reason == SNES_DIVERGED_LINEAR_SOLVE) { /* a factorisation that failed must not be used again */
     KSP ksp;
 
+    KSPConvergedReason why;
+
     PetscCall(SNESGetKSP(model->snes, &ksp));
+    PetscCall(KSPGetConvergedReason(ksp, &why));
+    if (model->may_be_indefinite && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
+      model->may_be_indefinite = PETSC_FALSE;
+      model->indefinite        = PETSC_TRUE;
+      PetscCall(KSPSetType(ksp, KSPGMRES));
+      PetscCall(KSPGMRESSetRestart(ksp, 100));
+      if (!model->quiet)
+        PetscCall(PetscPrintf(model->comm, "       the Jacobian is not positive definite; from here on with GMRES\n"));
+    }
     PetscCall(KSPReset(ksp));
   }
   PetscCall(SNESGetIterationNumber(model->snes, &newton));

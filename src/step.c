@@ -133,47 +133,80 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReportLost(PetscInt dim, PetscInt id, const PetscReal x[])
+/* Is a place in the grid? Rounding at the edge is forgiven. */
+static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
 {
-  PetscFunctionBeginUser;
-  PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, "talus: point %" PetscInt_FMT " left the grid at (%g, %g", id,
-                         (double)x[0], (double)x[1]));
-  if (dim > 2) PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, ", %g", (double)x[2]));
-  PetscCall(PetscFPrintf(PETSC_COMM_SELF, stderr, ")\n"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal slack = 1e-9 * grid->h[a];
+
+    if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }
 
-/* A point that the converged step has carried out of the grid; rounding at the edge is forgiven. */
-static PetscErrorCode KeepInside(MpmModel model, PetscBool *lost)
+/* Are all of this rank's points further from the edge than any node moves? Then none of them can leave. */
+static PetscBool FarFromEdge(const MpmModel model)
 {
-  const MpmGrid *grid = &model->grid;
-  PetscInt       out  = 0;
+  const PetscInt dim = model->grid.dim, bs = model->layout.block;
+  PetscReal      most[MPM_MAX_DIM] = {0.};
+
+  for (PetscInt k = 0; k < model->space.local * dim; k++)
+    most[k % dim] = PetscMax(most[k % dim], 3. * PetscAbsReal(model->u[k / dim * bs + k % dim]));
+  for (PetscInt k = 0; k < model->points.count * dim; k++) {
+    const PetscInt a = k % dim;
+
+    if (!(model->points.x[k] - most[a] > model->grid.lower[a] && model->points.x[k] + most[a] < model->grid.upper[a]))
+      return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Would the converged increment carry a point out of the grid? The reason names the first such point of the lowest rank. */
+static PetscErrorCode FindLost(MpmModel model, const char **why)
+{
+  const PetscInt dim = model->grid.dim, bs = model->layout.block, most = PetscPowInt(model->space.width, dim);
+  PetscMPIInt    rank = model->size;
+  PetscReal     *storage;
+  MpmBasis       basis;
 
   PetscFunctionBeginUser;
-  for (PetscInt p = 0; p < model->points.count; p++) {
-    PetscReal *x      = &model->points.x[p * grid->dim];
-    PetscBool  inside = PETSC_TRUE;
+  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < (FarFromEdge(model) ? 0 : model->space.group_count) && rank == model->size; g++) {
+    const MpmGroup *group = &model->space.groups[g];
+    const PetscInt *nodes = &model->space.group_nodes[group->node_offset];
 
-    for (PetscInt a = 0; a < grid->dim; a++) {
-      const PetscReal slack = 1e-9 * grid->h[a];
+    for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
+      const PetscInt p                = model->space.order[s];
+      PetscReal      x[MPM_MAX_DIM] = {0.};
 
-      if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) inside = PETSC_FALSE;
-      else x[a] = PetscMin(PetscMax(x[a], grid->lower[a]), grid->upper[a]);
+      MpmSpaceEvaluate(&model->space, group, p, &basis);
+      for (PetscInt a = 0; a < dim; a++) {
+        x[a] = model->points.x[p * dim + a];
+        for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * model->u[nodes[i] * bs + a];
+      }
+      if (IsInside(&model->grid, x)) continue;
+      rank = model->rank;
+      PetscCall(PetscSNPrintf(model->lost, sizeof(model->lost),
+                              dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
+                                      : "point %" PetscInt_FMT " left the grid at (%g, %g)",
+                              model->points.id[p], (double)x[0], (double)x[1], (double)x[2]));
     }
-    if (inside) continue;
-    if (!out++) PetscCall(ReportLost(grid->dim, model->points.id[p], x));
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &out, 1, MPIU_INT, MPI_SUM, model->comm));
-  *lost = (PetscBool)(out > 0);
+  PetscCall(PetscFree(storage));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, model->comm));
+  if (rank == model->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(model->lost, (PetscMPIInt)sizeof(model->lost), MPI_CHAR, rank, model->comm));
+  *why = model->lost;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The converged step becomes the state; reactions are what the held nodes lack in balance. */
-static PetscErrorCode Commit(MpmModel model, const char **why)
+static PetscErrorCode Commit(MpmModel model)
 {
   const PetscInt bs = model->layout.block;
+  const PetscInt dim = model->grid.dim;
   PetscInt       failed;
-  PetscBool      lost = PETSC_FALSE;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
@@ -191,8 +224,8 @@ static PetscErrorCode Commit(MpmModel model, const char **why)
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->reaction, (PetscMPIInt)(model->bc_count * bs), MPIU_REAL, MPIU_SUM,
                            model->comm));
-  PetscCall(KeepInside(model, &lost));
-  if (lost) *why = "a point left the grid";
+  for (PetscInt k = 0; k < model->points.count * dim; k++)
+    model->points.x[k] = PetscMin(PetscMax(model->points.x[k], model->grid.lower[k % dim]), model->grid.upper[k % dim]);
   MpmClock(model, MPM_TIME_TRANSFER, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -210,6 +243,8 @@ static const char *ReasonText(SNESConvergedReason reason)
     return "Newton reached its iteration limit";
   case SNES_DIVERGED_LINE_SEARCH:
     return "the line search failed";
+  case SNES_DIVERGED_LOCAL_MIN:
+    return "Newton's step does not lower the residual";
   case SNES_DIVERGED_DTOL:
     return "the residual grew without bound";
   default:
@@ -232,6 +267,13 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
     if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(InitialGuess(model, PETSC_FALSE));
   }
+  {
+    const PetscBool before = model->indefinite;
+
+    PetscCall(MpmSolverSolve(model, reason));
+    if (model->indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(InitialGuess(model, PETSC_FALSE)); /* the Krylov method has been changed: once more */
   PetscCall(MpmSolverSolve(model, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -251,7 +293,12 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     *why      = ReasonText(reason);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(Commit(model, why));
+  PetscCall(FindLost(model, why));
+  if (*why) {
+    *hopeless = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Commit(model));
   model->dt_last = dt;
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   PetscFunctionReturn(PETSC_SUCCESS);
