@@ -504,7 +504,7 @@ struct _p_MpmModel {
   PetscReal      dt_last;       /* of the last step, 0 before the first */
   PetscReal      reference;     /* residual of the step in which nothing moves */
   PetscBool      lag;           /* may a Jacobian serve for more than one iteration? */
-  PetscInt       lagged;        /* iterations since the last one was made */
+  PetscBool      lagged;        /* has the last one? */
   PetscReal      fnorm_last;
   PetscInt       newton, linear;
   PetscInt64     newton_total, linear_total, active_dofs_max;

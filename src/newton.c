@@ -92,25 +92,15 @@ static PetscErrorCode AssembleJacobian(MpmModel model, Mat P)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* No more than this many iterations in a row use an old Jacobian. */
-#define LAG_MOST 2
-
 /*
   Will the last Jacobian do? With it the residual goes on falling by about its last factor, since that factor is the
-  distance of the last iterate; a new one squares it. So the old one is kept when it brings the residual to its
-  tolerance in as many iterations as cost less than a new one.
+  distance of the last iterate; a new one squares it. So the old one is kept for one iteration where that brings the
+  residual to its tolerance with some room.
 */
 static PetscBool KeepJacobian(const MpmModel model, PetscInt it, PetscReal fnorm, PetscReal target)
 {
-  PetscReal expected = fnorm;
-
-  if (!model->lag || !it || model->lagged >= LAG_MOST) return PETSC_FALSE;
-  if (model->lagged) return (PetscBool)(fnorm <= 0.3 * model->fnorm_last);
-  for (PetscInt k = 0; k < LAG_MOST; k++) {
-    expected *= fnorm / model->fnorm_last;
-    if (expected <= 0.3 * target) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
+  if (!model->lag || !it || model->lagged) return PETSC_FALSE;
+  return (PetscBool)(fnorm * fnorm <= 0.3 * target * model->fnorm_last);
 }
 
 static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
@@ -127,7 +117,7 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
   keep              = KeepJacobian(model, it, fnorm, rtol * model->reference);
   model->fnorm_last = fnorm;
-  model->lagged     = keep ? model->lagged + 1 : 0;
+  model->lagged     = keep;
   if (keep) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&since));
   PetscCall(MpmGatherSolution(model, x));

@@ -144,20 +144,24 @@ static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
   return PETSC_TRUE;
 }
 
-/* Are all of this rank's points further from the edge than any node moves? Then none of them can leave. */
-static PetscBool FarFromEdge(const MpmModel model)
+/* How far a group's nodes move along each axis; no point moves further than three times that, by any shape. */
+static void GroupReach(const MpmModel model, const MpmGroup *group, PetscReal reach[])
 {
   const PetscInt dim = model->grid.dim, bs = model->layout.block;
-  PetscReal      most[MPM_MAX_DIM] = {0.};
 
-  for (PetscInt k = 0; k < model->space.local * dim; k++)
-    most[k % dim] = PetscMax(most[k % dim], 3. * PetscAbsReal(model->u[k / dim * bs + k % dim]));
-  for (PetscInt k = 0; k < model->points.count * dim; k++) {
-    const PetscInt a = k % dim;
+  for (PetscInt a = 0; a < dim; a++) reach[a] = 0.;
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    const PetscReal *u = &model->u[model->space.group_nodes[group->node_offset + i] * bs];
 
-    if (!(model->points.x[k] - most[a] > model->grid.lower[a] && model->points.x[k] + most[a] < model->grid.upper[a]))
-      return PETSC_FALSE;
+    for (PetscInt a = 0; a < dim; a++) reach[a] = PetscMax(reach[a], 3. * PetscAbsReal(u[a]));
   }
+}
+
+/* Is a place further than that from the grid's edges? */
+static PetscBool FarFromEdge(const MpmGrid *grid, const PetscReal x[], const PetscReal reach[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (!(x[a] - reach[a] > grid->lower[a] && x[a] + reach[a] < grid->upper[a])) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
@@ -172,14 +176,17 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
-  for (PetscInt g = 0; g < (FarFromEdge(model) ? 0 : model->space.group_count) && rank == model->size; g++) {
+  for (PetscInt g = 0; g < model->space.group_count && rank == model->size; g++) {
     const MpmGroup *group = &model->space.groups[g];
     const PetscInt *nodes = &model->space.group_nodes[group->node_offset];
+    PetscReal       reach[MPM_MAX_DIM];
 
+    GroupReach(model, group, reach);
     for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
       const PetscInt p                = model->space.order[s];
       PetscReal      x[MPM_MAX_DIM] = {0.};
 
+      if (FarFromEdge(&model->grid, &model->points.x[p * dim], reach)) continue;
       MpmSpaceEvaluate(&model->space, group, p, &basis);
       for (PetscInt a = 0; a < dim; a++) {
         x[a] = model->points.x[p * dim + a];
