@@ -25,7 +25,7 @@ extern const char *const MpmShapeTypes[];
 /* Does the shape average over the point's domain, so that domains must be followed? */
 PetscBool MpmShapeHasDomain(MpmShapeType type);
 /* Degree of the grid's spline: 1 for hats, under GIMP too. */
-PetscInt  MpmShapeDegree(MpmShapeType type);
+PetscInt MpmShapeDegree(MpmShapeType type);
 
 /* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);

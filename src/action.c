@@ -29,7 +29,8 @@ PetscErrorCode MpmActionCreate(const MpmSum *sum, PetscBool stored, MpmAction *a
   action->dvalues = action->values + n * bs;
   action->force   = action->dvalues + n * bs;
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) action->basis.basis[b] = action->force + n * (bs + b);
-  if (stored) PetscCall(PetscMalloc1(((size_t)sum->space->point_count * (size_t)StoredSize(sum->layout)), &action->tangent));
+  if (stored)
+    PetscCall(PetscMalloc1(((size_t)sum->space->point_count * (size_t)StoredSize(sum->layout)), &action->tangent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -14,7 +14,7 @@
 typedef struct {
   const MpmSum *sum;
   PetscBool     dense;
-  PetscInt      side;  /* nodes of one colour are this far apart */
+  PetscInt      side;   /* nodes of one colour are this far apart */
   PetscReal    *du, *y; /* the seeds, and one column of every window, by rows */
   MpmAction     action;
 } Seeds;
@@ -90,7 +90,7 @@ static PetscErrorCode AddColumns(Seeds *seeds, const PetscInt color[], PetscInt 
   PlantSeeds(seeds, color, c);
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmGroup *box = &space->groups[MpmUnitGroups(sum, unit).box];
-    const PetscInt  j   = NodeOfColor(seeds, box, color), node = j < 0 ? -1 : space->group_nodes[box->node_offset + j];
+    const PetscInt  j = NodeOfColor(seeds, box, color), node = j < 0 ? -1 : space->group_nodes[box->node_offset + j];
 
     /* dense differentiation is kept honest: it evaluates every point for every column */
     if (!seeds->dense && (node < 0 || seeds->du[node * sum->layout->block + c] == 0.)) continue;

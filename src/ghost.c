@@ -87,7 +87,7 @@ static PetscInt FirstNode(PetscInt degree)
 static void GroupPieces(const MpmGroup *group, const MpmRules *rules, const PetscReal x[], PetscInt lower[],
                         PetscInt count[])
 {
-  const PetscInt p = MpmShapeDegree(rules->shape);
+  const PetscInt p                 = MpmShapeDegree(rules->shape);
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
   MpmSpaceEdges(rules, x, edge, far_edge);
@@ -267,8 +267,7 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
       next[axis]++;
       if (!IsMaterial(map, next) || !(IsEdge(map, grid, cell) || IsEdge(map, grid, next))) continue;
       if (!FaceBox(rules, cell, &face, &box)) continue;
-      face.stiffness =
-        PetscMax(materials[*CellAt(map, cell) - 1].penalty, materials[*CellAt(map, next) - 1].penalty);
+      face.stiffness = PetscMax(materials[*CellAt(map, cell) - 1].penalty, materials[*CellAt(map, next) - 1].penalty);
       if (faces) {
         faces[count] = face;
         boxes[count] = box;
@@ -298,9 +297,9 @@ PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmRules *rules, const MpmPo
 /* The (p + 1)-th difference, and the mass matrix of p + 1 splines on one piece (times `whole`), h = 1. */
 static const PetscReal difference[3][5] = {{1., -2., 1.}, {-1., 3., -3., 1.}, {1., -4., 6., -4., 1.}};
 static const PetscReal mass[3][16]      = {
-  {2., 1., 1., 2.},
-  {6., 13., 1., 13., 54., 13., 1., 13., 6.},
-  {20., 129., 60., 1., 129., 1188., 933., 60., 60., 933., 1188., 129., 1., 60., 129., 20.},
+       {2., 1., 1., 2.},
+       {6., 13., 1., 13., 54., 13., 1., 13., 6.},
+       {20., 129., 60., 1., 129., 1188., 933., 60., 60., 933., 1188., 129., 1., 60., 129., 20.},
 };
 static const PetscReal whole[3] = {6., 120., 5040.};
 

@@ -160,8 +160,8 @@ PetscErrorCode MpmMatfreeCreate(MpmModel model, PetscBool stored, Mat *J)
   free->model = model;
   PetscCall(MpmActionCreate(&model->sum, stored, &free->action));
   PetscCall(PetscMalloc2((model->space.local * bs), &free->du, (model->space.local * bs), &free->y));
-  PetscCall(MatCreateShell(model->comm, rows, rows, model->space.global_count * bs, model->space.global_count * bs, free,
-                           J));
+  PetscCall(
+    MatCreateShell(model->comm, rows, rows, model->space.global_count * bs, model->space.global_count * bs, free, J));
   PetscCall(MatSetBlockSize(*J, bs));
   PetscCall(MatShellSetOperation(*J, MATOP_MULT, (MpmFunction)MatMult_Matfree));
   if (model->symmetric) PetscCall(MatShellSetOperation(*J, MATOP_MULT_TRANSPOSE, (MpmFunction)MatMult_Matfree));

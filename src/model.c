@@ -318,8 +318,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (model->loads[l].share_field) fields[extra++] = model->loads[l].share_field;
   }
   for (PetscInt t = 0; t < model->track_count; t++) fields[extra++] = model->tracks[t].share_field;
-  PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra, fields,
-                               &model->particles));
+  PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra,
+                               fields, &model->particles));
   PetscCall(PetscFree(fields));
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));

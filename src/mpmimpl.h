@@ -75,7 +75,7 @@ typedef struct {
   PetscInt  basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */
   PetscInt  component_of[MPM_MAX_INPUTS], basis_of[MPM_MAX_INPUTS];
   PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
-  PetscInt  means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
+  PetscInt  means;                         /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
   PetscBool increment[MPM_MAX_BLOCK];
   const char         *component_name[MPM_MAX_BLOCK];
   PetscBool           solid; /* the displacement's gradient is all that the kernel sees */
@@ -99,9 +99,9 @@ typedef struct {
   PetscReal *F;           /* dim x dim, row-major */
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
   PetscReal *volume0;
-  PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
-  PetscReal *state;  /* state_size values */
-  PetscReal *value;  /* rate values */
+  PetscReal *stress;    /* Cauchy, xx, yy, zz, xy (, yz, xz) */
+  PetscReal *state;     /* state_size values */
+  PetscReal *value;     /* rate values */
   PetscReal *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major */
 } MpmPoints;
 
@@ -113,7 +113,8 @@ typedef struct {
 } MpmParticles;
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
-                                  PetscBool increment, PetscInt extra_count, char *const extra[], MpmParticles *particles);
+                                  PetscBool increment, PetscInt extra_count, char *const extra[],
+                                  MpmParticles *particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
@@ -149,13 +150,13 @@ typedef struct {
   Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side.
 */
 typedef struct {
-  PetscInt first[MPM_MAX_DIM];
-  PetscInt count[MPM_MAX_DIM];
-  PetscInt node_count;
-  PetscInt node_offset;            /* into group_nodes */
-  PetscInt point_begin, point_end; /* into order */
-  PetscInt cell;                   /* into cells, where the physics has a mean */
-  PetscBool holes;                 /* some of its nodes may be inactive: local node -1 */
+  PetscInt  first[MPM_MAX_DIM];
+  PetscInt  count[MPM_MAX_DIM];
+  PetscInt  node_count;
+  PetscInt  node_offset;            /* into group_nodes */
+  PetscInt  point_begin, point_end; /* into order */
+  PetscInt  cell;                   /* into cells, where the physics has a mean */
+  PetscBool holes;                  /* some of its nodes may be inactive: local node -1 */
 } MpmGroup;
 
 /* The points over which a mean is taken: those whose centres lie in one cell of the grid, in whole groups. */
@@ -186,14 +187,14 @@ typedef struct {
   PetscReal *weight, *gradient; /* per point and axis, `width` values; gradients by x */
   PetscInt  *order;             /* points by group */
   PetscInt   group_count;
-  PetscInt   face_count;     /* faces of the ghost penalty: groups without points, behind the others */
-  PetscInt   cell_count;     /* cells with a mean, if the physics has one: their boxes come last */
-  PetscInt   box_count;      /* groups, faces and cells */
-  PetscInt   reach;          /* no box has more than reach + 1 nodes on an axis, on any rank */
+  PetscInt   face_count; /* faces of the ghost penalty: groups without points, behind the others */
+  PetscInt   cell_count; /* cells with a mean, if the physics has one: their boxes come last */
+  PetscInt   box_count;  /* groups, faces and cells */
+  PetscInt   reach;      /* no box has more than reach + 1 nodes on an axis, on any rank */
   MpmCell   *cells;
-  PetscReal *share;          /* of each point in the mean of its cell */
+  PetscReal *share; /* of each point in the mean of its cell */
   MpmFace   *faces;
-  PetscBool  ghost;          /* are there faces on any rank? */
+  PetscBool  ghost; /* are there faces on any rank? */
   MpmGroup  *groups;
   PetscInt  *group_nodes;  /* local nodes of each group, x fastest */
   PetscInt   owned, local; /* active nodes owned by this rank, and with ghosts */
@@ -257,7 +258,7 @@ typedef struct {
 PetscErrorCode MpmProjectToNodes(const MpmSpace *space, const MpmGrid *grid, const MpmPoints *points,
                                  PetscInt components, PetscInt stride, const PetscReal value[],
                                  const PetscReal gradient[], PetscReal nodal[]);
-void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
+void           MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
 
 /* ---- condition.c ---- */
 
@@ -381,14 +382,14 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal 
   the matrix's own array, or, where its columns are not all this rank's, in a buffer with the same order.
 */
 typedef struct {
-  PetscInt    block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
-  PetscInt    local, owned;
-  PetscInt   *row;    /* local + 1: where each row's columns start */
-  PetscInt   *column; /* global node numbers */
-  PetscInt   *slot;   /* local * window: position in the row, or -1 */
-  PetscReal **value;  /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
-  PetscReal  *buffer;
-  PetscInt64  buffer_size;
+  PetscInt     block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
+  PetscInt     local, owned;
+  PetscInt    *row;    /* local + 1: where each row's columns start */
+  PetscInt    *column; /* global node numbers */
+  PetscInt    *slot;   /* local * window: position in the row, or -1 */
+  PetscReal  **value;  /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
+  PetscReal   *buffer;
+  PetscInt64   buffer_size;
   PetscScalar *array; /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
 } MpmPattern;
 
@@ -430,12 +431,12 @@ PetscErrorCode MpmJacobianDiagonal(const MpmSum *sum, const PetscReal u[], Petsc
   the product anew each time. With `differences` the plain kernel is differenced in place of duals.
 */
 typedef struct {
-  const MpmSum    *sum;
-  PetscBool        differences;
-  PetscReal       *u;       /* at the local nodes: where the derivative is taken */
-  PetscReal       *tangent; /* per place in the points' order, or NULL */
-  PetscReal       *values, *dvalues, *force, *storage;
-  MpmBasis         basis;
+  const MpmSum *sum;
+  PetscBool     differences;
+  PetscReal    *u;       /* at the local nodes: where the derivative is taken */
+  PetscReal    *tangent; /* per place in the points' order, or NULL */
+  PetscReal    *values, *dvalues, *force, *storage;
+  MpmBasis      basis;
 } MpmAction;
 PetscErrorCode MpmActionCreate(const MpmSum *sum, PetscBool stored, MpmAction *action);
 PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed);
@@ -492,19 +493,19 @@ struct _p_MpmModel {
   char           mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
   PetscBool      indefinite;        /* it has */
-  PetscBool      factorises; /* the preconditioner is a direct solver */
+  PetscBool      factorises;        /* the preconditioner is a direct solver */
   SNES           snes;
   Mat            jacobian;      /* assembled; NULL when the preconditioner does without it */
   Mat            shell;         /* its action alone, with MPM_JACOBIAN_MATFREE */
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
   Vec            x, f;
-  char           lost[128];     /* tells of a point that left the grid */
-  PetscBool      predict;       /* start from the last step's increment */
-  PetscReal      dt_last;       /* of the last step, 0 before the first */
-  PetscReal      reference;     /* residual of the step in which nothing moves */
-  PetscBool      lag;           /* may a Jacobian serve for more than one iteration? */
-  PetscBool      lagged;        /* has the last one? */
+  char           lost[128]; /* tells of a point that left the grid */
+  PetscBool      predict;   /* start from the last step's increment */
+  PetscReal      dt_last;   /* of the last step, 0 before the first */
+  PetscReal      reference; /* residual of the step in which nothing moves */
+  PetscBool      lag;       /* may a Jacobian serve for more than one iteration? */
+  PetscBool      lagged;    /* has the last one? */
   PetscReal      fnorm_last;
   PetscInt       newton, linear;
   PetscInt64     newton_total, linear_total, active_dofs_max;

@@ -11,7 +11,8 @@
 #define IMBALANCE_LIMIT 1.05
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
-                                  PetscBool increment, PetscInt extra_count, char *const extra[], MpmParticles *particles)
+                                  PetscBool increment, PetscInt extra_count, char *const extra[],
+                                  MpmParticles *particles)
 {
   const PetscInt dim = grid->dim;
   DM             swarm;
@@ -69,8 +70,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->has_half_length)
     PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
-  if (particles->has_increment)
-    PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
+  if (particles->has_increment) PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -357,7 +357,7 @@ static PetscErrorCode OwnPart(Mat mat, Mat *own, Mat *other)
 
 PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, Mat mat)
 {
-  const PetscInt bs = pattern->block;
+  const PetscInt bs   = pattern->block;
   PetscInt64     size = 0, at = 0;
   Mat            own, other;
 

@@ -83,8 +83,8 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
   }
   layout->means = layout->kernel->mean ? 1 : 0;
   layout->solid = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
-  PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual && layout->kernel->direction &&
-               layout->kernel->tangent,
+  PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
+               layout->kernel->direction && layout->kernel->tangent,
              PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,
              physics->name, layout->kernel->inputs, layout->inputs);
   PetscFunctionReturn(PETSC_SUCCESS);

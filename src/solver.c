@@ -60,7 +60,8 @@ static PetscErrorCode CreateSNES(MpmModel model)
   }
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->factorises, PCLU, PCCHOLESKY, ""));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->matrix_unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL, PCMAT, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->matrix_unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL,
+                                      PCMAT, ""));
   model->matrix_unused = (PetscBool)(model->matrix_unused && model->jacobian_type == MPM_JACOBIAN_MATFREE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -113,8 +114,8 @@ static PetscErrorCode CheckTypes(MpmModel model)
 }
 
 /* Direct solvers win below these numbers of unknowns: time and memory grow as their power 3/2 in 2D and 2 in 3D. */
-#define DIRECT_MOST_2D 1e6
-#define DIRECT_MOST_3D 2e4
+#define DIRECT_MOST_2D      1e6
+#define DIRECT_MOST_3D      2e4
 #define DIRECT_MOST_FBAR_3D 1e5
 
 /* About how many unknowns the material needs: the cells that its volume fills, and as many nodes. */
@@ -145,7 +146,8 @@ static PetscErrorCode ChooseSolver(MpmModel model, const char **name)
     *name = "pbjacobi";
     PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
   } else {
-    if (model->grid.dim == 3 && model->fbar) most = DIRECT_MOST_FBAR_3D; /* near incompressibility is hard for multigrid */
+    if (model->grid.dim == 3 && model->fbar)
+      most = DIRECT_MOST_FBAR_3D; /* near incompressibility is hard for multigrid */
     *name = unknowns <= most ? "direct" : "amg";
     PetscCall(PetscSNPrintf(why, sizeof(why), "auto: %" PetscInt_FMT "D, about %.2g unknowns", model->grid.dim,
                             (double)unknowns));

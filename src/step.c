@@ -183,7 +183,7 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
 
     GroupReach(model, group, reach);
     for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
-      const PetscInt p                = model->space.order[s];
+      const PetscInt p              = model->space.order[s];
       PetscReal      x[MPM_MAX_DIM] = {0.};
 
       if (FarFromEdge(&model->grid, &model->points.x[p * dim], reach)) continue;
@@ -211,7 +211,7 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
 /* The converged step becomes the state; reactions are what the held nodes lack in balance. */
 static PetscErrorCode Commit(MpmModel model)
 {
-  const PetscInt bs = model->layout.block;
+  const PetscInt bs  = model->layout.block;
   const PetscInt dim = model->grid.dim;
   PetscInt       failed;
   PetscLogDouble since;

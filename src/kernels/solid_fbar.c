@@ -49,8 +49,8 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
 MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scalar m, Scalar mean)
 {
   if (point->traits & MPM_LAW_SMALL_STRAIN) { /* dF_bar F_n = dF F_n + ((m_bar - m)/d) I */
-    const Tensor F_n     = TensorFromArray(point->F_n), inverse = TensorInverse(&F_n);
-    const Tensor shift   = TensorScale(ScalarScale(1. / MPM_DIM, ScalarSub(mean, m)), &inverse);
+    const Tensor F_n = TensorFromArray(point->F_n), inverse = TensorInverse(&F_n);
+    const Tensor shift = TensorScale(ScalarScale(1. / MPM_DIM, ScalarSub(mean, m)), &inverse);
 
     return TensorAdd(dF, &shift);
   }
@@ -65,8 +65,8 @@ static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Sc
   const Tensor dF                = TensorFromGradient(input);
   const Scalar mean              = input[GRADIENTS];
   Tensor       dm;
-  const Scalar m                 = PointMean(point, &dF, &dm);
-  Scalar       pressure          = ScalarConstant(0.); /* tr tau/d */
+  const Scalar m        = PointMean(point, &dF, &dm);
+  Scalar       pressure = ScalarConstant(0.); /* tr tau/d */
   Sym          tau, rest;
 
   if (!(ScalarValue(m) > 0. && ScalarValue(mean) > 0.)) return 1;

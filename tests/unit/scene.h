@@ -132,12 +132,48 @@ static inline PetscErrorCode SceneDifference(Mat A, Mat *B, PetscReal *differenc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The residual in the form that MatFDColoring calls; ctx is the SNES. */
+static inline PetscErrorCode SceneResidual(void *unused, Vec x, Vec f, void *ctx)
+{
+  PetscFunctionBeginUser;
+  (void)unused;
+  PetscCall(SNESComputeFunction((SNES)ctx, x, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The Jacobian by PETSc's own colouring of the matrix's graph and its differences of the whole residual, where nothing is held. */
+static inline PetscErrorCode ScenePetscColoring(MpmModel model, Mat local, Vec x, PetscReal *difference)
+{
+  Mat           other;
+  MatColoring   coloring;
+  ISColoring    colors;
+  MatFDColoring differences;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatDuplicate(local, MAT_DO_NOT_COPY_VALUES, &other));
+  PetscCall(MatColoringCreate(other, &coloring));
+  PetscCall(MatColoringSetType(coloring, MATCOLORINGGREEDY));
+  PetscCall(MatColoringSetDistance(coloring, 2));
+  PetscCall(MatColoringApply(coloring, &colors));
+  PetscCall(MatColoringDestroy(&coloring));
+  PetscCall(MatFDColoringCreate(other, colors, &differences));
+  PetscCall(MatFDColoringSetFunction(differences, (PetscErrorCode(*)(void))(MpmFunction)SceneResidual, model->snes));
+  PetscCall(MatFDColoringSetParameters(differences, 1e-8, 1e-2));
+  PetscCall(MatFDColoringSetUp(other, colors, differences));
+  PetscCall(MatFDColoringApply(other, differences, x, model->snes));
+  PetscCall(MatFDColoringDestroy(&differences));
+  PetscCall(ISColoringDestroy(&colors));
+  PetscCall(SceneDifference(local, &other, difference));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What the ways to a Jacobian tell about each other. */
 typedef struct {
   PetscReal norm;                /* of the local Jacobian */
   PetscReal coloring, dense, fd; /* distance from the local one, relative */
+  PetscReal petsc;               /* that of PETSc's own colouring and differences */
   PetscReal action[2];           /* that of actions on a vector, with tangents kept and without */
-  PetscReal diagonal, blocks;    /* of the diagonal without a matrix, and of inverted blocks times blocks from identity */
+  PetscReal diagonal, blocks; /* of the diagonal without a matrix, and of inverted blocks times blocks from identity */
   PetscReal asymmetry;
   PetscReal slope;     /* least order of the Taylor remainder */
   PetscReal remainder; /* relative to the residual's change */
@@ -269,6 +305,7 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
   PetscCall(SceneDifference(local, &other, &verdict->fd));
   PetscCall(MatTranspose(local, MAT_INITIAL_MATRIX, &other));
   PetscCall(SceneDifference(local, &other, &verdict->asymmetry));
+  PetscCall(ScenePetscColoring(model, local, x, &verdict->petsc));
   PetscCall(SceneAction(model, local, x, v, PETSC_TRUE, &verdict->action[0]));
   PetscCall(SceneAction(model, local, x, v, PETSC_FALSE, &verdict->action[1]));
   PetscCall(SceneDiagonal(model, local, x, verdict));

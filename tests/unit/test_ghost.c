@@ -1,0 +1,176 @@
+/*
+  The ghost penalty: it feels nothing of polynomials that the shape functions know, and it bounds the iterations of a plain Krylov method as
+  a body moves over a cell.
+
+  Ranks: 1 2
+*/
+#include "scene.h"
+
+static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2"};
+
+/* holds the lower part of the body in 2D */
+static const char *const floor_2d = "-mpm_bcs floor -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0 "
+                                    "-mpm_bc_floor_upper 12,5 -mpm_bc_floor_components x,y";
+
+#define FACTOR "1e-4"
+
+static PetscErrorCode Create(PetscInt dim, const char *shape, const char *ghost, PetscBool held, MpmModel *model)
+{
+  char options[2048];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(
+    options, sizeof(options),
+    "-mpm_dim %d -mpm_grid_lower %s -mpm_grid_upper %s -mpm_grid_cells %s -mpm_shape %s -mpm_materials m "
+    "-mpm_material_m_type hencky -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 -mpm_bodies b -mpm_body_b_material m "
+    "-mpm_body_b_region box -mpm_body_b_lower %s -mpm_body_b_upper %s %s -mpm_time_step 0.25 -pc_type jacobi "
+    "-mpm_stabilization_ghost %s",
+    (int)dim, dim == 2 ? "0,0" : "0,0,0", dim == 2 ? "12,12" : "8,8,8", dim == 2 ? "12,12" : "8,8,8", shape,
+    dim == 2 ? "3,3" : "2,2,2", dim == 2 ? "9,9" : "5,5,5", held ? floor_2d : "", ghost));
+  PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All points move by the same part of a cell. */
+static PetscErrorCode Shift(MpmModel model, PetscReal part)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
+  for (PetscInt k = 0; k < points.count * model->grid.dim; k++)
+    points.x[k] += part * model->grid.h[k % model->grid.dim];
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The penalty's force on nodal values sum_a x_a^degree (centred), and the same for random values of that size. */
+static PetscErrorCode Forces(MpmModel model, PetscInt degree, PetscReal *polynomial, PetscReal *random)
+{
+  const PetscInt bs = model->layout.block, dim = model->grid.dim, n = model->space.local * bs;
+  PetscReal     *u, *f, norm[2];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(n, &u, n, &f));
+  for (PetscInt kind = 0; kind < 2; kind++) {
+    norm[kind] = 0.;
+    for (PetscInt k = 0; k < n; k++) {
+      const PetscInt *node  = &model->space.node[k / bs * dim];
+      PetscReal       value = 0.;
+
+      for (PetscInt a = 0; a < dim; a++) value += PetscPowRealInt(0.2 * ((PetscReal)node[a] - 6.), degree);
+      u[k] = kind ? SceneRandom(1, (node[0] * 100 + node[1]) * 100 + (dim > 2 ? node[2] : 0), k % bs) : value;
+      f[k] = 0.;
+    }
+    PetscCall(MpmGhostResidual(&model->sum, u, f));
+    PetscCall(MpmSpaceAddToOwners(&model->space, bs, f));
+    for (PetscInt k = 0; k < model->space.owned * bs; k++) norm[kind] = PetscMax(norm[kind], PetscAbsReal(f[k]));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, norm, 2, MPIU_REAL, MPIU_MAX, model->comm));
+  *polynomial = norm[0];
+  *random     = norm[1];
+  PetscCall(PetscFree2(u, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Up to its own degree a spline has no jump; one degree further it has. */
+START_TEST(polynomials)
+{
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(shapes); s++) {
+      MpmModel  model;
+      PetscInt  degree;
+      PetscReal polynomial, random;
+
+      SCENE_CALL(Create(dim, shapes[s], "1", PETSC_FALSE, &model));
+      SCENE_CALL(Shift(model, 0.3));
+      SCENE_CALL(SceneBegin(model, 0.25));
+      degree = MpmShapeDegree(model->shape);
+      ck_assert_msg(SceneAll((PetscBool)(model->space.face_count > 0 || model->size > 1)), "%s has no faces",
+                    shapes[s]);
+      SCENE_CALL(Forces(model, degree, &polynomial, &random));
+      ck_assert_msg(random > 0., "%dD %s: no penalty", (int)dim, shapes[s]);
+      ck_assert_msg(polynomial <= 1e-12 * random, "%dD %s: force %g on a polynomial, %g on noise", (int)dim, shapes[s],
+                    (double)polynomial, (double)random);
+      SCENE_CALL(Forces(model, degree + 1, &polynomial, &random));
+      ck_assert_msg(polynomial >= 1e-6 * random, "%dD %s: no force one degree further", (int)dim, shapes[s]);
+      SCENE_CALL(SceneDestroy(&model));
+    }
+  }
+}
+END_TEST
+
+/* Iterations of CG with the diagonal as preconditioner for a random right-hand side. */
+static PetscErrorCode Iterations(MpmModel model, PetscInt *iterations)
+{
+  PetscReal amplitude[MPM_MAX_DIM] = {1., 1., 1.};
+  Vec       b;
+  KSP       ksp;
+  PC        pc;
+  Mat       J;
+
+  PetscFunctionBeginUser;
+  PetscCall(SceneBegin(model, 0.25));
+  PetscCall(VecZeroEntries(model->x));
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, model->x, &J));
+  PetscCall(VecDuplicate(model->x, &b));
+  PetscCall(SceneFill(model, 1, amplitude, PETSC_TRUE, b));
+  PetscCall(KSPCreate(model->comm, &ksp));
+  PetscCall(KSPSetOperators(ksp, J, J));
+  PetscCall(KSPSetType(ksp, KSPCG));
+  PetscCall(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 20000));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCJACOBI));
+  PetscCall(KSPSolve(ksp, b, model->x));
+  PetscCall(KSPGetIterationNumber(ksp, iterations));
+  PetscCall(KSPDestroy(&ksp));
+  PetscCall(VecDestroy(&b));
+  PetscCall(MatDestroy(&J));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define POSITIONS 50
+
+/* Worst over best number of iterations over the positions in a cell. */
+static PetscErrorCode Slide(PetscInt dim, const char *shape, const char *ghost, PetscReal *ratio)
+{
+  PetscInt worst = 0, best = PETSC_INT_MAX;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < POSITIONS; k++) {
+    MpmModel model;
+    PetscInt iterations;
+
+    PetscCall(Create(dim, shape, ghost, PETSC_TRUE, &model));
+    PetscCall(Shift(model, ((PetscReal)k + 1e-3) / POSITIONS));
+    PetscCall(Iterations(model, &iterations));
+    worst = PetscMax(worst, iterations);
+    best  = PetscMin(best, iterations);
+    PetscCall(SceneDestroy(&model));
+  }
+  *ratio = (PetscReal)worst / (PetscReal)best;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+START_TEST(sliding)
+{
+  for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(shapes); s++) {
+    PetscReal with = 0., without = 0.;
+
+    SCENE_CALL(Slide(2, shapes[s], FACTOR, &with));
+    SCENE_CALL(Slide(2, shapes[s], "off", &without));
+    printf("2D %s: worst over best iterations %.2f with the penalty, %.2f without\n", shapes[s], (double)with,
+           (double)without);
+    ck_assert_msg(with <= 3., "2D %s: iterations vary by a factor of %g", shapes[s], (double)with);
+    ck_assert_msg(without >= 1.05 * with, "2D %s: %g without the penalty, %g with", shapes[s], (double)without,
+                  (double)with);
+  }
+}
+END_TEST
+
+int main(int argc, char **argv)
+{
+  const TTest *const tests[] = {polynomials, sliding};
+
+  return UnitRun(&argc, &argv, "ghost", sizeof(tests) / sizeof(tests[0]), tests);
+}
