@@ -505,6 +505,7 @@ struct _p_MpmModel {
   PetscReal      dt_last;   /* of the last step, 0 before the first */
   PetscReal      reference; /* residual of the step in which nothing moves */
   PetscBool      lag;       /* may a Jacobian serve for more than one iteration? */
+  PetscBool      solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscBool      lagged;    /* has the last one? */
   PetscReal      fnorm_last;
   PetscInt       newton, linear;

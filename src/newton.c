@@ -99,7 +99,7 @@ static PetscErrorCode AssembleJacobian(MpmModel model, Mat P)
 */
 static PetscBool KeepJacobian(const MpmModel model, PetscInt it, PetscReal fnorm, PetscReal target)
 {
-  if (!model->lag || !it || model->lagged) return PETSC_FALSE;
+  if (!model->solving || !model->lag || !it || model->lagged) return PETSC_FALSE;
   return (PetscBool)(fnorm * fnorm <= 0.3 * target * model->fnorm_last);
 }
 

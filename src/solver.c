@@ -327,7 +327,9 @@ PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
+  model->solving = PETSC_TRUE;
   PetscCall(SNESSolve(model->snes, NULL, model->x));
+  model->solving = PETSC_FALSE;
   PetscCall(PetscTime(&now));
   inside = model->seconds[MPM_TIME_RESIDUAL] + model->seconds[MPM_TIME_JACOBIAN] - before;
   model->seconds[MPM_TIME_SOLVE] += now - since - inside;
