@@ -318,6 +318,30 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  After a linear solve has failed: a factorisation that failed must not be used again, and GAMG cannot be reset, so the
+  solver is made anew; with GMRES where CG met an indefinite Jacobian.
+*/
+static PetscErrorCode Renew(MpmModel model)
+{
+  KSP                ksp;
+  KSPConvergedReason why;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(model->snes, &ksp));
+  PetscCall(KSPGetConvergedReason(ksp, &why));
+  if (model->may_be_indefinite && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
+    model->may_be_indefinite = PETSC_FALSE;
+    model->indefinite        = PETSC_TRUE;
+    if (!model->quiet)
+      PetscCall(PetscPrintf(model->comm, "       the Jacobian is not positive definite; from here on with GMRES\n"));
+  }
+  PetscCall(SNESDestroy(&model->snes));
+  PetscCall(CreateSNES(model));
+  PetscCall(MpmNewtonSetMats(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
 {
   PetscLogDouble  since, now;
@@ -334,29 +358,13 @@ PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
   inside = model->seconds[MPM_TIME_RESIDUAL] + model->seconds[MPM_TIME_JACOBIAN] - before;
   model->seconds[MPM_TIME_SOLVE] += now - since - inside;
   PetscCall(SNESGetConvergedReason(model->snes, reason));
-  if (*reason == SNES_DIVERGED_LINEAR_SOLVE) { /* a factorisation that failed must not be used again */
-    KSP ksp;
-
-    KSPConvergedReason why;
-
-    PetscCall(SNESGetKSP(model->snes, &ksp));
-    PetscCall(KSPGetConvergedReason(ksp, &why));
-    if (model->may_be_indefinite && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
-      model->may_be_indefinite = PETSC_FALSE;
-      model->indefinite        = PETSC_TRUE;
-      PetscCall(KSPSetType(ksp, KSPGMRES));
-      PetscCall(KSPGMRESSetRestart(ksp, 100));
-      if (!model->quiet)
-        PetscCall(PetscPrintf(model->comm, "       the Jacobian is not positive definite; from here on with GMRES\n"));
-    }
-    PetscCall(KSPReset(ksp));
-  }
   PetscCall(SNESGetIterationNumber(model->snes, &newton));
   PetscCall(SNESGetLinearSolveIterations(model->snes, &linear));
   model->newton += newton;
   model->linear += linear;
   model->newton_total += newton;
   model->linear_total += linear;
+  if (*reason == SNES_DIVERGED_LINEAR_SOLVE) PetscCall(Renew(model));
   PetscCall(MpmGatherSolution(model, model->x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
