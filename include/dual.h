@@ -107,12 +107,28 @@ typedef double ScalarLane;
 
 typedef struct {
   ScalarLane d[MPM_LANES]; /* derivatives */
-  double     v;            /* value; last, so that copies move the lanes as they were written */
+  ScalarLane v;            /* value, in all lanes: it multiplies derivatives */
 } Scalar;
+
+/* The same number in all lanes. */
+MPM_FN ScalarLane ScalarSplat(double value)
+{
+#if MPM_LANE == 1
+  return value;
+#else
+  const ScalarLane lane = {value, value, value, value};
+
+  return lane;
+#endif
+}
 
 MPM_FN double ScalarValue(Scalar a)
 {
+#if MPM_LANE == 1
   return a.v;
+#else
+  return a.v[0];
+#endif
 }
 
 /* The derivative in direction k. */
@@ -130,7 +146,7 @@ MPM_FN Scalar ScalarConstant(double value)
   const ScalarLane zero = {0.};
   Scalar           c;
 
-  c.v                     = value;
+  c.v                     = ScalarSplat(value);
   MPM_FOR_LANES(k) c.d[k] = zero;
   return c;
 }
@@ -153,7 +169,7 @@ MPM_FN Scalar ScalarChain(Scalar a, double f, double fa)
 {
   Scalar c;
 
-  c.v                     = f;
+  c.v                     = ScalarSplat(f);
   MPM_FOR_LANES(k) c.d[k] = fa * a.d[k];
   return c;
 }
@@ -163,7 +179,7 @@ MPM_FN Scalar ScalarChain2(Scalar a, Scalar b, double f, double fa, double fb)
 {
   Scalar c;
 
-  c.v                     = f;
+  c.v                     = ScalarSplat(f);
   MPM_FOR_LANES(k) c.d[k] = fa * a.d[k] + fb * b.d[k];
   return c;
 }
@@ -178,7 +194,7 @@ MPM_FN void ScalarAddScaled(Scalar *sum, double alpha, const Scalar *a)
 /* sum += a b */
 MPM_FN void ScalarAddProduct(Scalar *sum, const Scalar *a, const Scalar *b)
 {
-  const double av = a->v, bv = b->v;
+  const ScalarLane av = a->v, bv = b->v;
 
   sum->v += av * bv;
   MPM_FOR_LANES(k) sum->d[k] += bv * a->d[k] + av * b->d[k];
@@ -190,34 +206,81 @@ MPM_FN void ScalarAddDirections(Scalar *sum, double alpha, const Scalar *a)
   MPM_FOR_LANES(k) sum->d[k] += alpha * a->d[k];
 }
 
-#endif
-
 MPM_FN Scalar ScalarAdd(Scalar a, Scalar b)
 {
-  return ScalarChain2(a, b, ScalarValue(a) + ScalarValue(b), 1., 1.);
+  a.v += b.v;
+  MPM_FOR_LANES(k) a.d[k] += b.d[k];
+  return a;
 }
 
 MPM_FN Scalar ScalarSub(Scalar a, Scalar b)
 {
-  return ScalarChain2(a, b, ScalarValue(a) - ScalarValue(b), 1., -1.);
+  a.v -= b.v;
+  MPM_FOR_LANES(k) a.d[k] -= b.d[k];
+  return a;
 }
 
 MPM_FN Scalar ScalarMul(Scalar a, Scalar b)
 {
-  return ScalarChain2(a, b, ScalarValue(a) * ScalarValue(b), ScalarValue(b), ScalarValue(a));
+  Scalar c;
+
+  c.v                     = a.v * b.v;
+  MPM_FOR_LANES(k) c.d[k] = b.v * a.d[k] + a.v * b.d[k];
+  return c;
 }
+
+/* alpha a */
+MPM_FN Scalar ScalarScale(double alpha, Scalar a)
+{
+  a.v                     = alpha * a.v;
+  MPM_FOR_LANES(k) a.d[k] = alpha * a.d[k];
+  return a;
+}
+
+MPM_FN Scalar ScalarSquare(Scalar a)
+{
+  const ScalarLane twice = a.v + a.v;
+
+  a.v                     = a.v * a.v;
+  MPM_FOR_LANES(k) a.d[k] = twice * a.d[k];
+  return a;
+}
+
+#endif
+
+#if MPM_DIRECTIONS == 0
+MPM_FN Scalar ScalarAdd(Scalar a, Scalar b)
+{
+  return a + b;
+}
+
+MPM_FN Scalar ScalarSub(Scalar a, Scalar b)
+{
+  return a - b;
+}
+
+MPM_FN Scalar ScalarMul(Scalar a, Scalar b)
+{
+  return a * b;
+}
+
+/* alpha a */
+MPM_FN Scalar ScalarScale(double alpha, Scalar a)
+{
+  return alpha * a;
+}
+
+MPM_FN Scalar ScalarSquare(Scalar a)
+{
+  return a * a;
+}
+#endif
 
 MPM_FN Scalar ScalarDiv(Scalar a, Scalar b)
 {
   const double inverse = 1. / ScalarValue(b), f = ScalarValue(a) * inverse; /* one division: they are slow */
 
   return ScalarChain2(a, b, f, inverse, -f * inverse);
-}
-
-/* alpha a */
-MPM_FN Scalar ScalarScale(double alpha, Scalar a)
-{
-  return ScalarChain(a, alpha * ScalarValue(a), alpha);
 }
 
 /* a + beta */
@@ -229,11 +292,6 @@ MPM_FN Scalar ScalarShift(Scalar a, double beta)
 MPM_FN Scalar ScalarNeg(Scalar a)
 {
   return ScalarChain(a, -ScalarValue(a), -1.);
-}
-
-MPM_FN Scalar ScalarSquare(Scalar a)
-{
-  return ScalarChain(a, ScalarValue(a) * ScalarValue(a), 2. * ScalarValue(a));
 }
 
 /* Has no derivative at 0: test the value first. */

@@ -364,14 +364,15 @@ MPM_FN Sym SymPush(const Tensor *F, const double *b)
 }
 
 /*
-  SymTimesInverseTranspose - tau F^{-T}, in-plane block, which turns a Kirchhoff stress into the first Piola-Kirchhoff
-  stress relative to the configuration that F starts from. det F must not be 0; `det` is NULL or takes det F.
+  SymTimesInverseTranspose - factor tau F^{-T}, in-plane block, which turns a Kirchhoff stress into the first
+  Piola-Kirchhoff stress relative to the configuration that F starts from. det F must not be 0.
 */
-MPM_FN Tensor SymTimesInverseTranspose(const Sym *tau, const Tensor *F, Scalar *det)
+MPM_FN Tensor SymTimesInverseTranspose(const Sym *tau, const Tensor *F, double factor)
 {
-  const Tensor cofactor = TensorCofactor(F);
-  const Scalar J        = TensorCofactorDet(F, &cofactor);
-  const Scalar inverse  = ScalarDiv(ScalarConstant(1.), J);
+  const Tensor cofactor   = TensorCofactor(F);
+  const Scalar J          = TensorCofactorDet(F, &cofactor);
+  const double reciprocal = 1. / ScalarValue(J);
+  const Scalar inverse    = ScalarChain(J, factor * reciprocal, -factor * reciprocal * reciprocal);
   Tensor       P;
 
   for (int i = 0; i < MPM_DIM; ++i) {
@@ -382,7 +383,6 @@ MPM_FN Tensor SymTimesInverseTranspose(const Sym *tau, const Tensor *F, Scalar *
       P.a[i * MPM_DIM + j] = ScalarMul(inverse, sum);
     }
   }
-  if (det) *det = J;
   return P;
 }
 

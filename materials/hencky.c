@@ -19,12 +19,15 @@ static const MpmStateVariable states[] = MPM_NO_STATE;
 
 MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const Tensor F = TensorMulArray(dF, point->F_n);
-  const Sym    b = SymLeftCauchyGreen(&F);
-  Sym          e;
+  const Tensor F    = TensorMulArray(dF, point->F_n);
+  const Sym    b    = SymLeftCauchyGreen(&F);
+  Lame         half = LameFromParameters(point->parameter); /* the strain comes twice as large */
+  Sym          twice;
 
-  if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
-  *tau = ElasticStress(LameFromParameters(point->parameter), &e);
+  if (!ElasticIsRegular(point, dF) || SymLog(&b, &twice)) return 1;
+  half.lambda *= 0.5;
+  half.mu *= 0.5;
+  *tau = ElasticStress(half, &twice);
   return 0;
 }
 

@@ -194,7 +194,6 @@ typedef struct {
   MpmCell   *cells;
   PetscReal *share; /* of each point in the mean of its cell */
   MpmFace   *faces;
-  PetscBool  ghost; /* are there faces on any rank? */
   MpmGroup  *groups;
   PetscInt  *group_nodes;  /* local nodes of each group, x fastest */
   PetscInt   owned, local; /* active nodes owned by this rank, and with ghosts */

@@ -251,7 +251,6 @@ PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPo
   PetscCall(EvaluateShapes(space, rules, points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeGroups(space, rules, points));
-  space->ghost     = rules->ghost;
   space->box_count = space->group_count;
   if (rules->ghost) PetscCall(MpmGhostFaces(space, rules, points));
   if (rules->mean) PetscCall(MpmMeanCells(space, points));

@@ -40,9 +40,9 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
       }
     }
   } else {
-    const Tensor P = SymTimesInverseTranspose(&tau, &dF, NULL);
+    const Tensor P = SymTimesInverseTranspose(&tau, &dF, point->volume0);
 
-    for (int k = 0; k < INPUTS; k++) flux[k] = ScalarScale(point->volume0, P.a[k]);
+    for (int k = 0; k < INPUTS; k++) flux[k] = P.a[k];
   }
   if (point->F) { /* only the converged step asks for the new F and the Cauchy stress */
     const Tensor F     = TensorMulArray(&dF, point->F_n);

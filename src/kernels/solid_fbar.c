@@ -86,9 +86,9 @@ static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Sc
     }
     flux[GRADIENTS] = ScalarScale(point->volume0, pressure);
   } else {
-    const Tensor P = SymTimesInverseTranspose(&rest, &dF, NULL);
+    const Tensor P = SymTimesInverseTranspose(&rest, &dF, point->volume0);
 
-    for (int k = 0; k < GRADIENTS; k++) flux[k] = ScalarScale(point->volume0, P.a[k]);
+    for (int k = 0; k < GRADIENTS; k++) flux[k] = P.a[k];
     flux[GRADIENTS] = ScalarScale(point->volume0, ScalarDiv(pressure, mean));
   }
   for (int k = 0; k < GRADIENTS; k++) ScalarAddScaled(&flux[k], point->mean_flux, &dm.a[k]);

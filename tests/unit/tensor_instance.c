@@ -51,7 +51,7 @@ double MPM_INSTANCE(TestAlgebra)(const double *A, const double *B, double *produ
   symmetric = SymLeftCauchyGreen(&a);
   c[0]      = TensorMul(&a, &b);
   c[1]      = TensorInverse(&a);
-  c[2]      = SymTimesInverseTranspose(&symmetric, &b, NULL);
+  c[2]      = SymTimesInverseTranspose(&symmetric, &b, 1.);
   det       = TensorDet(&a);
   for (int t = 0; t < 3; ++t)
     for (int i = 0; i < n; ++i) out[t][i] = MPM_DIRECTIONS > 0 ? ScalarDirection(c[t].a[i], 0) : ScalarValue(c[t].a[i]);

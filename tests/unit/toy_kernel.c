@@ -51,8 +51,8 @@ static int ToyKernel(const MpmKernelPoint *point, const Scalar input[], Scalar f
   if (!(ScalarValue(J) > 0.)) return 1;
   tau = SymShift(&isotonic,
                  ScalarAdd(ScalarScale(lame.lambda, ScalarLog(J)), ScalarScale(point->physics_parameter[COUPLING], c)));
-  P   = SymTimesInverseTranspose(&tau, &dF, NULL);
-  for (int k = 0; k < SOLID_INPUTS; k++) flux[k] = ScalarScale(point->volume0, P.a[k]);
+  P   = SymTimesInverseTranspose(&tau, &dF, point->volume0);
+  for (int k = 0; k < SOLID_INPUTS; k++) flux[k] = P.a[k];
   flux[SOLID_INPUTS] = ScalarScale(point->volume0 / point->dt, ScalarShift(c, -point->value_n[0]));
   Diffuse(point, &dF, J, &input[SOLID_INPUTS + 1], &flux[SOLID_INPUTS + 1]);
   if (point->F) {
