@@ -15,9 +15,9 @@ STIFF = {"mpm_material_clay_E": 100e6, "mpm_bc_footing_value": "0,-0.004"}  # th
 
 def factor(test, label, cells, **options):
     """Mean pressure under the footing over the shear strength, at the end."""
-    run = test.run(example("footing"), mpm_grid_cells=cells, mpm_quiet=None, mpm_output_every=25, **options)
+    run = test.run(example("footing"), mpm_grid_cells=cells, mpm_quiet=None, mpm_output_every=50, **options)
     values = test.check_example(label, run, "footing")
-    test.check(f"{label}.step_cuts", run.results.summary["step_cuts"], None, 2)
+    test.check(f"{label}.step_cuts", run.results.summary["step_cuts"], None, 0)
     return values["bearing_factor"]
 
 
