@@ -145,12 +145,13 @@ static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const 
         blocks[(nodes[i] * bs + c) * bs + d] += CouplingEntry(coupling, c * n + i, d * n + i);
 }
 
-/* The tangent of a point, without the mean's part; PETSC_FALSE where it has no answer. */
+/* The tangent of a point, without the mean's part, and its flux; PETSC_FALSE where it has no answer. */
 MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscInt p,
-                                  PetscBool weights, MpmWorkspace *work, Coupling *coupling, PetscReal tangent[])
+                                  PetscBool weights, MpmWorkspace *work, Coupling *coupling, PetscReal flux[],
+                                  PetscReal tangent[])
 {
   MpmKernelPoint point;
-  PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
+  PetscReal      input[MPM_MAX_INPUTS];
 
   MpmSumBasis(known, sum->space, p, weights, &work->basis);
   MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
@@ -161,29 +162,40 @@ MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, const
   return PETSC_TRUE;
 }
 
-/* The element block of one group. */
+/* Where the sums over a group's points go; `residual` is NULL where nobody asks for it. */
+typedef struct {
+  PetscReal *element, *residual;
+} Target;
+
+/* The element block of one group, and its forces. */
 MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                        PetscBool weights, const PetscReal u[], MpmWorkspace *work, Coupling *coupling,
-                                       PetscReal element[], PetscInt *failed)
+                                       const Target *to, PetscInt *failed)
 {
   MpmSumGather(known, sum, group, u, work->values);
-  for (PetscInt k = 0; k < known.n * known.n * known.block * known.block; k++) element[k] = 0.;
+  for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
+  for (PetscInt k = 0; k < known.n * known.n * known.block * known.block; k++) to->element[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    PetscReal tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
+    PetscReal flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
 
-    if (PointTangent(known, sum, group, sum->space->order[s], weights, work, coupling, tangent))
-      AddElement(known, sum->layout, &work->basis, tangent, element);
-    else (*failed)++;
+    if (!PointTangent(known, sum, group, sum->space->order[s], weights, work, coupling, flux, tangent)) {
+      (*failed)++;
+      continue;
+    }
+    AddElement(known, sum->layout, &work->basis, tangent, to->element);
+    if (to->residual) MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
+  if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscInt *failed)
+PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscReal residual[],
+                                PetscInt *failed)
 {
   const MpmSpace *space   = sum->space;
   const PetscBool weights = MpmLayoutUsesValues(sum->layout);
   const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->layout->block;
-  PetscReal      *element;
+  Target          to  = {.residual = residual};
   MpmWorkspace    work;
   Coupling        coupling;
 
@@ -192,7 +204,7 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
   PetscCall(MpmMeanEvaluate(sum, u, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(CouplingCreate(sum, &coupling));
-  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
+  PetscCall(PetscMalloc1((most * most * bs * bs), &to.element));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
@@ -200,13 +212,14 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
     for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
       const MpmGroup *group = &space->groups[g];
 
-      MPM_DISPATCH(sum->layout, group, ElementGroup, sum, group, weights, u, &work, &coupling, element, failed);
-      MpmPatternAddBlock(pattern, space, group, sum->constraints, element);
+      MPM_DISPATCH(sum->layout, group, ElementGroup, sum, group, weights, u, &work, &coupling, &to, failed);
+      MpmPatternAddBlock(pattern, space, group, sum->constraints, to.element);
     }
     if (coupling.storage) CouplingAddToPattern(sum, &groups, &coupling, pattern);
   }
   PetscCall(MpmGhostJacobian(sum, pattern));
-  PetscCall(PetscFree(element));
+  if (residual) PetscCall(MpmGhostResidual(sum, u, residual));
+  PetscCall(PetscFree(to.element));
   PetscCall(PetscFree(coupling.storage));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -222,9 +235,9 @@ MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum,
 
   MpmSumGather(known, sum, group, u, work->values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    PetscReal tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
+    PetscReal flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
 
-    if (!PointTangent(known, sum, group, sum->space->order[s], weights, work, coupling, tangent)) {
+    if (!PointTangent(known, sum, group, sum->space->order[s], weights, work, coupling, flux, tangent)) {
       (*failed)++;
       continue;
     }

@@ -419,7 +419,9 @@ PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern);
 /* Adds to the diagonal blocks of the local nodes. */
 PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[]);
 
-PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscInt *failed);
+/* With `residual` not NULL it does what MpmResidualLocal() does too, at little cost. */
+PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscReal residual[],
+                                PetscInt *failed);
 PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, const PetscReal u[], MpmPattern *pattern,
                                    PetscInt *failed);
 /* This rank's part of the diagonal blocks, block^2 values for each local node; constraints are the caller's. */
@@ -507,6 +509,11 @@ struct _p_MpmModel {
   PetscBool      solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscBool      lagged;    /* has the last one? */
   PetscReal      fnorm_last;
+  PetscBool      ahead;           /* a Jacobian at the same place will follow the next residual: both in one pass */
+  PetscBool      made;            /* it has been made with the last residual and waits to be assembled */
+  PetscBool      overwritten;     /* the matrix no longer holds the Jacobian of the last solve */
+  PetscInt       made_count;      /* Jacobians of this solution, */
+  PetscInt       made_count_last; /* and of the last one */
   PetscInt       newton, linear;
   PetscInt64     newton_total, linear_total, active_dofs_max;
 
@@ -531,12 +538,6 @@ static inline void MpmClock(MpmModel model, MpmTimer timer, PetscLogDouble since
   model->seconds[timer] += now - since;
 }
 
-/*
-  The Jacobian of the model's present step as a shell matrix, with or without tangents kept (matfree.c). It must not
-  outlive the step's space.
-*/
-PetscErrorCode MpmMatfreeCreate(MpmModel model, PetscBool stored, Mat *J);
-PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 /*
   The Jacobian of the model's present step as a shell matrix, with or without tangents kept (matfree.c). It must not
   outlive the step's space.

@@ -18,7 +18,8 @@ PetscErrorCode MpmGatherSolution(MpmModel model, Vec x)
 
 /*
   f = internal - external force; on held unknowns, diagonal * (u - value). Where a point has no answer f becomes
-  infinite and SNES backs off.
+  infinite and SNES backs off. The tangents' kernel gives the fluxes too: where a Jacobian at the same place is sure to
+  follow, its sums are made in the same pass.
 */
 static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 {
@@ -33,7 +34,13 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(PetscTime(&since));
   PetscCall(MpmGatherSolution(model, x));
   for (PetscInt k = 0; k < model->space.local * bs; k++) model->residual[k] = -model->force[k];
-  PetscCall(MpmResidualLocal(&model->sum, model->u, model->residual, &failed));
+  model->made  = (PetscBool)(model->ahead && model->jacobian_type == MPM_JACOBIAN_LOCAL);
+  model->ahead = PETSC_FALSE;
+  if (model->made) {
+    model->overwritten = PETSC_TRUE;
+    PetscCall(MpmPatternBegin(&model->pattern, &model->space, model->jacobian));
+    PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, model->residual, &failed));
+  } else PetscCall(MpmResidualLocal(&model->sum, model->u, model->residual, &failed));
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
   PetscCall(VecGetArrayWrite(f, &values));
   for (PetscInt k = 0; k < model->space.owned * bs; k++) {
@@ -44,7 +51,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, model->comm));
   if (failed && model->space.owned) values[0] = PETSC_INFINITY;
   PetscCall(VecRestoreArrayWrite(f, &values));
-  MpmClock(model, MPM_TIME_RESIDUAL, since);
+  MpmClock(model, model->made ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -76,16 +83,26 @@ static PetscErrorCode LiftWeakNodes(MpmModel model, Mat J)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the matrix in the way that was asked for. */
-static PetscErrorCode AssembleJacobian(MpmModel model, Mat P)
+/* The sums over points that the Jacobian consists of, in the way that was asked for. */
+static PetscErrorCode SumJacobian(MpmModel model, Vec x, Mat P)
 {
   PetscInt failed;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmGatherSolution(model, x));
   PetscCall(MpmPatternBegin(&model->pattern, &model->space, P));
   if (model->jacobian_type == MPM_JACOBIAN_LOCAL || model->jacobian_type == MPM_JACOBIAN_MATFREE)
-    PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, &failed));
+    PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, NULL, &failed));
   else PetscCall(MpmJacobianColoring(&model->sum, model->jacobian_type, model->u, &model->pattern, &failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AssembleJacobian(MpmModel model, Vec x, Mat P)
+{
+  PetscFunctionBeginUser;
+  if (!model->made) PetscCall(SumJacobian(model, x, P));
+  model->made = model->overwritten = PETSC_FALSE;
+  model->made_count++;
   PetscCall(MpmPatternEnd(&model->pattern, &model->space, &model->constraints, model->diagonal, P));
   if (model->factorises) PetscCall(LiftWeakNodes(model, P));
   if (model->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
@@ -99,7 +116,7 @@ static PetscErrorCode AssembleJacobian(MpmModel model, Mat P)
 */
 static PetscBool KeepJacobian(const MpmModel model, PetscInt it, PetscReal fnorm, PetscReal target)
 {
-  if (!model->solving || !model->lag || !it || model->lagged) return PETSC_FALSE;
+  if (!model->solving || !model->lag || !it || model->lagged || model->overwritten) return PETSC_FALSE;
   return (PetscBool)(fnorm * fnorm <= 0.3 * target * model->fnorm_last);
 }
 
@@ -120,8 +137,7 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   model->lagged     = keep;
   if (keep) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&since));
-  PetscCall(MpmGatherSolution(model, x));
-  if (model->jacobian) PetscCall(AssembleJacobian(model, P));
+  if (model->jacobian) PetscCall(AssembleJacobian(model, x, P));
   if (model->shell) PetscCall(MpmMatfreeSetState(J, x));
   MpmClock(model, MPM_TIME_JACOBIAN, since);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -162,6 +178,17 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 #define LINE_SEARCH_TRIALS   8
 #define LINE_SEARCH_SHORTEST 0.02
 
+/* Will a new Jacobian be asked for after this iteration? Steps are much like the last one. */
+static PetscErrorCode LookAhead(MpmModel model, SNES snes)
+{
+  PetscInt it;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetIterationNumber(snes, &it));
+  model->ahead = (PetscBool)(model->solving && it + 1 < model->made_count_last);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Tries X - lambda Y: the residual there, its norm, and the slope G . Y, which is the rate of work for a potential. */
 static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, PetscReal *norm, PetscReal *slope)
 {
@@ -195,8 +222,8 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
   PetscScalar dot;
 
   PetscFunctionBeginUser;
-  (void)ctx;
   PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(LookAhead((MpmModel)ctx, snes));
   PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
   PetscCall(SNESLineSearchGetNorms(search, &xnorm, &fnorm, &ynorm));
   PetscCall(VecDot(F, Y, &dot));
@@ -244,7 +271,7 @@ PetscErrorCode MpmNewtonAttach(MpmModel model)
   PetscCall(SNESSetDivergenceTolerance(model->snes, 1e12));
   PetscCall(SNESGetLineSearch(model->snes, &search));
   PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
-  PetscCall(MpmLineSearchShellSet(search, LineSearch, NULL));
+  PetscCall(MpmLineSearchShellSet(search, LineSearch, model));
   PetscCall(SNESSetConvergenceTest(model->snes, TestConvergence, model, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

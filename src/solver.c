@@ -351,7 +351,8 @@ PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  model->solving = PETSC_TRUE;
+  model->solving = model->ahead = PETSC_TRUE;
+  model->made_count             = 0;
   PetscCall(SNESSolve(model->snes, NULL, model->x));
   model->solving = PETSC_FALSE;
   PetscCall(PetscTime(&now));
@@ -364,6 +365,7 @@ PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
   model->linear += linear;
   model->newton_total += newton;
   model->linear_total += linear;
+  model->made_count_last = *reason > 0 ? model->made_count : 0;
   if (*reason == SNES_DIVERGED_LINEAR_SOLVE) PetscCall(Renew(model));
   PetscCall(MpmGatherSolution(model, model->x));
   PetscFunctionReturn(PETSC_SUCCESS);
