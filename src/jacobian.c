@@ -5,36 +5,58 @@
 */
 #include "sum.h"
 
-/* element[i][c][d][j] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(j) */
-MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis, const PetscReal D[],
-                           PetscReal element[])
+/* to = sum_k factor_k row_k, added to what is there or in its place; the compiler must not unroll what it can vectorise */
+MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[], const PetscReal *const row[],
+                       PetscBool add, PetscReal *restrict to)
 {
-  const PetscInt bs = known.block, N = known.inputs, n = known.n;
+  const PetscReal *restrict a = row[0], *restrict b = row[1], *restrict c = row[2];
 
+  if (count == 2) {
+#pragma GCC unroll 1
+    for (PetscInt m = 0; m < length; m++) to[m] = (add ? to[m] : 0.) + factor[0] * a[m] + factor[1] * b[m];
+  } else if (count == 3) {
+#pragma GCC unroll 1
+    for (PetscInt m = 0; m < length; m++)
+      to[m] = (add ? to[m] : 0.) + factor[0] * a[m] + factor[1] * b[m] + factor[2] * c[m];
+  } else {
+    for (PetscInt m = 0; !add && m < length; m++) to[m] = 0.;
+    for (PetscInt k = 0; k < count; k++)
+      for (PetscInt m = 0; m < length; m++) to[m] += factor[k] * row[k][m];
+  }
+}
+
+/*
+  element[i][c][d][j] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(j)
+
+  The inner sum over l is made once for all i, as rows of all (d, j): loops that long fill the vector registers, where
+  loops over the few nodes alone do not.
+*/
+MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis, const PetscReal D[],
+                           PetscReal rows[], PetscReal element[])
+{
+  const PetscInt bs = known.block, N = known.inputs, n = known.n, length = bs * n;
+
+  for (PetscInt k = 0; k < N; k++) {
+    for (PetscInt d = 0; d < bs; d++) {
+      const PetscInt l0    = known.solid ? d * known.dim : layout->component_first[d];
+      const PetscInt count = known.solid ? known.dim : layout->component_first[d + 1] - l0;
+
+      RowSum(n, count, &D[k * N + l0], (const PetscReal *const *)&basis->basis[KnownBasis(known, layout, l0)], PETSC_FALSE,
+             &rows[k * length + d * n]);
+    }
+  }
   for (PetscInt i = 0; i < n; i++) {
     for (PetscInt c = 0; c < bs; c++) {
       const PetscInt first = known.solid ? c * known.dim : layout->component_first[c];
-      const PetscInt last  = known.solid ? first + known.dim : layout->component_first[c + 1];
-      PetscReal      t[MPM_MAX_INPUTS];
+      const PetscInt count = known.solid ? known.dim : layout->component_first[c + 1] - first;
+      PetscReal        phi[MPM_MAX_INPUTS];
+      const PetscReal *row[MPM_MAX_INPUTS];
 
-      for (PetscInt l = 0; l < N; l++) t[l] = 0.;
-      for (PetscInt k = first; k < last; k++) {
-        const PetscReal phi = basis->basis[KnownBasis(known, layout, k)][i];
-
-        for (PetscInt l = 0; l < N; l++) t[l] += phi * D[k * N + l];
+      for (PetscInt k = 0; k < count; k++) {
+        phi[k] = basis->basis[KnownBasis(known, layout, first + k)][i];
+        row[k] = &rows[(first + k) * length];
       }
-      for (PetscInt d = 0; d < bs; d++) {
-        const PetscInt l0       = known.solid ? d * known.dim : layout->component_first[d];
-        const PetscInt count    = known.solid ? known.dim : layout->component_first[d + 1] - l0;
-        PetscReal *restrict row = &element[((i * bs + c) * bs + d) * n];
-
-        for (PetscInt j = 0; j < n; j++) {
-          PetscReal s = row[j];
-
-          for (PetscInt l = 0; l < count; l++) s += t[l0 + l] * basis->basis[KnownBasis(known, layout, l0 + l)][j];
-          row[j] = s;
-        }
-      }
+      RowSum(length, count, phi, row, PETSC_TRUE, &element[(i * bs + c) * length]);
     }
   }
 }
@@ -165,6 +187,7 @@ MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, const
 /* Where the sums over a group's points go; `residual` is NULL where nobody asks for it. */
 typedef struct {
   PetscReal *element, *residual;
+  PetscReal *rows; /* room for AddElement */
 } Target;
 
 /* The element block of one group, and its forces. */
@@ -182,7 +205,7 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
       (*failed)++;
       continue;
     }
-    AddElement(known, sum->layout, &work->basis, tangent, to->element);
+    AddElement(known, sum->layout, &work->basis, tangent, to->rows, to->element);
     if (to->residual) MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
   if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);
@@ -204,7 +227,7 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
   PetscCall(MpmMeanEvaluate(sum, u, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(CouplingCreate(sum, &coupling));
-  PetscCall(PetscMalloc1((most * most * bs * bs), &to.element));
+  PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
@@ -219,7 +242,7 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
   }
   PetscCall(MpmGhostJacobian(sum, pattern));
   if (residual) PetscCall(MpmGhostResidual(sum, u, residual));
-  PetscCall(PetscFree(to.element));
+  PetscCall(PetscFree2(to.element, to.rows));
   PetscCall(PetscFree(coupling.storage));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

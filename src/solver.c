@@ -135,13 +135,12 @@ static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
 }
 
 /* What `auto` takes, and why. */
-static PetscErrorCode ChooseSolver(MpmModel model, const char **name)
+static PetscErrorCode ChooseSolver(MpmModel model, PetscReal unknowns, const char **name)
 {
-  PetscReal unknowns = 0., most = model->grid.dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
+  PetscReal most = model->grid.dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
   char      why[128];
 
   PetscFunctionBeginUser;
-  PetscCall(EstimateUnknowns(model, &unknowns));
   if (model->jacobian_type == MPM_JACOBIAN_MATFREE) {
     *name = "pbjacobi";
     PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
@@ -156,13 +155,36 @@ static PetscErrorCode ChooseSolver(MpmModel model, const char **name)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Cholesky without pivoting is at
+  its best scaled by the diagonal, and in 2D quasi-dense minimum degree (QAMD) beats nested dissection below this size.
+*/
+#define MINIMUM_DEGREE_MOST 5e4
+
+static PetscErrorCode TuneDirect(MpmModel model, PetscReal unknowns)
+{
+  char      package[64] = "";
+  PetscBool chosen;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_type", &chosen));
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
+  PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
+  if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->symmetric) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
+  if (model->grid.dim == 2 && unknowns < MINIMUM_DEGREE_MOST) PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverChoose(MpmModel model)
 {
-  const char *name = model->solver;
+  const char *name     = model->solver;
+  PetscReal   unknowns = 0.;
   PetscBool   direct;
 
   PetscFunctionBeginUser;
-  if (!strcmp(name, "auto")) PetscCall(ChooseSolver(model, &name));
+  PetscCall(EstimateUnknowns(model, &unknowns));
+  if (!strcmp(name, "auto")) PetscCall(ChooseSolver(model, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
@@ -170,8 +192,7 @@ PetscErrorCode MpmSolverChoose(MpmModel model)
     PetscCall(PetscFree(model->solver));
     PetscCall(PetscStrallocpy(name, &model->solver));
   }
-  /* what a preset cannot know: whether the Jacobian is symmetric */
-  if (direct) PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
+  if (direct) PetscCall(TuneDirect(model, unknowns));
   else {
     PetscBool chosen;
 
