@@ -41,14 +41,14 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
       const PetscInt l0    = known.solid ? d * known.dim : layout->component_first[d];
       const PetscInt count = known.solid ? known.dim : layout->component_first[d + 1] - l0;
 
-      RowSum(n, count, &D[k * N + l0], (const PetscReal *const *)&basis->basis[KnownBasis(known, layout, l0)], PETSC_FALSE,
-             &rows[k * length + d * n]);
+      RowSum(n, count, &D[k * N + l0], (const PetscReal *const *)&basis->basis[KnownBasis(known, layout, l0)],
+             PETSC_FALSE, &rows[k * length + d * n]);
     }
   }
   for (PetscInt i = 0; i < n; i++) {
     for (PetscInt c = 0; c < bs; c++) {
-      const PetscInt first = known.solid ? c * known.dim : layout->component_first[c];
-      const PetscInt count = known.solid ? known.dim : layout->component_first[c + 1] - first;
+      const PetscInt   first = known.solid ? c * known.dim : layout->component_first[c];
+      const PetscInt   count = known.solid ? known.dim : layout->component_first[c + 1] - first;
       PetscReal        phi[MPM_MAX_INPUTS];
       const PetscReal *row[MPM_MAX_INPUTS];
 
@@ -218,7 +218,7 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
   const MpmSpace *space   = sum->space;
   const PetscBool weights = MpmLayoutUsesValues(sum->layout);
   const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->layout->block;
-  Target          to  = {.residual = residual};
+  Target          to = {.residual = residual};
   MpmWorkspace    work;
   Coupling        coupling;
 

@@ -341,6 +341,7 @@ typedef struct {
   PetscInt              state_size;
   PetscReal             dt;
   PetscReal             ghost; /* factor of the ghost penalty */
+  PetscBool             rest;  /* nothing moves: stresses are those of the step's start */
   MpmMean               mean;
 } MpmSum;
 

@@ -320,14 +320,14 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   for (PetscInt i = 0; i < n; i++) {
     const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
     const PetscInt  width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
-    PetscReal      *row   = pattern->value[nodes[i]];
+    PetscInt        place[MPM_MAX_WIDTH * MPM_MAX_WIDTH * MPM_MAX_WIDTH];
 
-    for (PetscInt c = 0; c < bs; c++, row += width) {
-      for (PetscInt d = 0; d < bs; d++) {
-        const PetscReal *value = &element[((i * bs + c) * bs + d) * n];
+    for (PetscInt j = 0; j < n; j++) place[j] = slot[offset[j]] * bs;
+    for (PetscInt k = 0; k < bs * bs; k++) {
+      PetscReal *restrict row = pattern->value[nodes[i]] + k / bs * width + k % bs;
+      const PetscReal *value  = &element[(i * bs * bs + k) * n];
 
-        for (PetscInt j = 0; j < n; j++) row[slot[offset[j]] * bs + d] += value[j];
-      }
+      for (PetscInt j = 0; j < n; j++) row[place[j]] += value[j];
     }
   }
 }

@@ -259,6 +259,21 @@ static const char *ReasonText(SNESConvergedReason reason)
   }
 }
 
+/* The residual at the step's start, which the tolerance refers to. */
+static PetscErrorCode FindReference(MpmModel model)
+{
+  PetscReal motion;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecNorm(model->x, NORM_INFINITY, &motion)); /* held nodes may move */
+  model->sum.rest = (PetscBool)(motion == 0. && !model->layout.means);
+  PetscCall(SNESComputeFunction(model->snes, model->x, model->f));
+  model->sum.rest = PETSC_FALSE;
+  PetscCall(VecNorm(model->f, NORM_2, &model->reference));
+  if (PetscIsInfOrNanReal(model->reference)) model->reference = 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Newton from the prediction; where that fails, or there is none, from rest. */
 static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
@@ -266,9 +281,7 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   model->reference = 0.;
   model->newton = model->linear = 0;
   if (model->predict && model->dt_last > 0.) {
-    PetscCall(SNESComputeFunction(model->snes, model->x, model->f)); /* at rest: what the tolerance refers to */
-    PetscCall(VecNorm(model->f, NORM_2, &model->reference));
-    if (PetscIsInfOrNanReal(model->reference)) model->reference = 0.;
+    PetscCall(FindReference(model));
     PetscCall(InitialGuess(model, PETSC_TRUE));
     PetscCall(MpmSolverSolve(model, reason));
     if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);

@@ -160,6 +160,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->state             = NULL;
   point->F                 = NULL;
   point->stress            = NULL;
+  point->stress_n          = sum->rest ? &points->stress[p * (dim == 2 ? 4 : 6)] : NULL;
 }
 
 /* What a kernel with a mean gets besides: the mean as its last input, and what the mean's flux does at this point. */

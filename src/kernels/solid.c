@@ -21,15 +21,25 @@
 
 #define INPUTS (MPM_DIM * MPM_DIM)
 
-static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+/* The law's answer; where nothing moves, the stress that is there already. */
+MPM_FN int Stress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
   const MpmLawPoint law_point    = {point->parameter, point->state_n, point->state, point->F_n, point->dt};
   const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
-  const int    small             = point->traits & MPM_LAW_SMALL_STRAIN;
-  const Tensor dF                = TensorFromGradient(input);
+
+  if (!point->stress_n) return law(&law_point, dF, tau);
+  *tau = SymLoad(point->stress_n);
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(TensorArrayDet(point->F_n), tau);
+  return 0;
+}
+
+static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+{
+  const int    small = point->traits & MPM_LAW_SMALL_STRAIN;
+  const Tensor dF    = TensorFromGradient(input);
   Sym          tau;
 
-  if (law(&law_point, &dF, &tau)) return 1;
+  if (Stress(point, &dF, &tau)) return 1;
   if (small) {
     for (int a = 0; a < MPM_DIM; a++) {
       for (int b = 0; b < MPM_DIM; b++) {
