@@ -9,7 +9,7 @@
 #define MPM_MAX_INPUTS   24   /* inputs of a kernel */
 #define MPM_GHOST_AUTO   -1.  /* the factor follows the solver */
 #define MPM_GHOST_FACTOR 1e-4 /* the factor for iterative solvers */
-#define MPM_GHOST_RESCUE 1e-3 /* and where a step has failed without */
+#define MPM_GHOST_RESCUE 1e-2 /* and where a step has failed without */
 #define MPM_TOLERANCE    1e-6 /* of a cell: what counts as "on" a region's edge */
 
 /* ---- grid.c ---- */

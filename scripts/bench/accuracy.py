@@ -49,7 +49,7 @@ class Cantilever:
     name, title = "cantilever", "cantilever: error of the end's displacement over the length"
     scene = ROOT / "scripts" / "bench" / "cantilever_weight.yaml"
     levels, quick_levels = (30, 60, 120, 240), (30, 60)
-    shapes = ("gimp", "bspline2", "bspline3", "gimp_bspline2")  # with hats, crossing points stop Newton's method
+    shapes = ("linear", "gimp", "bspline2", "bspline3", "gimp_bspline2")
     length, width, end = 10.0, 15.0, np.array([10.0, 9.5])  # m
     reach = 1.7  # spacings of points: the end's two next to its middle and their four neighbours
 
