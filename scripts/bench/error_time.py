@@ -20,7 +20,7 @@ def add_arguments(parser):
     parser.set_defaults(ranks=1)
     parser.add_argument("--cases", nargs="+", choices=tuple(CASES), default=tuple(CASES), help="(both)")
     parser.add_argument("--shapes", nargs="+", choices=SHAPES,
-                        help="shape functions (all; never linear ones for the cantilever)")
+                        help="shape functions (all)")
     parser.add_argument("--bar-cells", type=int, nargs="+", metavar="N", help="cells over the height (8 16 ... 512)")
     parser.add_argument("--cantilever-cells", type=int, nargs="+", metavar="N", help="cells an axis (30 60 120 240)")
     parser.add_argument("--points", type=int, nargs="+", metavar="N", help="points a cell and axis (2 3 4 6)")
