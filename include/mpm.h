@@ -28,7 +28,8 @@
 
 /* Exit statuses of the program. */
 #define MPM_EXIT_INPUT  2 /* the scene or an option is wrong: nothing was written */
-#define MPM_EXIT_GAVEUP 3 /* the run gave up: results so far and the summary are there */
+#define MPM_EXIT_GAVEUP 3 /* the run gave up: results so far, a checkpoint and the summary are there */
+#define MPM_EXIT_FILE   4 /* a file could not be written: results so far and the last checkpoint are there */
 
 /*
   One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.

@@ -7,6 +7,7 @@
   status 2.
 */
 #include <petscsys.h>
+#include "mpmtextfile.h"
 
 #define MPM_ERR_INPUT PETSC_ERR_USER_INPUT
 
@@ -89,3 +90,5 @@ PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscB
 PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options);
 /* Writes what was in force, defaults included, and all other PETSc options, as YAML that can be run again (rank 0). */
 PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path);
+/* The same as text, appended. Not collective. */
+PetscErrorCode MpmOptionsTextYAML(const MpmOptions *options, MpmTextFile *text);

@@ -5,6 +5,7 @@
 */
 #include <petscsys.h>
 #include "mpmcompat.h"
+#include "mpmtextfile.h"
 
 typedef struct _p_MpmOutput  *MpmOutput;
 typedef struct _p_MpmHistory *MpmHistory;
@@ -17,6 +18,41 @@ typedef struct {
   const PetscReal *real;
   const PetscInt  *integer;
 } MpmDataset;
+
+/* A number at a group; exactly one of the pointers is set. */
+typedef struct {
+  const char       *name;
+  const PetscReal  *real;
+  const PetscInt64 *integer;
+} MpmAttribute;
+
+/* A dataset of bytes; the size is known to all ranks, what rank 0 holds is written. */
+typedef struct {
+  const char *name;
+  size_t      size;
+  const void *data;
+} MpmBytes;
+
+/* Where a state goes, and what stands beside the rows of its points. */
+typedef struct {
+  const char         *path, *group;
+  PetscBool           append;     /* to the file, which exists; otherwise it is made anew */
+  PetscInt64          head;       /* bytes before HDF5's own in a new file: 0 or a power of two from 512 */
+  PetscInt64          collective; /* bytes from which on all ranks write together */
+  PetscInt            attribute_count;
+  const MpmAttribute *attributes;
+  PetscInt            bytes_count;
+  const MpmBytes     *bytes;
+} MpmStateFile;
+
+/*
+  MpmStateWrite - write one state of the points as a group of an HDF5 file, rows ordered by id
+
+  Collective; rows as for MpmOutputWrite(). A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming the
+  file.
+*/
+PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt count, const PetscInt id[],
+                             PetscInt dataset_count, const MpmDataset datasets[]);
 
 /*
   MpmOutputCreate - the writer of <prefix>.h5 and <prefix>.xdmf; creates no file yet
@@ -37,12 +73,40 @@ PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, P
                               PetscInt dataset_count, const MpmDataset datasets[]);
 /* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */
 PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
+/* Does the results file exist? */
+PetscBool MpmOutputStarted(MpmOutput output);
+/* Lends the names of the files and the index so far, which rank 0 holds. */
+PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const char **xdmf_path,
+                                 const MpmTextFile **index);
+/* Further states go to the results file that is there; `index` (rank 0) is the index up to now. Collective. */
+PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index);
 PetscErrorCode MpmOutputDestroy(MpmOutput *output);
+
+/*
+  A mark: what a results file was at some time, so that it can become just that again whatever has been appended to it
+  since, and even where a killed run has left it inconsistent (mark.c). It holds every byte of the file but the points'
+  numbers, which stand still once they are written. Rank 0 holds it; empty for a file that does not exist.
+*/
+PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark);
+/* `why` is NULL, or the reason for which the file cannot become what it was (static text); `there`: is there a file? */
+PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool *there,
+                             const char **why);
 
 /* The CSV writer: header at once, then one row a call, flushed; rank 0 writes. All values with 17 significant digits,
    integers plain. */
 PetscErrorCode MpmHistoryCreate(MPI_Comm comm, const char *path, PetscInt columns, const char *const names[],
                                 MpmHistory *history);
+/*
+  Where a history stands: its bytes and their hash, on rank 0. The file is on the disk when MpmHistoryMark() returns.
+  MpmHistoryContinue() opens what is there, drops what has been appended since, and goes on; without a file it makes one.
+  `why` is NULL, or the reason for which it cannot be (static text).
+*/
+typedef struct {
+  PetscInt64 length, hash;
+} MpmHistoryPlace;
+PetscErrorCode MpmHistoryMark(MpmHistory history, MpmHistoryPlace *place);
+PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt columns, const char *const names[],
+                                  const MpmHistoryPlace *place, MpmHistory *history, const char **why);
 PetscErrorCode MpmHistoryAppend(MpmHistory history, const PetscReal values[]);
 PetscErrorCode MpmHistoryDestroy(MpmHistory *history);
 

@@ -15,6 +15,8 @@ typedef struct {
 
 /* Not collective. The format is C's printf's. */
 PetscErrorCode MpmTextFileAppend(MpmTextFile *text, const char *format, ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* Makes room for `more` bytes and the closing zero. */
+PetscErrorCode MpmTextFileReserve(MpmTextFile *text, size_t more);
 PetscErrorCode MpmTextFileDestroy(MpmTextFile *text);
 
 /*@

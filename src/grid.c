@@ -272,3 +272,52 @@ PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- the partition as numbers ---- */
+
+PetscErrorCode MpmGridGetCut(const MpmGrid *grid, PetscInt *count, PetscInt **numbers)
+{
+  PetscInt *number;
+
+  PetscFunctionBeginUser;
+  *count = 3 * MPM_MAX_DIM;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) *count += grid->window_nodes[a];
+  PetscCall(PetscMalloc1(*count, numbers));
+  number = *numbers;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    *number++ = grid->window_lower[a];
+    *number++ = grid->window_nodes[a];
+    *number++ = grid->procs[a];
+  }
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    for (PetscInt i = 0; i < grid->window_nodes[a]; i++) *number++ = grid->proc_of[a][i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGridSetCut(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set)
+{
+  const PetscInt *number = &numbers[3 * MPM_MAX_DIM];
+  PetscInt        needed = 3 * MPM_MAX_DIM, ranks = 1;
+  Cut             cut;
+
+  PetscFunctionBeginUser;
+  *set = PETSC_FALSE;
+  for (PetscInt a = 0; a < MPM_MAX_DIM && count >= 3 * MPM_MAX_DIM; a++) {
+    needed += numbers[3 * a + 1];
+    ranks *= numbers[3 * a + 2];
+  }
+  if (count != needed || ranks != grid->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GridResetWindow(grid));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    grid->window_lower[a] = numbers[3 * a];
+    grid->window_nodes[a] = numbers[3 * a + 1];
+    cut.procs[a]          = numbers[3 * a + 2];
+    PetscCall(PetscCalloc1(grid->window_nodes[a], &grid->proc_of[a]));
+    PetscCall(PetscCalloc1((cut.procs[a] + 1), &cut.begin[a]));
+    for (PetscInt i = 0; i < grid->window_nodes[a]; i++) cut.begin[a][*number++ + 1] = i + 1;
+  }
+  PetscCall(GridCreateDMDA(grid, &cut));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(cut.begin[a]));
+  *set = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

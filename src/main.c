@@ -10,14 +10,14 @@ PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
 
 /* What the handler knows of the current error. */
 typedef struct {
-  const char *file; /* the options file that is being read: whatever goes wrong is its fault */
-  PetscBool   input;
+  const char *file;   /* the options file that is being read: whatever goes wrong is its fault */
+  int         status; /* of the program, for errors that are the user's to mend; 0: a fault of the program */
   char        message[1024];
 } ErrorContext;
 
 /*
   Input errors become one line on rank 0: ours, what PETSc says of an options file, and names of types that it does not
-  know. Anything else gets PETSc's traceback.
+  know. So do files that cannot be written. Anything else gets PETSc's traceback.
 */
 static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code,
                                   PetscErrorType type, const char *message, void *ctx)
@@ -25,13 +25,14 @@ static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function,
   ErrorContext *context = (ErrorContext *)ctx;
 
   if (type == PETSC_ERROR_INITIAL) {
-    context->input = (PetscBool)(code == MPM_ERR_INPUT || code == PETSC_ERR_ARG_UNKNOWN_TYPE || context->file);
+    if (code == MPM_ERR_INPUT || code == PETSC_ERR_ARG_UNKNOWN_TYPE || context->file) context->status = MPM_EXIT_INPUT;
+    else context->status = code == PETSC_ERR_FILE_WRITE ? MPM_EXIT_FILE : 0;
     if (context->file) {
       (void)PetscSNPrintf(context->message, sizeof(context->message), "-options_file %s: %s", context->file,
                           message ? message : "cannot be read");
     } else if (message) (void)PetscStrncpy(context->message, message, sizeof(context->message));
   }
-  if (!context->input) return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
+  if (!context->status) return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
   return code;
 }
 
@@ -98,7 +99,7 @@ static PetscErrorCode Run(int argc, char **argv, char **without_files, ErrorCont
 
 int main(int argc, char **argv)
 {
-  ErrorContext   context   = {NULL, PETSC_FALSE, ""};
+  ErrorContext   context   = {NULL, 0, ""};
   int            status    = 0;
   char         **arguments = NULL;
   PetscErrorCode error;
@@ -106,9 +107,9 @@ int main(int argc, char **argv)
   if (Initialize(&argc, &argv, &arguments)) return 1;
   PetscCall(PetscPushErrorHandler(HandleError, &context));
   error = Run(argc, argv, arguments, &context, &status);
-  if (error && context.input) {
+  if (error && context.status) {
     (void)PetscFPrintf(PETSC_COMM_WORLD, stderr, "talus: error: %s\n", context.message);
-    status = MPM_EXIT_INPUT;
+    status = context.status;
   } else if (error) {
     MPI_Abort(PETSC_COMM_WORLD, 1);
   }

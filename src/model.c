@@ -52,6 +52,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree2(model->mean.value, model->mean.flux));
   PetscCall(PetscFree(model->reaction));
   PetscCall(PetscFree(model->history_row));
+  PetscCall(MpmCheckpointDestroy(&model->checkpoint));
   PetscCall(MpmOutputDestroy(&model->output));
   PetscCall(MpmHistoryDestroy(&model->history));
   PetscCall(MpmParticlesDestroy(&model->particles));
@@ -179,6 +180,7 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
     MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
   PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED,
                            &model->dt_nominal, NULL));
+  model->dt_wanted = model->dt_nominal;
   /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
   model->predict = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++)
@@ -321,6 +323,10 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra,
                                fields, &model->particles));
   PetscCall(PetscFree(fields));
+  if (model->checkpoint.restart) {
+    PetscCall(MpmRestartReadPoints(model));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));
   PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
@@ -344,11 +350,16 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(ReadConditions(model, &options));
   PetscCall(ReadTime(model, &options));
   PetscCall(ReadOutput(model, &options));
+  PetscCall(MpmCheckpointSetFromOptions(model, &options));
   PetscCall(MpmSolverSetFromOptions(model, &options));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options));
+  PetscCall(MpmSignalsCatch());
+  PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
+  PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(MpmSolverChoose(model));
+  PetscCall(MpmRestartApply(model));
   MpmClock(model, MPM_TIME_SETUP, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -386,7 +397,7 @@ static PetscErrorCode PrintStep(MpmModel model, PetscReal dt)
   PetscFunctionBeginUser;
   if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&now));
-  left    = (now - model->start) * (model->time_end - model->time) / model->time;
+  left    = (now - model->start) * (model->time_end - model->time) / (model->time - model->time_start);
   minutes = (int)(left / 60.);
   PetscCall(PetscPrintf(model->comm,
                         "%6" PetscInt_FMT " %12.5g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %5" PetscInt_FMT
@@ -433,7 +444,7 @@ static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
 }
 
 /* One step, cut as often as needed. `why` tells the reason when it was given up. */
-static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, const char **why)
+static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
 {
   PetscReal      next;
   PetscBool      moved, hopeless, again = PETSC_FALSE;
@@ -446,7 +457,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, 
   MpmClock(model, MPM_TIME_MIGRATE, since);
   model->cuts = 0;
   for (;;) {
-    next = NextTime(model, *wanted, dt);
+    next = NextTime(model, model->dt_wanted, dt);
     PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
     if (!*why) break;
     if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
@@ -455,49 +466,60 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, 
       continue;
     }
     if (0.5 * *dt < model->dt_min) PetscFunctionReturn(PETSC_SUCCESS);
-    again   = PETSC_TRUE;
-    *wanted = 0.5 * *dt;
+    again            = PETSC_TRUE;
+    model->dt_wanted = 0.5 * *dt;
     model->cuts++;
     model->cuts_total++;
     if (!model->quiet) {
-      PetscCall(PetscPrintf(model->comm, "       %s; the step is cut to %.4g\n", *why, (double)*wanted));
+      PetscCall(PetscPrintf(model->comm, "       %s; the step is cut to %.4g\n", *why, (double)model->dt_wanted));
     }
   }
   model->time = next;
   model->step++;
-  *wanted = NextLength(model, *dt, *wanted);
+  model->dt_wanted = NextLength(model, *dt, model->dt_wanted);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Result files, new or those of the run that goes on; a new one starts with the present state. */
+static PetscErrorCode OpenResults(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelCreateHistory(model));
+  if (!model->output_every) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOutputCreate(model->comm, model->prefix, &model->output));
+  if (model->checkpoint.restart) PetscCall(MpmRestartOutput(model));
+  if (!MpmOutputStarted(model->output)) PetscCall(MpmModelWriteOutput(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmModelRun(MpmModel model, int *status)
 {
   const char *why = NULL;
-  PetscReal   wanted, dt = 0.;
-  PetscInt    written = 0;
+  PetscReal   dt  = 0.;
+  PetscBool   stop;
 
   PetscFunctionBeginUser;
   *status = 0;
-  wanted  = model->dt_nominal;
   PetscCall(PrintHeader(model));
-  PetscCall(MpmModelCreateHistory(model));
-  if (model->output_every) PetscCall(MpmModelWriteOutput(model));
-  while (!why && model->time < model->time_end * (1. - 1e-12)) {
-    PetscCall(Advance(model, &wanted, &dt, &why));
+  PetscCall(OpenResults(model));
+  PetscCall(MpmCheckpointStep(model, &stop));
+  while (!stop && model->time < model->time_end * (1. - 1e-12)) {
+    PetscCall(Advance(model, &dt, &why));
     if (why) break;
     PetscCall(MpmModelWriteHistory(model, dt));
     PetscCall(PrintStep(model, dt));
-    if (model->output_every && (model->step % model->output_every == 0)) {
-      PetscCall(MpmModelWriteOutput(model));
-      written = model->step;
-    }
+    if (model->output_every && (model->step % model->output_every == 0)) PetscCall(MpmModelWriteOutput(model));
+    PetscCall(MpmCheckpointStep(model, &stop));
   }
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
-  if (model->output_every && written != model->step) PetscCall(MpmModelWriteOutput(model));
+  if (why) PetscCall(MpmCheckpointWrite(model));
+  if (!stop && model->output_every && model->output_step != model->step) PetscCall(MpmModelWriteOutput(model));
   if (why) {
     *status = MPM_EXIT_GAVEUP;
     PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n",
                            model->step, (double)model->time, why));
   }
-  PetscCall(MpmModelWriteSummary(model, why ? why : "completed"));
+  PetscCall(MpmModelWriteSummary(model, why ? why : stop ? "interrupted" : "completed"));
+  PetscCall(MpmSignalsRelease());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -36,6 +36,9 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
 PetscErrorCode MpmGridDestroy(MpmGrid *grid);
 /* Chooses window and ownership ranges for these points (dim coordinates each) and makes the DMDA anew. */
 PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[]);
+/* Window and ownership ranges as numbers (free them), and back where they are for as many ranks as there are. */
+PetscErrorCode MpmGridGetCut(const MpmGrid *grid, PetscInt *count, PetscInt **numbers);
+PetscErrorCode MpmGridSetCut(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set);
 /* The rank that owns a node, given its index on each axis; any node has an owner. */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
@@ -105,11 +108,20 @@ typedef struct {
   PetscReal *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major */
 } MpmPoints;
 
+/* A field of the swarm, by its name there. */
 typedef struct {
-  DM         swarm;
-  PetscInt   dim, stress_size, state_size, rates;
-  PetscBool  has_half_length, has_increment;
-  PetscInt64 total;
+  char     *name;
+  PetscInt  components;
+  PetscBool integer;
+} MpmPointField;
+
+typedef struct {
+  DM             swarm;
+  PetscInt       field_count;
+  MpmPointField *fields; /* all of them, id first */
+  PetscInt       dim, stress_size, state_size, rates;
+  PetscBool      has_half_length, has_increment;
+  PetscInt64     total;
 } MpmParticles;
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
@@ -448,6 +460,63 @@ PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscR
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
 PetscErrorCode MpmActionDestroy(MpmAction *action);
 
+/* ---- checkpoint.c, restart.c, scalars.c, signals.c ---- */
+
+/* A checkpoint that a run goes on from (restart.c). */
+typedef struct _p_MpmRestart *MpmRestart;
+
+/* When checkpoints are written, and the one that the run has started from. */
+typedef struct {
+  PetscInt    every, keep;
+  PetscReal   wall;       /* s between them, 0: not by wall time */
+  PetscReal   collective; /* bytes from which all ranks read and write together */
+  char       *from;       /* the option -mpm_restart, or NULL */
+  PetscInt64  run;        /* a number of its own for each run; it stays the same over restarts */
+  PetscInt    step;       /* of the last one, -1: none yet */
+  PetscReal   since;      /* wall time of the last one, or of the start */
+  MpmTextFile options;    /* rank 0: those that continue the run */
+  PetscBool   options_written;
+  MpmRestart  restart; /* NULL: the run starts at the beginning */
+} MpmCheckpoint;
+
+/* The model's numbers by name, as they stand in a checkpoint (scalars.c). */
+typedef struct {
+  PetscInt     count;
+  const char **name;
+  PetscBool   *real, *there; /* a real number or an integer; is it in the checkpoint? */
+  PetscReal   *value;
+  PetscInt64  *number;
+} MpmScalars;
+PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars);
+PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, MpmModel model);
+PetscErrorCode MpmScalarsDestroy(MpmScalars *scalars);
+
+PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *options);
+/* The text of all options that define the scene and must be the same when a run goes on, a line each; or of those given. */
+PetscErrorCode MpmCheckpointScene(MpmModel model, PetscBool given, MpmTextFile *scene);
+/* Keeps the options that continue the run, before presets have added theirs. */
+PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmCheckpointWrite(MpmModel model);
+/* To be called after each step: writes what is due; `stop`: a signal asks for the end of the run. */
+PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop);
+PetscErrorCode MpmCheckpointDestroy(MpmCheckpoint *checkpoint);
+
+/*
+  Going on, in this order: Open finds the checkpoint and checks it against the scene, ReadPoints fills the particles in
+  place of the bodies, Apply sets the model's numbers once the solver is chosen, Results takes up the result files.
+*/
+PetscErrorCode MpmRestartOpen(MpmModel model);
+PetscErrorCode MpmRestartReadPoints(MpmModel model);
+PetscErrorCode MpmRestartApply(MpmModel model);
+PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *const names[]);
+PetscErrorCode MpmRestartOutput(MpmModel model);
+PetscErrorCode MpmRestartDestroy(MpmRestart *restart);
+
+/* From Catch to Release, SIGTERM and SIGUSR1 only leave a note. */
+PetscErrorCode MpmSignalsCatch(void);
+PetscErrorCode MpmSignalsRelease(void);
+PetscBool      MpmSignalsCaught(void);
+
 /* ---- newton.c, solver.c, step.c, model.c ---- */
 
 struct _p_MpmModel {
@@ -480,6 +549,8 @@ struct _p_MpmModel {
 
   /* time */
   PetscReal time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscReal dt_wanted;  /* of the next step */
+  PetscReal time_start; /* where this run began: 0, or the time of a checkpoint */
   PetscBool adaptive;
   PetscInt  step, cuts, cuts_total;
 
@@ -520,7 +591,7 @@ struct _p_MpmModel {
 
   /* results */
   PetscInt   output_every;
-  PetscBool  output_points;
+  PetscInt   output_step; /* of the last written state */
   MpmOutput  output;
   MpmHistory history;
   PetscReal *history_row;
@@ -528,6 +599,8 @@ struct _p_MpmModel {
   PetscReal *reaction; /* per condition and component of the block */
   PetscReal  seconds[MPM_TIME_COUNT], start;
   PetscBool  quiet;
+
+  MpmCheckpoint checkpoint;
 };
 
 /* Stops the clock of one task: adds the seconds since `since` to it. */

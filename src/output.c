@@ -222,9 +222,9 @@ static hid_t CreateFileAccess(const Writer *writer)
   return access;
 }
 
-static PetscErrorCode OpenFile(Writer *writer, const char *path, PetscBool append)
+static PetscErrorCode OpenFile(Writer *writer, const MpmStateFile *state)
 {
-  hid_t access;
+  hid_t access, creation;
 
   PetscFunctionBeginUser;
   if (!writer->writes) PetscFunctionReturn(PETSC_SUCCESS);
@@ -233,41 +233,70 @@ static PetscErrorCode OpenFile(Writer *writer, const char *path, PetscBool appen
 #if defined(H5_HAVE_PARALLEL)
   if (writer->together) (void)H5Pset_dxpl_mpio(writer->transfer, H5FD_MPIO_COLLECTIVE);
 #endif
-  writer->file = append ? H5Fopen(path, H5F_ACC_RDWR, access) : H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  creation = H5Pcreate(H5P_FILE_CREATE);
+  (void)H5Pset_userblock(creation, (hsize_t)state->head);
+  writer->file = state->append ? H5Fopen(state->path, H5F_ACC_RDWR, access)
+                               : H5Fcreate(state->path, H5F_ACC_TRUNC, creation, access);
   PetscCall(Agree(writer, (PetscBool)(writer->file >= 0)));
+  (void)H5Pclose(creation);
   (void)H5Pclose(access);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A number at a group; false when it could not be written. */
-static PetscBool WriteAttribute(Writer *writer, const char *name, hid_t type, const void *value)
+/* A number at the group; false when it could not be written. */
+static PetscBool WriteAttribute(Writer *writer, const MpmAttribute *attribute)
 {
-  hid_t     space     = H5Screate(H5S_SCALAR);
-  hid_t     attribute = H5Acreate2(writer->group, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-  PetscBool worked    = Worked(writer, (PetscBool)(attribute >= 0 && H5Awrite(attribute, type, value) >= 0));
+  const double    real    = attribute->real ? (double)*attribute->real : 0.;
+  const long long integer = attribute->integer ? (long long)*attribute->integer : 0;
+  const hid_t     type    = attribute->real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_LLONG;
+  hid_t           space   = H5Screate(H5S_SCALAR);
+  hid_t           id      = H5Acreate2(writer->group, attribute->name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  const void     *value   = attribute->real ? (const void *)&real : (const void *)&integer;
+  PetscBool       worked  = Worked(writer, (PetscBool)(id >= 0 && H5Awrite(id, type, value) >= 0));
 
-  if (attribute >= 0) (void)H5Aclose(attribute);
+  if (id >= 0) (void)H5Aclose(id);
   (void)H5Sclose(space);
   return worked;
 }
 
-static PetscErrorCode OpenGroup(Writer *writer, const char *path, PetscInt step, PetscReal time)
+static PetscErrorCode OpenGroup(Writer *writer, const MpmStateFile *state)
 {
-  hid_t     creation;
-  double    time_value = (double)time;
-  long long step_value = (long long)step;
+  hid_t creation;
 
   PetscFunctionBeginUser;
   if (!writer->writes || writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
   creation = H5Pcreate(H5P_LINK_CREATE);
   (void)H5Pset_create_intermediate_group(creation, 1);
-  writer->group = H5Gcreate2(writer->file, path, creation, H5P_DEFAULT, H5P_DEFAULT);
+  writer->group = H5Gcreate2(writer->file, state->group, creation, H5P_DEFAULT, H5P_DEFAULT);
   PetscCall(Agree(writer, (PetscBool)(writer->group >= 0)));
   (void)H5Pclose(creation);
-  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Agree(writer, WriteAttribute(writer, "time", H5T_NATIVE_DOUBLE, &time_value)));
-  if (writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Agree(writer, WriteAttribute(writer, "step", H5T_NATIVE_LLONG, &step_value)));
+  for (PetscInt i = 0; i < state->attribute_count && !writer->failed; ++i)
+    PetscCall(Agree(writer, WriteAttribute(writer, &state->attributes[i])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Bytes at the group, from rank 0. */
+static PetscErrorCode WriteBytes(Writer *writer, const MpmBytes *bytes)
+{
+  const hsize_t size = (hsize_t)bytes->size;
+  PetscMPIInt   rank;
+  hid_t         space, dataset;
+  PetscBool     worked = PETSC_TRUE;
+
+  PetscFunctionBeginUser;
+  if (!writer->writes || writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(writer->comm, &rank));
+  space   = H5Screate_simple(1, &size, NULL);
+  dataset = H5Dcreate2(writer->group, bytes->name, H5T_NATIVE_UCHAR, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  PetscCall(Agree(writer, (PetscBool)(dataset >= 0)));
+  if (!writer->failed && size) {
+    if (rank) (void)H5Sselect_none(space);
+    worked =
+      (PetscBool)(H5Dwrite(dataset, H5T_NATIVE_UCHAR, space, space, writer->transfer, rank ? "" : bytes->data) >= 0);
+    PetscCall(Agree(writer, worked));
+  }
+  (void)H5Sclose(space);
+  if (dataset >= 0) (void)H5Dclose(dataset);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -350,7 +379,12 @@ static PetscErrorCode CloseFile(Writer *writer)
   if (writer->group >= 0) (void)H5Gclose(writer->group);
   if (writer->transfer >= 0) (void)H5Pclose(writer->transfer);
   if (writer->file >= 0) {
-    PetscBool closed = (PetscBool)(H5Fclose(writer->file) >= 0);
+    PetscBool closed;
+
+    /* other ranks' data may still be in the memory of their machines */
+    if (writer->together && !writer->failed)
+      PetscCall(Agree(writer, (PetscBool)(H5Fflush(writer->file, H5F_SCOPE_GLOBAL) >= 0)));
+    closed = (PetscBool)(H5Fclose(writer->file) >= 0);
     if (!writer->failed) PetscCall(Agree(writer, closed));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -377,8 +411,8 @@ static PetscErrorCode WriterDestroy(Writer *writer)
 }
 
 /* The state into the HDF5 file. HDF5 itself stays silent meanwhile. */
-static PetscErrorCode WriteState(Writer *writer, MpmOutput output, const char *group, PetscInt step, PetscReal time,
-                                 PetscInt dataset_count, const MpmDataset datasets[])
+static PetscErrorCode WriteState(Writer *writer, const MpmStateFile *state, PetscInt dataset_count,
+                                 const MpmDataset datasets[])
 {
   H5E_auto2_t report;
   void       *context;
@@ -386,8 +420,9 @@ static PetscErrorCode WriteState(Writer *writer, MpmOutput output, const char *g
   PetscFunctionBeginUser;
   (void)H5Eget_auto2(H5E_DEFAULT, &report, &context);
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-  PetscCall(OpenFile(writer, output->h5_path, output->started));
-  PetscCall(OpenGroup(writer, group, step, time));
+  PetscCall(OpenFile(writer, state));
+  PetscCall(OpenGroup(writer, state));
+  for (PetscInt i = 0; i < state->bytes_count; ++i) PetscCall(WriteBytes(writer, &state->bytes[i]));
   PetscCall(WriteIds(writer));
   for (PetscInt i = 0; i < dataset_count; ++i) {
     PetscCall(GatherBlock(writer, writer->integer[i], &datasets[i]));
@@ -397,9 +432,7 @@ static PetscErrorCode WriteState(Writer *writer, MpmOutput output, const char *g
   PetscCall(CloseFile(writer));
   PetscCall(ShareFailure(writer));
   (void)H5Eset_auto2(H5E_DEFAULT, report, context);
-  PetscCheck(!writer->failed, writer->comm, PETSC_ERR_FILE_WRITE, "cannot write %s: %s", output->h5_path,
-             writer->reason);
-  output->started = PETSC_TRUE;
+  PetscCheck(!writer->failed, writer->comm, PETSC_ERR_FILE_WRITE, "cannot write %s: %s", state->path, writer->reason);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -484,21 +517,65 @@ static PetscErrorCode WriteIndex(MpmOutput output, const Writer *writer, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt count, const PetscInt id[],
+                             PetscInt dataset_count, const MpmDataset datasets[])
+{
+  Writer writer = {.comm = comm, .file = H5I_INVALID_HID, .group = H5I_INVALID_HID, .transfer = H5I_INVALID_HID};
+  PetscErrorCode failure;
+
+  PetscFunctionBeginUser;
+  failure = WriterSetUp(&writer, state->collective, count, id, dataset_count, datasets);
+  if (!failure) failure = WriteState(&writer, state, dataset_count, datasets);
+  PetscCall(WriterDestroy(&writer));
+  PetscCall(failure);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
                               PetscInt dataset_count, const MpmDataset datasets[])
 {
   Writer writer = {
     .comm = output->comm, .file = H5I_INVALID_HID, .group = H5I_INVALID_HID, .transfer = H5I_INVALID_HID};
-  char           group[32];
-  PetscErrorCode failure;
+  const PetscInt64   number       = step;
+  const MpmAttribute attributes[] = {{"time", &time, NULL}, {"step", NULL, &number}};
+  char               group[32];
+  const MpmStateFile state = {output->h5_path, group, output->started, 0, output->collective, 2, attributes, 0, NULL};
+  PetscErrorCode     failure;
 
   PetscFunctionBeginUser;
   PetscCall(CheckDatasets(output->comm, dataset_count, datasets));
   PetscCall(PetscSNPrintf(group, sizeof(group), "/points/%06" PetscInt_FMT, step));
   failure = WriterSetUp(&writer, output->collective, count, id, dataset_count, datasets);
-  if (!failure) failure = WriteState(&writer, output, group, step, time, dataset_count, datasets);
+  if (!failure) failure = WriteState(&writer, &state, dataset_count, datasets);
+  if (!failure) output->started = PETSC_TRUE;
   if (!failure) failure = WriteIndex(output, &writer, group, time, dataset_count, datasets);
   PetscCall(WriterDestroy(&writer));
   PetscCall(failure);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- going on with files that exist ---- */
+
+PetscBool MpmOutputStarted(MpmOutput output)
+{
+  return (PetscBool)(output && output->started);
+}
+
+PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const char **xdmf_path,
+                                 const MpmTextFile **index)
+{
+  PetscFunctionBeginUser;
+  *h5_path   = output->h5_path;
+  *xdmf_path = output->xdmf_path;
+  *index     = &output->grids;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index)
+{
+  PetscFunctionBeginUser;
+  output->started = PETSC_TRUE;
+  if (index) PetscCall(MpmTextFileAppend(&output->grids, "%s", index));
+  PetscCall(MpmXdmfWrite(output->comm, output->xdmf_path, &output->grids));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,6 +10,22 @@
 /* Rebalance when the fullest rank holds this much more than the mean. */
 #define IMBALANCE_LIMIT 1.05
 
+/* Every field of the swarm is registered here: what is listed travels with its point and stands in checkpoints. */
+static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscInt components, PetscDataType type)
+{
+  MpmPointField *field = &particles->fields[particles->field_count++];
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, name, components, type));
+  PetscCall(PetscStrallocpy(name, &field->name));
+  field->components = components;
+  field->integer    = (PetscBool)(type == PETSC_INT);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fields besides the scene's own, at most. */
+#define OWN_FIELDS 16
+
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
                                   PetscBool increment, PetscInt extra_count, char *const extra[],
                                   MpmParticles *particles)
@@ -22,21 +38,22 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   PetscCall(DMSetType(swarm, DMSWARM));
   PetscCall(DMSetDimension(swarm, dim));
   PetscCall(DMSwarmSetType(swarm, DMSWARM_BASIC));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "id", 1, PETSC_INT));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "material", 1, PETSC_INT));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "position", dim, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "position0", dim, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "F", dim * dim, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "volume0", 1, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
-  if (half_length) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "half_length", dim, PETSC_REAL));
-  if (state_size) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "state", state_size, PETSC_REAL));
-  if (increment) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "increment", dim + dim * dim, PETSC_REAL));
-  if (rates) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "value", rates, PETSC_REAL));
-  for (PetscInt e = 0; e < extra_count; e++)
-    PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, extra[e], 1, PETSC_REAL));
+  particles->swarm       = swarm;
+  particles->field_count = 0;
+  PetscCall(PetscCalloc1((OWN_FIELDS + extra_count), &particles->fields));
+  PetscCall(Register(particles, "id", 1, PETSC_INT));
+  PetscCall(Register(particles, "material", 1, PETSC_INT));
+  PetscCall(Register(particles, "position", dim, PETSC_REAL));
+  PetscCall(Register(particles, "position0", dim, PETSC_REAL));
+  PetscCall(Register(particles, "F", dim * dim, PETSC_REAL));
+  PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
+  PetscCall(Register(particles, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
+  if (half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
+  if (state_size) PetscCall(Register(particles, "state", state_size, PETSC_REAL));
+  if (increment) PetscCall(Register(particles, "increment", dim + dim * dim, PETSC_REAL));
+  if (rates) PetscCall(Register(particles, "value", rates, PETSC_REAL));
+  for (PetscInt e = 0; e < extra_count; e++) PetscCall(Register(particles, extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
-  particles->swarm           = swarm;
   particles->dim             = dim;
   particles->stress_size     = dim == 2 ? 4 : 6;
   particles->state_size      = state_size;
@@ -50,6 +67,9 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
 {
   PetscFunctionBeginUser;
   PetscCall(DMDestroy(&particles->swarm));
+  for (PetscInt k = 0; k < particles->field_count; k++) PetscCall(PetscFree(particles->fields[k].name));
+  PetscCall(PetscFree(particles->fields));
+  particles->field_count = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -345,6 +345,26 @@ static PetscErrorCode WriteAll(FILE *file, MpmRecord record, PetscInt count, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOptionsTextYAML(const MpmOptions *options, MpmTextFile *text)
+{
+  PetscInt count;
+  Pair    *pairs;
+  char    *words, *bytes = NULL;
+  size_t   length;
+  FILE    *file = open_memstream(&bytes, &length);
+
+  PetscFunctionBegin;
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the options in force");
+  PetscCall(DatabaseGet(&count, &pairs, &words));
+  PetscCall(WriteAll(file, options->record, count, pairs));
+  PetscCall(PetscFree(pairs));
+  PetscCall(PetscFree(words));
+  PetscCheck(!fclose(file), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the options in force");
+  PetscCall(MpmTextFileAppend(text, "%s", bytes));
+  free(bytes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Under another name first: whoever finds the file finds all of it. */
 static PetscErrorCode WriteFile(MpmRecord record, const char path[], PetscBool *written)
 {

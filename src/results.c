@@ -108,11 +108,10 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   for (PetscInt m = 0; m < model->material_count; m++) sets.capacity += (PetscInt)model->materials[m].info.state_count;
   for (PetscInt r = 0; r < model->layout.rates; r++) sets.capacity++;
   PetscCall(PetscCalloc2(sets.capacity, &sets.set, sets.capacity, &sets.made));
-  if (!model->output) PetscCall(MpmOutputCreate(model->comm, model->prefix, &model->output));
   PetscCall(MpmParticlesGetArrays(&model->particles, &points));
   sets.set[sets.count++] = (MpmDataset){"material", 1, NULL, points.material};
   sets.set[sets.count++] = (MpmDataset){"position", dim, points.x, NULL};
-  if (!model->step) sets.set[sets.count++] = (MpmDataset){"position0", dim, points.x0, NULL};
+  if (!MpmOutputStarted(model->output)) sets.set[sets.count++] = (MpmDataset){"position0", dim, points.x0, NULL};
   PetscCall(AddKinematics(model, &points, &sets));
   PetscCall(AddStates(model, &points, &sets));
   for (PetscInt r = 0; r < model->layout.rates; r++) {
@@ -123,6 +122,7 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
     for (PetscInt p = 0; p < points.count; p++) value[p] = points.value[p * model->layout.rates + r];
   }
   PetscCall(MpmOutputWrite(model->output, model->step, model->time, points.count, points.id, sets.count, sets.set));
+  model->output_step = model->step;
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
   for (PetscInt k = 0; k < sets.count; k++) PetscCall(PetscFree(sets.made[k]));
   PetscCall(PetscFree2(sets.set, sets.made));
@@ -170,7 +170,10 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscCall(PetscTime(&since));
   PetscCall(HistoryColumns(model, &model->history_columns, &names));
   PetscCall(ResultPath(model, "_history.csv", path, sizeof(path)));
-  PetscCall(MpmHistoryCreate(model->comm, path, model->history_columns, (const char *const *)names, &model->history));
+  if (model->checkpoint.restart) PetscCall(MpmRestartHistory(model, path, (const char *const *)names));
+  else {
+    PetscCall(MpmHistoryCreate(model->comm, path, model->history_columns, (const char *const *)names, &model->history));
+  }
   PetscCall(PetscMalloc1(model->history_columns, &model->history_row));
   PetscCall(MpmNamesDestroy(model->history_columns, &names));
   PetscCall(ResultPath(model, "_options.yaml", path, sizeof(path)));

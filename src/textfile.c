@@ -7,8 +7,7 @@
 #include <string.h>
 #include "mpmtextfile.h"
 
-/* Makes room for `more` bytes and the closing zero. */
-static PetscErrorCode TextReserve(MpmTextFile *text, size_t more)
+PetscErrorCode MpmTextFileReserve(MpmTextFile *text, size_t more)
 {
   PetscFunctionBeginUser;
   if (text->length + more + 1 > text->capacity) {
@@ -29,7 +28,7 @@ PetscErrorCode MpmTextFileAppend(MpmTextFile *text, const char *format, ...)
   length = vsnprintf(NULL, 0, format, arguments);
   va_end(arguments);
   PetscCheck(length >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "cannot format '%s'", format);
-  PetscCall(TextReserve(text, (size_t)length));
+  PetscCall(MpmTextFileReserve(text, (size_t)length));
   va_start(arguments, format);
   (void)vsnprintf(text->data + text->length, (size_t)length + 1, format, arguments);
   va_end(arguments);

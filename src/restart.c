@@ -1,0 +1,469 @@
+/*
+  Going on from a checkpoint, on any number of ranks.
+
+  On as many ranks as before every point goes back to its rank and its place there, and the partition is as it was: sums
+  are made in the same order. On another number the points are dealt anew and stand by their ids.
+*/
+#include <hdf5.h>
+#include <stdlib.h>
+#include <strings.h>
+#include "checkpointfile.h"
+#include "mpmimpl.h"
+
+struct _p_MpmRestart {
+  char       *path;
+  PetscBool   together; /* do all ranks read the points, or rank 0 alone? */
+  PetscInt    points;
+  MpmScalars  scalars;
+  MpmTextFile scene, partition, results, index, history; /* results and index: rank 0 */
+};
+
+PetscErrorCode MpmRestartDestroy(MpmRestart *handle)
+{
+  MpmRestart restart = *handle;
+
+  PetscFunctionBeginUser;
+  if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(restart->path));
+  PetscCall(MpmScalarsDestroy(&restart->scalars));
+  PetscCall(MpmTextFileDestroy(&restart->scene));
+  PetscCall(MpmTextFileDestroy(&restart->partition));
+  PetscCall(MpmTextFileDestroy(&restart->results));
+  PetscCall(MpmTextFileDestroy(&restart->index));
+  PetscCall(MpmTextFileDestroy(&restart->history));
+  PetscCall(PetscFree(*handle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- HDF5 ---- */
+
+/* The group of the points in a file that is only read; its closing closes the file. Negative where there is none. */
+static hid_t OpenPoints(const char *path, hid_t *file)
+{
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS), group = H5I_INVALID_HID;
+
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+#if H5_VERSION_GE(1, 10, 7)
+  (void)H5Pset_file_locking(access, 0, 1);
+#endif
+  *file = H5Fopen(path, H5F_ACC_RDONLY, access);
+  (void)H5Pclose(access);
+  if (*file >= 0) group = H5Gopen2(*file, "points", H5P_DEFAULT);
+  return group;
+}
+
+/* The rows and the columns of a dataset; rows are -1 where there is none of that name. */
+static void DatasetSize(hid_t group, const char *name, hsize_t extent[2], PetscInt64 *rows)
+{
+  hid_t dataset = H5Lexists(group, name, H5P_DEFAULT) > 0 ? H5Dopen2(group, name, H5P_DEFAULT) : H5I_INVALID_HID, space;
+
+  *rows     = -1;
+  extent[0] = extent[1] = 1;
+  if (dataset < 0) return;
+  space = H5Dget_space(dataset);
+  if (H5Sget_simple_extent_ndims(space) <= 2 && H5Sget_simple_extent_dims(space, extent, NULL) >= 0)
+    *rows = (PetscInt64)extent[0];
+  (void)H5Sclose(space);
+  (void)H5Dclose(dataset);
+}
+
+/* Rows [first, first + rows) of a dataset; false when they cannot be read. */
+static PetscBool ReadRows(hid_t group, const char *name, hid_t type, PetscInt64 first, PetscInt64 rows,
+                          PetscInt columns, void *values)
+{
+  const hsize_t start[2] = {(hsize_t)first, 0}, extent[2] = {(hsize_t)rows, (hsize_t)columns};
+  hid_t         dataset, space, memory;
+  herr_t        status;
+
+  if (!rows || !columns) return PETSC_TRUE;
+  dataset = H5Dopen2(group, name, H5P_DEFAULT);
+  if (dataset < 0) return PETSC_FALSE;
+  space  = H5Dget_space(dataset);
+  memory = H5Screate_simple(H5Sget_simple_extent_ndims(space), extent, NULL);
+  status = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, extent, NULL);
+  if (status >= 0) status = H5Dread(dataset, type, memory, space, H5P_DEFAULT, values);
+  (void)H5Sclose(memory);
+  (void)H5Sclose(space);
+  (void)H5Dclose(dataset);
+  return (PetscBool)(status >= 0);
+}
+
+static PetscBool ReadAttribute(hid_t group, const char *name, hid_t type, void *value)
+{
+  hid_t     attribute;
+  PetscBool read;
+
+  if (H5Aexists(group, name) <= 0) return PETSC_FALSE;
+  attribute = H5Aopen(group, name, H5P_DEFAULT);
+  read      = (PetscBool)(attribute >= 0 && H5Aread(attribute, type, value) >= 0);
+  if (attribute >= 0) (void)H5Aclose(attribute);
+  return read;
+}
+
+/* Bytes that rank 0 reads, and all get where they are `shared`. */
+static PetscErrorCode ReadBytes(MpmModel model, hid_t group, const char *name, PetscBool shared, MpmTextFile *text)
+{
+  hsize_t    extent[2];
+  PetscInt64 size = 0;
+
+  PetscFunctionBeginUser;
+  if (!model->rank) DatasetSize(group, name, extent, &size);
+  PetscCallMPI(MPI_Bcast(&size, 1, MPIU_INT64, 0, model->comm));
+  MpmCheckInput(size >= 0, "-mpm_restart %s: it has no %s", model->checkpoint.restart->path, name);
+  if (model->rank && !shared) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTextFileReserve(text, (size_t)size));
+  if (!model->rank && !ReadRows(group, name, H5T_NATIVE_UCHAR, 0, size, 1, text->data)) size = 0;
+  if (shared) PetscCallMPI(MPI_Bcast(text->data, (PetscMPIInt)size, MPI_CHAR, 0, model->comm));
+  text->data[size] = 0;
+  text->length     = (size_t)size;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All but the points. */
+static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
+{
+  MpmScalars *scalars = &restart->scalars;
+  hsize_t     extent[2];
+  PetscInt64  points = -1;
+  hid_t       file = H5I_INVALID_HID, group = H5I_INVALID_HID;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmScalarsCreate(model, scalars));
+  if (!model->rank) {
+    group = OpenPoints(restart->path, &file);
+    if (group >= 0) DatasetSize(group, "id", extent, &points);
+    for (PetscInt k = 0; k < scalars->count && group >= 0; k++) {
+      double    real;
+      long long integer;
+
+      scalars->there[k] =
+        ReadAttribute(group, scalars->name[k], scalars->real[k] ? H5T_NATIVE_DOUBLE : H5T_NATIVE_LLONG,
+                      scalars->real[k] ? (void *)&real : (void *)&integer);
+      if (scalars->there[k] && scalars->real[k]) scalars->value[k] = (PetscReal)real;
+      if (scalars->there[k] && !scalars->real[k]) scalars->number[k] = (PetscInt64)integer;
+    }
+  }
+  PetscCallMPI(MPI_Bcast(&points, 1, MPIU_INT64, 0, model->comm));
+  MpmCheckInput(points >= 0 && points <= PETSC_INT_MAX, "-mpm_restart %s: its points cannot be read", restart->path);
+  restart->points = (PetscInt)points;
+  PetscCallMPI(MPI_Bcast(scalars->there, (PetscMPIInt)scalars->count, MPIU_BOOL, 0, model->comm));
+  PetscCallMPI(MPI_Bcast(scalars->value, (PetscMPIInt)scalars->count, MPIU_REAL, 0, model->comm));
+  PetscCallMPI(MPI_Bcast(scalars->number, (PetscMPIInt)scalars->count, MPIU_INT64, 0, model->comm));
+  PetscCall(ReadBytes(model, group, "scene", PETSC_TRUE, &restart->scene));
+  PetscCall(ReadBytes(model, group, "partition", PETSC_TRUE, &restart->partition));
+  PetscCall(ReadBytes(model, group, "history", PETSC_TRUE, &restart->history));
+  PetscCall(ReadBytes(model, group, "results", PETSC_FALSE, &restart->results));
+  PetscCall(ReadBytes(model, group, "results_index", PETSC_FALSE, &restart->index));
+  if (group >= 0) (void)H5Gclose(group);
+  if (file >= 0) (void)H5Fclose(file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- which checkpoint, and is it of this scene? ---- */
+
+/* The newest that is whole; each that is not is told of. */
+static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], MpmCheckpointHead *head)
+{
+  const PetscInt64 collective = (PetscInt64)PetscMin(model->checkpoint.collective, 1e18);
+  PetscInt         count, found       = -1;
+  char           **paths, reason[256] = "";
+  const char      *why;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmCheckpointList(model->comm, model->prefix, &count, &paths));
+  for (PetscInt k = 0; k < count && found < 0; k++) {
+    PetscCall(MpmCheckpointVerify(model->comm, paths[k], collective, head, reason, &why));
+    if (!why) found = k;
+    else if (k + 1 < count)
+      PetscCall(PetscFPrintf(model->comm, stderr, "talus: %s: %s; the one before it is tried\n", paths[k], why));
+    PetscCall(PetscStrncpy(path, paths[k], PETSC_MAX_PATH_LEN));
+    if (why && why != reason) PetscCall(PetscStrncpy(reason, why, sizeof(reason)));
+  }
+  PetscCall(MpmNamesDestroy(count, &paths));
+  MpmCheckInput(count, "-mpm_restart latest: there is no checkpoint %s_checkpoint.h5", model->prefix);
+  MpmCheckInput(found >= 0, "-mpm_restart latest: %s: %s", path, reason);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The value of an option in a scene's text: `line` is where it stands, or NULL. The length is that of the value. */
+static const char *SceneValue(const char *scene, const char *name, size_t length, size_t *value_length)
+{
+  for (const char *line = scene; *line; line = strchr(line, '\n') + 1) {
+    if (strncasecmp(line, name, length) || line[length] != ' ') continue;
+    *value_length = strcspn(line + length + 1, "\n");
+    return line + length + 1;
+  }
+  return NULL;
+}
+
+/* Every option of one scene must have its value in the other. */
+static PetscErrorCode CompareScenes(const char *path, const char *saved, const char *present)
+{
+  PetscFunctionBeginUser;
+  for (const char *line = saved; *line; line = strchr(line, '\n') + 1) {
+    const size_t name = strcspn(line, " "), before = strcspn(line + name + 1, "\n");
+    size_t       now   = 0;
+    const char  *value = SceneValue(present, line, name, &now);
+
+    MpmCheckInput(value, "-mpm_restart %s: it is of another scene: it has -%.*s, which is not given here", path,
+                  (int)name, line);
+    MpmCheckInput(now == before && !strncmp(value, line + name + 1, now),
+                  "-mpm_restart %s: it is of another scene: -%.*s is %.*s there and %.*s here", path, (int)name, line,
+                  (int)before, line + name + 1, (int)now, value);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options that are given here and have no value there; defaults of a newer version do not count. */
+static PetscErrorCode CheckScene(MpmModel model, MpmRestart restart)
+{
+  MpmTextFile present;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmCheckpointScene(model, PETSC_FALSE, &present));
+  PetscCall(CompareScenes(restart->path, restart->scene.data, present.data));
+  PetscCall(MpmTextFileDestroy(&present));
+  PetscCall(MpmCheckpointScene(model, PETSC_TRUE, &present));
+  for (const char *line = present.data; *line; line = strchr(line, '\n') + 1) {
+    const size_t name = strcspn(line, " ");
+    size_t       length;
+
+    MpmCheckInput(SceneValue(restart->scene.data, line, name, &length),
+                  "-mpm_restart %s: it is of another scene: it does not have -%.*s", restart->path, (int)name, line);
+  }
+  PetscCall(MpmTextFileDestroy(&present));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestartOpen(MpmModel model)
+{
+  const PetscInt64  collective = (PetscInt64)PetscMin(model->checkpoint.collective, 1e18);
+  const char       *from = model->checkpoint.from, *why = NULL;
+  char              path[PETSC_MAX_PATH_LEN], reason[256];
+  MpmCheckpointHead head;
+  MpmRestart        restart;
+
+  PetscFunctionBeginUser;
+  if (!from) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!strcmp(from, "latest")) PetscCall(FindLatest(model, path, &head));
+  else {
+    PetscCall(PetscStrncpy(path, from, sizeof(path)));
+    PetscCall(MpmCheckpointVerify(model->comm, path, collective, &head, reason, &why));
+    MpmCheckInput(!why, "-mpm_restart %s: %s", path, why);
+  }
+  PetscCall(PetscNew(&restart));
+  model->checkpoint.restart = restart;
+  restart->together         = (PetscBool)(head.size >= collective && model->size > 1);
+  PetscCall(PetscStrallocpy(path, &restart->path));
+  PetscCall(ReadBeside(model, restart));
+  PetscCall(CheckScene(model, restart));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- points ---- */
+
+/* The window and the cuts as they were; `same`: as many ranks as then. */
+static PetscErrorCode RestorePartition(MpmModel model, PetscBool *same)
+{
+  const char *text  = model->checkpoint.restart->partition.data;
+  PetscInt    count = 0, *numbers;
+  char       *end;
+
+  PetscFunctionBeginUser;
+  for (const char *c = text; *c; c++) count += *c == '\n';
+  PetscCall(PetscMalloc1(count, &numbers));
+  for (PetscInt k = 0; k < count; k++, text = end) numbers[k] = (PetscInt)strtoll(text, &end, 10);
+  PetscCall(MpmGridSetCut(&model->grid, count, numbers, same));
+  PetscCall(PetscFree(numbers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* This rank's rows of one dataset into an array that has room for them. */
+static PetscBool ReadField(MpmRestart restart, hid_t group, const MpmPointField *field, PetscInt first, PetscInt rows,
+                           void *array)
+{
+  const hid_t integer = sizeof(PetscInt) == sizeof(long long) ? H5T_NATIVE_LLONG : H5T_NATIVE_INT;
+  const hid_t real    = sizeof(PetscReal) == sizeof(double) ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
+  hsize_t     extent[2];
+  PetscInt64  total;
+
+  DatasetSize(group, field->name, extent, &total);
+  if (total < 0 && !strcmp(field->name, "increment")) {
+    memset(array, 0, (size_t)rows * (size_t)field->components * sizeof(PetscReal));
+    return PETSC_TRUE;
+  }
+  if (total != restart->points || extent[1] != (hsize_t)field->components) return PETSC_FALSE;
+  return ReadRows(group, field->name, field->integer ? integer : real, first, rows, field->components, array);
+}
+
+/* Fills the swarm with this rank's block of rows; `rank` and `place` are those of before. */
+static PetscErrorCode ReadBlock(MpmModel model, PetscInt first, PetscInt rows, PetscInt place[])
+{
+  MpmRestart    restart   = model->checkpoint.restart;
+  MpmParticles *particles = &model->particles;
+  PetscInt      bad       = particles->field_count + 2;
+  MpmPointField before[]  = {{(char[]){"rank"}, 1, PETSC_TRUE}, {(char[]){"place"}, 1, PETSC_TRUE}};
+  void         *array;
+  hid_t         file = H5I_INVALID_HID, group = H5I_INVALID_HID;
+
+  PetscFunctionBeginUser;
+  if (rows) group = OpenPoints(restart->path, &file);
+  for (PetscInt k = 0; k < particles->field_count + 2 && rows; k++) {
+    const PetscInt       own   = k - particles->field_count;
+    const MpmPointField *field = own < 0 ? &particles->fields[k] : &before[own];
+    const char          *name  = own < 0 ? field->name : DMSwarmField_rank;
+
+    if (own == 1) {
+      if (!ReadField(restart, group, field, first, rows, place)) bad = PetscMin(bad, k);
+      continue;
+    }
+    PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, &array));
+    if (!ReadField(restart, group, field, first, rows, array)) bad = PetscMin(bad, k);
+    PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, &array));
+  }
+  if (group >= 0) (void)H5Gclose(group);
+  if (file >= 0) (void)H5Fclose(file);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT, MPI_MIN, model->comm));
+  MpmCheckInput(bad == particles->field_count + 2, "-mpm_restart %s: its points' %s cannot be read", restart->path,
+                bad < particles->field_count ? particles->fields[bad].name : before[bad - particles->field_count].name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The key by which the points of this rank are ordered: the place that each had, from the rank that read its row. */
+static PetscErrorCode FetchPlaces(MpmModel model, PetscInt rows, const PetscInt place[], PetscInt count,
+                                  const PetscInt id[], PetscInt key[])
+{
+  PetscLayout layout;
+  PetscSF     sf;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscLayoutCreateFromSizes(model->comm, rows, model->checkpoint.restart->points, 1, &layout));
+  PetscCall(PetscSFCreate(model->comm, &sf));
+  PetscCall(PetscSFSetGraphLayout(sf, layout, count, NULL, PETSC_COPY_VALUES, id));
+  PetscCall(PetscSFBcastBegin(sf, MPIU_INT, place, key, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(sf, MPIU_INT, place, key, MPI_REPLACE));
+  PetscCall(PetscSFDestroy(&sf));
+  PetscCall(PetscLayoutDestroy(&layout));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Puts the points of this rank in the order of their keys. */
+static PetscErrorCode OrderPoints(MpmParticles *particles, PetscInt count, PetscInt key[])
+{
+  PetscInt *from;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(count, &from));
+  for (PetscInt p = 0; p < count; p++) from[p] = p;
+  PetscCall(PetscSortIntWithArray(count, key, from));
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    const MpmPointField *field = &particles->fields[k];
+    const size_t         size  = (size_t)field->components * (field->integer ? sizeof(PetscInt) : sizeof(PetscReal));
+    char                *copy;
+    void                *array;
+
+    PetscCall(PetscMalloc1(((size_t)count * size), &copy));
+    PetscCall(DMSwarmGetField(particles->swarm, field->name, NULL, NULL, &array));
+    for (PetscInt p = 0; p < count; p++) memcpy(copy + (size_t)p * size, (char *)array + (size_t)from[p] * size, size);
+    if (count) memcpy(array, copy, (size_t)count * size);
+    PetscCall(DMSwarmRestoreField(particles->swarm, field->name, NULL, NULL, &array));
+    PetscCall(PetscFree(copy));
+  }
+  PetscCall(PetscFree(from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestartReadPoints(MpmModel model)
+{
+  MpmRestart    restart   = model->checkpoint.restart;
+  MpmParticles *particles = &model->particles;
+  PetscInt      rows = restart->points, first = 0, count, *place, *id, *key;
+  PetscBool     same, moved;
+
+  PetscFunctionBeginUser;
+  if (restart->together) {
+    first = (PetscInt)((PetscInt64)restart->points * model->rank / model->size);
+    rows  = (PetscInt)((PetscInt64)restart->points * (model->rank + 1) / model->size) - first;
+  } else if (model->rank) rows = 0;
+  PetscCall(PetscMalloc1(rows, &place));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, rows, 0));
+  PetscCall(ReadBlock(model, first, rows, place));
+  particles->total = restart->points;
+  PetscCall(RestorePartition(model, &same));
+  if (same && model->size > 1) PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+  if (!same) {
+    PetscCall(MpmParticlesRebalance(particles, &model->grid, PETSC_TRUE, &moved));
+    PetscCall(MpmParticlesMigrate(particles, &model->grid));
+  }
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(PetscMalloc1(count, &key));
+  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  if (same) PetscCall(FetchPlaces(model, rows, place, count, id, key));
+  else PetscCall(PetscArraycpy(key, id, count));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(OrderPoints(particles, count, key));
+  PetscCall(PetscFree(key));
+  PetscCall(PetscFree(place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- numbers and results ---- */
+
+/* What the solver's choice has settled holds, but for what the run has learnt: a rescue that was needed stays on. */
+PetscErrorCode MpmRestartApply(MpmModel model)
+{
+  MpmRestart      restart    = model->checkpoint.restart;
+  const PetscBool may_rescue = model->ghost_rescue, may_be_indefinite = model->may_be_indefinite;
+  const PetscReal ghost = model->ghost, dt_nominal = model->dt_nominal;
+
+  PetscFunctionBeginUser;
+  if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmScalarsRestore(&restart->scalars, model));
+  if (!may_rescue || model->ghost_rescue || model->ghost != MPM_GHOST_RESCUE) {
+    model->ghost        = ghost;
+    model->ghost_rescue = may_rescue;
+  }
+  model->indefinite        = (PetscBool)(model->indefinite && may_be_indefinite);
+  model->may_be_indefinite = (PetscBool)(may_be_indefinite && !model->indefinite);
+  if (model->dt_nominal != dt_nominal) model->dt_wanted = dt_nominal; /* the user wants another step */
+  model->dt_nominal = dt_nominal;
+  model->time_start = model->time;
+  if (!strcmp(model->checkpoint.from, "latest")) model->checkpoint.step = model->step; /* it is among the files kept */
+  MpmCheckInput(model->time_end >= model->time * (1. - 1e-12),
+                "-mpm_time_end %g: the checkpoint %s stands at %g already", (double)model->time_end, restart->path,
+                (double)model->time);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *const names[])
+{
+  MpmRestart      restart = model->checkpoint.restart;
+  MpmHistoryPlace place   = {0, 0};
+  const char     *why;
+  char           *end;
+
+  PetscFunctionBeginUser;
+  place.length = (PetscInt64)strtoll(restart->history.data, &end, 10);
+  place.hash   = (PetscInt64)strtoll(end, NULL, 10);
+  PetscCall(MpmHistoryContinue(model->comm, path, model->history_columns, names, &place, &model->history, &why));
+  MpmCheckInput(!why, "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
+                restart->path, path, why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestartOutput(MpmModel model)
+{
+  MpmRestart         restart = model->checkpoint.restart;
+  const char        *h5, *xdmf, *why;
+  const MpmTextFile *index;
+  PetscBool          there;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOutputGetFiles(model->output, &h5, &xdmf, &index));
+  PetscCall(MpmMarkReturn(model->comm, h5, &restart->results, &there, &why));
+  MpmCheckInput(!why, "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
+                restart->path, h5, why);
+  if (there) PetscCall(MpmOutputContinue(model->output, restart->index.data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

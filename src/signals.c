@@ -1,0 +1,57 @@
+/*
+  Signals by which batch systems announce the end of a job.
+
+  A handler has no argument of ours and may do next to nothing: the note that it leaves is a global variable, with the
+  actions that it replaces the only ones of the program. All ranks look at it together after each step (checkpoint.c),
+  for not all of them may be sent the signal.
+*/
+#include <signal.h>
+#include <string.h>
+#include "mpmimpl.h"
+
+static volatile sig_atomic_t caught;
+static struct {
+  int              number;
+  PetscBool        ignored;
+  struct sigaction before;
+} actions[] = {
+  {.number = SIGTERM, .ignored = PETSC_FALSE},
+  {.number = SIGUSR1, .ignored = PETSC_FALSE},
+  {.number = SIGXFSZ, .ignored = PETSC_TRUE} /* a file beyond the limit on its size: the write tells */
+};
+
+static void TakeNote(int number)
+{
+  (void)number;
+  caught = 1;
+}
+
+PetscErrorCode MpmSignalsCatch(void)
+{
+  PetscFunctionBeginUser;
+  caught = 0;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(actions); k++) {
+    struct sigaction action;
+
+    memset(&action, 0, sizeof(action));
+    action.sa_handler = actions[k].ignored ? SIG_IGN : TakeNote;
+    action.sa_flags   = SA_RESTART;
+    (void)sigemptyset(&action.sa_mask);
+    PetscCheck(!sigaction(actions[k].number, &action, &actions[k].before), PETSC_COMM_SELF, PETSC_ERR_SYS,
+               "signal %d cannot be caught", actions[k].number);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSignalsRelease(void)
+{
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(actions); k++)
+    (void)sigaction(actions[k].number, &actions[k].before, NULL);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmSignalsCaught(void)
+{
+  return (PetscBool)(caught != 0);
+}
