@@ -88,9 +88,12 @@ PetscErrorCode MpmOutputDestroy(MpmOutput *output);
   numbers, which stand still once they are written. Rank 0 holds it; empty for a file that does not exist.
 */
 PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark);
-/* `why` is NULL, or the reason for which the file cannot become what it was (static text); `there`: is there a file? */
-PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool *there,
-                             const char **why);
+/*
+  Without `apply` nothing is done but to look whether it could be. `why` is NULL, or the reason for which the file cannot
+  become what it was (static text); `there`: is there a file?
+*/
+PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool apply,
+                             PetscBool *there, const char **why);
 
 /* The CSV writer: header at once, then one row a call, flushed; rank 0 writes. All values with 17 significant digits,
    integers plain. */

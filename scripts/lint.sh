@@ -11,7 +11,7 @@ else
   echo "lint: clang-format-14 is not installed; C sources were not looked at" >&2
 fi
 if command -v shellcheck >/dev/null; then
-  shellcheck -x scripts/*.sh .ci/run || status=1
+  shellcheck -x scripts/*.sh scripts/slurm/* .ci/run || status=1
 else
   echo "lint: shellcheck is not installed; shell scripts were not looked at" >&2
 fi

@@ -195,8 +195,8 @@ PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark)
 
 enum { RETURN_DONE, RETURN_NONE, RETURN_SHORT, RETURN_OTHER, RETURN_FAILED, RETURN_COUNT };
 
-/* Puts the pieces back. */
-static int ReturnFile(const char *path, const MpmTextFile *mark)
+/* Can the pieces be put back, and, if that is wanted, puts them back. */
+static int ReturnFile(const char *path, const MpmTextFile *mark, PetscBool apply)
 {
   PetscInt64   head[3], hash, needed;
   struct stat  status;
@@ -213,15 +213,15 @@ static int ReturnFile(const char *path, const MpmTextFile *mark)
   else if (status.st_size < needed) answer = RETURN_SHORT;
   else if (Sample(file, (size_t)head[0], piece, &hash)) answer = RETURN_FAILED;
   else if (hash != head[2]) answer = RETURN_OTHER;
-  for (PetscInt64 k = 0; k < head[0] && answer == RETURN_DONE; bytes += piece[k++].length)
+  for (PetscInt64 k = 0; k < head[0] && apply && answer == RETURN_DONE; bytes += piece[k++].length)
     if (MpmWriteAt(file, bytes, (size_t)piece[k].length, piece[k].offset)) answer = RETURN_FAILED;
-  if (answer == RETURN_DONE && (ftruncate(file, (off_t)head[1]) || fsync(file))) answer = RETURN_FAILED;
+  if (apply && answer == RETURN_DONE && (ftruncate(file, (off_t)head[1]) || fsync(file))) answer = RETURN_FAILED;
   (void)close(file);
   return answer;
 }
 
-PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool *there,
-                             const char **why)
+PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool apply,
+                             PetscBool *there, const char **why)
 {
   static const char *const reasons[RETURN_COUNT] = {NULL, NULL, "it is shorter than it was", "it is not what it was",
                                                     "it cannot be read and written"};
@@ -230,7 +230,7 @@ PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile 
 
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0 && mark->length) answer = ReturnFile(path, mark);
+  if (rank == 0 && mark->length) answer = ReturnFile(path, mark, apply);
   PetscCallMPI(MPI_Bcast(&answer, 1, MPI_INT, 0, comm));
   *there = (PetscBool)(answer != RETURN_NONE);
   *why   = reasons[answer];

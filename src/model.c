@@ -484,11 +484,11 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
 static PetscErrorCode OpenResults(MpmModel model)
 {
   PetscFunctionBeginUser;
+  if (model->output_every) PetscCall(MpmOutputCreate(model->comm, model->prefix, &model->output));
+  if (model->output && model->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
   PetscCall(MpmModelCreateHistory(model));
-  if (!model->output_every) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmOutputCreate(model->comm, model->prefix, &model->output));
-  if (model->checkpoint.restart) PetscCall(MpmRestartOutput(model));
-  if (!MpmOutputStarted(model->output)) PetscCall(MpmModelWriteOutput(model));
+  if (model->output && model->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
+  if (model->output && !MpmOutputStarted(model->output)) PetscCall(MpmModelWriteOutput(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

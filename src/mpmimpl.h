@@ -509,7 +509,8 @@ PetscErrorCode MpmRestartOpen(MpmModel model);
 PetscErrorCode MpmRestartReadPoints(MpmModel model);
 PetscErrorCode MpmRestartApply(MpmModel model);
 PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *const names[]);
-PetscErrorCode MpmRestartOutput(MpmModel model);
+/* Without `apply` it only looks whether the file can be continued. */
+PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply);
 PetscErrorCode MpmRestartDestroy(MpmRestart *restart);
 
 /* From Catch to Release, SIGTERM and SIGUSR1 only leave a note. */

@@ -452,7 +452,7 @@ PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRestartOutput(MpmModel model)
+PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply)
 {
   MpmRestart         restart = model->checkpoint.restart;
   const char        *h5, *xdmf, *why;
@@ -461,9 +461,9 @@ PetscErrorCode MpmRestartOutput(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(MpmOutputGetFiles(model->output, &h5, &xdmf, &index));
-  PetscCall(MpmMarkReturn(model->comm, h5, &restart->results, &there, &why));
+  PetscCall(MpmMarkReturn(model->comm, h5, &restart->results, apply, &there, &why));
   MpmCheckInput(!why, "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
                 restart->path, h5, why);
-  if (there) PetscCall(MpmOutputContinue(model->output, restart->index.data));
+  if (there && apply) PetscCall(MpmOutputContinue(model->output, restart->index.data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
