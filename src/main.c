@@ -1,6 +1,7 @@
 /*
   The program: reads options, runs the model, and turns errors into one line and an exit status.
 */
+#include <unistd.h>
 #include "mpm.h"
 
 static char help[] = "Talus: implicit material point method for soils, rocks, snow and structures.\n"
@@ -97,6 +98,21 @@ static PetscErrorCode Run(int argc, char **argv, char **without_files, ErrorCont
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The end after a file that could not be written. HDF5 cannot let go of such a file: it tries once more when MPI ends, and
+  crashes. So the program ends without either, once all ranks are here.
+*/
+static void EndAtOnce(int status)
+{
+  PetscMPIInt size;
+
+  (void)fflush(NULL);
+  (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  (void)MPI_Barrier(PETSC_COMM_WORLD);
+  if (size > 1) (void)MPI_Abort(PETSC_COMM_WORLD, status);
+  _exit(status);
+}
+
 int main(int argc, char **argv)
 {
   ErrorContext   context   = {NULL, 0, ""};
@@ -110,6 +126,7 @@ int main(int argc, char **argv)
   if (error && context.status) {
     (void)PetscFPrintf(PETSC_COMM_WORLD, stderr, "talus: error: %s\n", context.message);
     status = context.status;
+    if (status == MPM_EXIT_FILE) EndAtOnce(status);
   } else if (error) {
     MPI_Abort(PETSC_COMM_WORLD, 1);
   }

@@ -44,17 +44,20 @@ typedef struct {
 
 /* ---- failures ---- */
 
-/* Keeps the last description it is shown: HDF5's innermost, which tells most. */
+/* Keeps the last description it is shown, HDF5's innermost, which tells most; of it the system's words, if it has them. */
 static herr_t KeepDescription(unsigned depth, const H5E_error2_t *error, void *context)
 {
-  Writer *writer = (Writer *)context;
+  static const char words[] = "error message = '";
+  Writer           *writer  = (Writer *)context;
+  const char       *from    = error->desc ? strstr(error->desc, words) : NULL;
 
   (void)depth;
-  if (error->desc && error->desc[0]) {
-    strncpy(writer->reason, error->desc, REASON_LENGTH - 1);
-    for (char *c = writer->reason; *c; ++c)
-      if (*c == '\n' || *c == '\r') *c = ' ';
-  }
+  if (!error->desc || !error->desc[0]) return 0;
+  from = from ? from + sizeof(words) - 1 : error->desc;
+  strncpy(writer->reason, from, REASON_LENGTH - 1);
+  if (from != error->desc) writer->reason[strcspn(writer->reason, "'")] = 0;
+  for (char *c = writer->reason; *c; ++c)
+    if (*c == '\n' || *c == '\r') *c = ' ';
   return 0;
 }
 

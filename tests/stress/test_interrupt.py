@@ -147,7 +147,7 @@ def limited(test, reference, sizes):
 def full_disk(test, reference, sizes):
     """A small file system of its own; passed over where it may not be mounted."""
     state = sizes["run_checkpoint.h5"]
-    for label, size in (("during_a_checkpoint", int(2.6 * state)), ("during_output", int(3.3 * state))):
+    for label, size in (("during_a_checkpoint", int(2.4 * state)), ("during_output", int(4.2 * state))):
         disk = test.folder()
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none", str(disk)], capture_output=True,
                                  check=False)
