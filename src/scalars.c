@@ -20,7 +20,8 @@ static const struct {
       SCALAR("newton_iterations", INT64, newton_total) SCALAR("linear_iterations", INT64, linear_total)
         SCALAR("active_dofs_max", INT64, active_dofs_max) SCALAR("ghost", REAL, ghost)
           SCALAR("ghost_rescue", BOOL, ghost_rescue) SCALAR("indefinite", BOOL, indefinite)
-            SCALAR("output_step", INT, output_step) SCALAR("run", INT64, checkpoint.run)
+            SCALAR("jacobians_last", INT, made_count_last) SCALAR("output_step", INT, output_step)
+              SCALAR("run", INT64, checkpoint.run)
 #undef SCALAR
 };
 

@@ -17,7 +17,8 @@ if FULL:
     sys.argv.remove("--full")
 
 from runs import Background, differences  # noqa: E402
-from talus_test import Test, call, example  # noqa: E402
+from talus_test import Results, Test, call, example  # noqa: E402
+from results import ResultsError  # noqa: E402
 
 # Few Newton iterations are allowed in the first, so that steps are cut; the ghost penalty comes on when one fails.
 SCENES = {
@@ -137,6 +138,36 @@ def latest(test, folder, newest, older, bytes_of, options):
     others_results(test, folder, reference, options)
 
 
+def inconsistent_results(test):
+    """A results file in which every list of groups is garbage, as an interrupted write may leave it, becomes whole again."""
+    options = {"mpm_time_step": 0.1, "mpm_checkpoint_every": 3}
+    reference, folder = test.folder(), test.folder()
+    for place in (reference, folder):
+        Background(test.program, place, example("bar_j2"), ranks=1, **options).wait()
+    (folder / "run_checkpoint.h5").unlink()  # the checkpoint of step 9 is the last one but the end's
+    results = folder / "run.h5"
+    content = bytearray(results.read_bytes())
+    spoiled = 0
+    for signature in (b"TREE", b"SNOD", b"HEAP"):
+        place = content.find(signature)
+        while place >= 0:
+            content[place:place + 48] = b"\xa5" * 48
+            spoiled += 1
+            place = content.find(signature, place + 1)
+    results.write_bytes(content + b"and half a state")
+    test.check("spoiled_lists", spoiled, lower=6)
+    try:
+        readable = int(Results(folder / "run").steps == [0, 10])
+    except (ResultsError, OSError, RuntimeError, KeyError):
+        readable = 0
+    test.check("spoiled_results_are_readable", readable, 0, 0)
+    status, _ = Background(test.program, folder, example("bar_j2"), ranks=2, **options, mpm_restart="latest").wait()
+    test.check("spoiled_results_continued", status, 0, 0)
+    points, history = differences(reference / "run", folder / "run")
+    test.check("spoiled_results_points", points, upper=TOLERANCE)
+    test.check("spoiled_results_history", history, upper=TOLERANCE)
+
+
 def others_results(test, folder, reference, options):
     """Result files that are not those of the checkpoint are not touched; where there are none, new ones are begun."""
     for suffix in (".h5", "_history.csv"):
@@ -160,6 +191,7 @@ def main():
     with Test() as test:
         kills(test, 20 if FULL else 3)
         damage(test)
+        inconsistent_results(test)
 
 
 main()
