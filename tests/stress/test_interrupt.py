@@ -180,7 +180,7 @@ def main():
         sizes = {path.name: path.stat().st_size for path in folder.iterdir()}
         reference = folder / "run"
         interrupt(test, reference, "usr1_to_mpiexec", signal.SIGUSR1, 2, None)
-        interrupt(test, reference, "term_to_the_last_rank", signal.SIGTERM, 4, 3)
+        interrupt(test, reference, "term_to_the_last_rank", signal.SIGTERM, 2, 1)
         interrupt(test, reference, "term_to_one_process", signal.SIGTERM, 1, None)
         jobs(test, reference)
         gave_up(test)
