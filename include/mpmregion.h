@@ -37,3 +37,5 @@ PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal
 PetscErrorCode MpmRampCreate(const MpmOptions *options, const char *name, const char *fallback, MpmRamp *ramp);
 PetscErrorCode MpmRampDestroy(MpmRamp *ramp);
 PetscReal      MpmRampEvaluate(MpmRamp ramp, PetscReal time);
+/* The least and the largest factor of all times. */
+void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most);

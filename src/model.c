@@ -279,7 +279,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     PetscInt walls;
 
     PetscCall(MpmConditionCreate(options, model->bc_names[b], &model->grid, &model->layout, &model->bcs[b]));
-    PetscCall(MpmConditionGetWalls(&model->bcs[b], &model->grid, &walls, &model->walls[model->wall_count]));
+    PetscCall(MpmConditionGetWalls(&model->bcs[b], &model->grid, MpmShapeDegree(model->shape), &walls,
+                                   &model->walls[model->wall_count]));
     model->wall_count += walls;
   }
   PetscCall(PetscCalloc1((model->bc_count * model->layout.block), &model->reaction));

@@ -137,7 +137,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
 {
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->grid.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
-  PetscInt                 capacity = fixed + model->track_count * dim + model->bc_count * model->layout.block;
+  PetscInt                 capacity = fixed + model->track_count * dim + model->bc_count * (model->layout.block + 1);
   char                     name[512];
 
   PetscFunctionBeginUser;
@@ -148,6 +148,10 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
     for (PetscInt k = 0; k < model->bcs[b].component_count; k++) {
       PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->bc_names[b],
                               model->layout.component_name[model->bcs[b].component[k]]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+    if (model->bcs[b].inclined) { /* along the normal */
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->bc_names[b]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
@@ -195,8 +199,13 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->cuts;
   row[k++] = model->load_count ? MpmRampEvaluate(model->loads[0].ramp, model->time) : 0.;
   for (PetscInt b = 0; b < model->bc_count; b++) {
-    for (PetscInt c = 0; c < model->bcs[b].component_count; c++)
-      row[k++] = model->reaction[b * model->layout.block + model->bcs[b].component[c]];
+    const PetscReal *reaction = &model->reaction[b * model->layout.block];
+
+    for (PetscInt c = 0; c < model->bcs[b].component_count; c++) row[k++] = reaction[model->bcs[b].component[c]];
+    if (!model->bcs[b].inclined) continue;
+    row[k] = 0.;
+    for (PetscInt a = 0; a < model->grid.dim; a++) row[k] += reaction[a] * model->bcs[b].normal[a];
+    k++;
   }
   for (PetscInt t = 0; t < model->track_count; t++, k += model->grid.dim)
     PetscCall(MpmTrackEvaluate(&model->tracks[t], &model->particles, &row[k]));

@@ -319,9 +319,10 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model)
 
       for (PetscInt a = 0; a < dim; a++) x[a] = model->grid.h[a] * (PetscReal)model->space.node[i * dim + a];
       RigidMode(dim, k, x, &values[i * bs]);
-      for (PetscInt a = 0; a < dim; a++)
-        if (model->constraints.condition[i * bs + a] >= 0) values[i * bs + a] = 0.;
     }
+    MpmFramesToUnknowns(&model->constraints, bs, model->space.owned, values);
+    for (PetscInt i = 0; i < model->space.owned * bs; i++)
+      if (model->constraints.condition[i] >= 0) values[i] = 0.;
     PetscCall(VecRestoreArray(mode[kept], &values));
     for (PetscInt pass = 0; pass < 2 && kept; pass++) {
       PetscCall(VecMDot(mode[kept], kept, mode, dot));

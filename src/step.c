@@ -51,6 +51,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscCall(VecGetArray(model->x, &x));
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
+  MpmFramesToUnknowns(&model->constraints, model->layout.block, model->space.owned, x);
   for (PetscInt k = 0; k < n; k++)
     if (model->constraints.condition[k] >= 0) x[k] = model->constraints.value[k];
   PetscCall(VecRestoreArray(model->x, &x));
@@ -225,10 +226,7 @@ static PetscErrorCode Commit(MpmModel model)
              failed);
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
   PetscCall(PetscArrayzero(model->reaction, model->bc_count * bs));
-  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
-    if (model->constraints.condition[k] >= 0)
-      model->reaction[model->constraints.condition[k] * bs + k % bs] += model->residual[k];
-  }
+  MpmConstraintsAddReactions(&model->constraints, bs, model->space.owned, model->residual, model->reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->reaction, (PetscMPIInt)(model->bc_count * bs), MPIU_REAL, MPIU_SUM,
                            model->comm));
   for (PetscInt k = 0; k < model->points.count * dim; k++)

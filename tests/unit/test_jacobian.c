@@ -22,6 +22,18 @@ static const char *const held_3d =
   "-mpm_bc_floor_components x,y,z -mpm_bc_floor_value 0.01,-0.006,0.004 -mpm_bc_side_region box "
   "-mpm_bc_side_lower 0.5,0,0 -mpm_bc_side_upper 0.5,2,2 -mpm_bc_side_components x ";
 
+/* rollers at an angle: nodes with one, with two that are not at right angles, and with one and a component */
+static const char *const inclined_2d =
+  "-mpm_bcs floor,side,edge -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0.4 -mpm_bc_floor_upper 3,0.4 "
+  "-mpm_bc_floor_normal -0.3,2 -mpm_bc_floor_value 0.01 -mpm_bc_side_region box -mpm_bc_side_lower 0.5,0 "
+  "-mpm_bc_side_upper 0.5,2 -mpm_bc_side_components x -mpm_bc_side_value 0.004 -mpm_bc_edge_region box "
+  "-mpm_bc_edge_lower 2.5,0 -mpm_bc_edge_upper 2.5,2 -mpm_bc_edge_normal 1,0.4 ";
+static const char *const inclined_3d =
+  "-mpm_bcs floor,side,edge -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0,0.4 -mpm_bc_floor_upper 2,2,0.4 "
+  "-mpm_bc_floor_normal 0.3,-0.2,1 -mpm_bc_floor_value 0.01 -mpm_bc_side_region box -mpm_bc_side_lower 0.5,0,0 "
+  "-mpm_bc_side_upper 0.5,2,2 -mpm_bc_side_components x -mpm_bc_edge_region box -mpm_bc_edge_lower 0,0.5,0 "
+  "-mpm_bc_edge_upper 2,0.5,2 -mpm_bc_edge_normal 0.1,1,0.4 ";
+
 typedef struct {
   const char *name, *parameters;
   PetscBool   plastic;
@@ -37,12 +49,16 @@ static const Law laws[] = {
    PETSC_TRUE},
 };
 
-/* A body without conditions; held; held with F-bar. */
-enum { FREE, HELD, HELD_FBAR, VARIANTS };
+/* A body without conditions; held; held with F-bar; held along normals, with F-bar in 3D. */
+enum { FREE, HELD, HELD_FBAR, INCLINED, VARIANTS };
+static const char *const variant_names[] = {"free", "held", "held, F-bar", "held along normals"};
 
 static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscInt held, MpmModel *model)
 {
-  char options[4096];
+  const PetscBool   fbar            = (PetscBool)(held == HELD_FBAR || (held == INCLINED && dim == 3));
+  const char *const conditions_2d[] = {"", held_2d, held_2d, inclined_2d};
+  const char *const conditions_3d[] = {"", held_3d, held_3d, inclined_3d};
+  char              options[4096];
 
   PetscFunctionBeginUser;
   /* the ghost penalty, where there is one, is part of half of the scenes */
@@ -50,8 +66,8 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
     options, sizeof(options),
     "%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
     "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi%s%s",
-    dim == 2 ? scene_2d : scene_3d, held ? (dim == 2 ? held_2d : held_3d) : "", law->parameters, shape, law->name,
-    held ? " -mpm_stabilization_ghost 0.05" : "", held == HELD_FBAR ? " -mpm_stabilization_fbar true" : ""));
+    dim == 2 ? scene_2d : scene_3d, dim == 2 ? conditions_2d[held] : conditions_3d[held], law->parameters, shape,
+    law->name, held ? " -mpm_stabilization_ghost 0.05" : "", fbar ? " -mpm_stabilization_fbar true" : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,9 +142,7 @@ static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plast
   char           name[200];
 
   snprintf(name, sizeof(name), "%dD %s %s %s", (int)model->grid.dim, MpmShapeTypes[model->shape], law->name,
-           held == HELD_FBAR ? "held, F-bar"
-           : held            ? "held"
-                             : "free");
+           variant_names[held]);
   ck_assert_msg(verdict->norm > 0., "%s: the Jacobian is empty", name);
   ck_assert_msg(verdict->coloring <= 1e-14, "%s: local and coloured Jacobian differ by %g", name,
                 (double)verdict->coloring);
@@ -166,7 +180,8 @@ static void CheckAll(PetscInt dim)
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], held, &model));
         SCENE_CALL(Look(model, 0., &plastic, &verdict));
         ck_assert_int_eq(model->constraints.any || !held, 1);
-        ck_assert_int_eq((int)model->layout.means, held == HELD_FBAR);
+        ck_assert_int_eq(model->constraints.frame_of != NULL, held == INCLINED);
+        ck_assert_int_eq((int)model->layout.means, held == HELD_FBAR || (held == INCLINED && dim == 3));
         Check(model, &laws[l], held, plastic, &verdict);
         SCENE_CALL(SceneDestroy(&model));
       }
