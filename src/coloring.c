@@ -156,6 +156,7 @@ PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, cons
     }
   }
   PetscCall(MpmGhostJacobian(sum, pattern));
+  PetscCall(MpmContactsJacobian(sum, u, pattern));
   PetscCall(MpmActionDestroy(&seeds.action));
   PetscCall(PetscFree(seeds.y));
   PetscCall(PetscFree(seeds.du));

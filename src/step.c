@@ -95,6 +95,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscFunctionBeginUser;
   PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout,
                                 &model->space, model->time, time));
+  PetscCall(
+    MpmContactsSetUp(&model->contacts, rules, &model->space, &model->points, &model->particles, model->time, time));
   PetscCall(PetscArrayzero(model->force, model->space.local * model->layout.block));
   for (PetscInt l = 0; l < model->load_count; l++) {
     PetscCall(MpmLoadApply(&model->loads[l], time, rules, &model->sum, &model->particles, model->force));
@@ -125,6 +127,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
                         .state_size        = model->particles.state_size,
                         .dt                = dt,
                         .ghost             = model->ghost,
+                        .contacts          = &model->contacts,
                         .mean              = model->mean};
   if (!again) PetscCall(MpmSolverSetUp(model));
   PetscCall(PrepareConditions(model, &rules, time));
@@ -224,6 +227,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
              failed);
+  PetscCall(MpmContactsCommit(&model->contacts, &model->sum, model->u, &model->particles));
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
   PetscCall(PetscArrayzero(model->reaction, model->bc_count * bs));
   MpmConstraintsAddReactions(&model->constraints, bs, model->space.owned, model->residual, model->reaction);
