@@ -202,8 +202,11 @@ PetscErrorCode MpmSolverChoose(MpmModel model)
     if (!model->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
   }
   if (model->ghost == MPM_GHOST_AUTO) {
-    /* F-bar takes stiffness from points at the edge of the material, too much where splines reach beyond it */
-    model->ghost        = direct && !model->fbar ? 0. : MPM_GHOST_FACTOR;
+    /*
+      F-bar takes stiffness from points at the edge of the material, too much where splines reach beyond it; boundaries
+      push there
+    */
+    model->ghost        = direct && !model->fbar && !model->boundary_count ? 0. : MPM_GHOST_FACTOR;
     model->ghost_rescue = (PetscBool)(model->ghost == 0.);
   }
   PetscCall(CreateSNES(model));
