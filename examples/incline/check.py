@@ -10,10 +10,11 @@ sys.path.insert(0, str(FOLDER.parent))
 import common  # noqa: E402
 from common import Quantity  # noqa: E402
 
-GRAVITY = 10.0  # m/s2
+GRAVITY, DENSITY = 10.0, 2000.0  # m/s2, kg/m3
 LENGTH, HEIGHT = 4.0, 2.0  # m, of the block
 BALANCE = 1e-8  # of the weight
 DEPTH = 1e-3  # of a cell, behind the boundaries
+STRESS = 0.03  # mean error over the stress at the foot, where theory has an answer
 
 
 def frame(results):
@@ -31,13 +32,29 @@ def force(results, name, row=-1):
     return np.array([results.column(f"reaction_{name}_{axis}")[row] for axis in "xy"])
 
 
+def errors(results):
+    """Differences of the stress across and along the slope, and of the shear, from theory, over the largest stresses.
+
+    With nu = 0 and supports without friction: sigma_nn = -rho g cos (H - n), sigma_tt = -rho g sin t, no shear, with n the
+    height over the slope and t the way from the upper end.
+    """
+    normal, down, angle = frame(results)
+    state = results.state("last")
+    place = results.initial["position0"] - np.array(results.numbers("mpm_boundary_slope_point"))
+    stress = state["stress"][:, [[0, 3], [3, 1]]] / (GRAVITY * DENSITY * results.column("load")[-1])
+    across, along = np.cos(angle) * HEIGHT, np.sin(angle) * LENGTH
+    return ((np.einsum("i,pij,j->p", normal, stress, normal) + np.cos(angle) * (HEIGHT - place @ normal)) / across,
+            (np.einsum("i,pij,j->p", down, stress, down) + np.sin(angle) * (place @ down)) / along,
+            np.einsum("i,pij,j->p", normal, stress, down) / across)
+
+
 def check(results):
     normal, down, angle = frame(results)
     total, factor = weight(results), results.column("load")[-1]
     slope = force(results, "slope") / (total * factor)
     stopped = "reaction_stop_x" in results.history
     quantities = [common.completed(results),
-                  Quantity.near("weight", total, GRAVITY * 2000.0 * LENGTH * HEIGHT, relative=0.01),
+                  Quantity.near("weight", total, GRAVITY * DENSITY * LENGTH * HEIGHT, relative=0.01),
                   Quantity.near("slope_normal_over_weight", slope @ normal, np.cos(angle), absolute=BALANCE),
                   Quantity.near("slope_shear_over_weight", -(slope @ down), 0.0 if stopped else np.sin(angle),
                                 absolute=BALANCE)]
@@ -48,6 +65,10 @@ def check(results):
     for name in ("slope", "stop") if stopped else ("slope",):
         depth = results.column(f"depth_{name}")[-1] / grid_cell(results)
         quantities.append(Quantity(f"{name}_depth_over_cell", depth, 0.0, DEPTH))
+    if stopped and results.numbers("mpm_material_block_nu")[0] == 0.0:
+        volume = results.state("last")["volume"]
+        for name, error in zip(("across", "along", "shear"), errors(results)):
+            quantities.append(Quantity(f"stress_{name}", np.average(np.abs(error), weights=volume), 0.0, STRESS))
     return quantities
 
 

@@ -12,6 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import EXAMPLES, Test, difference, example  # noqa: E402
 
 BLOCK = Path(__file__).resolve().parent / "block.yaml"
+ROLLERS = BLOCK.parent / "rollers.yaml"
 YOUNG, POISSON, DENSITY, CELL = 1e6, 0.25, 1000.0, 0.5
 CONSTRAINED = YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
 BALANCE = 1e-8  # of the load
@@ -130,6 +131,31 @@ def two_rollers(test):
     test.check("rollers_across.direction", abs(reaction(turned, "one") @ (-s, c)) / scale, None, 1e-12)
 
 
+def rotated_body(test):
+    """A block and its supports turned by 30 degrees: statics, and the stresses of the upright one.
+
+    Nodes hold as steps of the grid would, so the order is one; the penalty's planes stand where the block ends.
+    """
+    normal, down = np.array([np.sin(TILT), np.cos(TILT)]), np.array([np.cos(TILT), -np.sin(TILT)])
+    errors = []
+    for refine, ranks in ((1, 1), (2, 2), (2, 1)):
+        run = test.run(ROLLERS, ranks=ranks, mpm_grid_refine=refine, mpm_time_step=1, mpm_quiet=None,
+                       **({"mpm_solver": "amg"} if ranks == 1 and refine == 2 else {}))
+        weight = 10.0 * run.table("mass").sum()
+        place = run.table("position0", "first") - (2.0, 4.0)
+        stress = np.einsum("i,pij,j->p", normal, run.table("stress")[:, [[0, 3], [3, 1]]], normal) / 20e3
+        errors.append(np.mean(np.abs(stress + np.cos(TILT) * (2.0 - place @ normal))) / (2.0 * np.cos(TILT)))
+        label = f"rotated_{refine}_on_{ranks}"
+        check_vector(test, f"{label}.slope", reaction(run, "slope"), weight * np.cos(TILT) * normal, weight)
+        check_vector(test, f"{label}.stop", reaction(run, "stop"), -weight * np.sin(TILT) * down, weight)
+    test.check("rotated.error", errors[1], None, 0.1)
+    test.check("rotated.order", np.log2(errors[0] / errors[1]), 0.8, None)
+    test.check("rotated.solvers", abs(errors[2] / errors[1] - 1.0), None, 0.05)
+    fine = [test.check_example(f"incline_{refine}", test.run(example("incline"), mpm_grid_refine=refine, mpm_time_step=1,
+                                                             mpm_quiet=None), "incline") for refine in (1, 2)]
+    test.check("incline.order", np.log2(fine[0]["stress_across"] / fine[1]["stress_across"]), 0.8, None)
+
+
 def penalty_compression(test):
     """A plate comes down by 0.4 m in steps on a block between frictionless planes: uniform stress, depth p h/(100 E)."""
     for dim, ranks, more in ((2, 1, {}), (2, 2, {"mpm_jacobian": "matfree"}), (2, 4, {"snes_max_it": 2, "mpm_time_step": 1}),
@@ -197,6 +223,7 @@ with Test() as test:
     drawn_across(test)
     inclined_roller(test)
     two_rollers(test)
+    rotated_body(test)
     penalty_compression(test)
     bowl(test)
     inclined_plane(test)
