@@ -191,6 +191,41 @@ def penalty_compression(test):
     test.near("penalty_stiffer.depth", stiff.results.column("depth_floor")[-1], depth / 100.0, 0.02)
 
 
+def free_sides(test):
+    """The same with free sides: points that straddle cells, uniform stress, E/(1 - nu^2) ln f over the widened block."""
+    modulus = YOUNG / (1.0 - POISSON**2)
+    for shape, ranks in (("gimp", 1), ("gimp_bspline2", 2)):
+        run = test.run(BLOCK, ranks=ranks, mpm_shape=shape, mpm_boundaries="floor,plate", mpm_bcs="left", snes_rtol=1e-12,
+                       mpm_stabilization_ghost="off", **nodes("left", (1, 0), (1, 4), components="x"),
+                       **plane("floor", (0, 1), (0, 1)), **plane("plate", (0, 3), (0, -1), motion="0,-0.4"))
+        depth = run.results.column("depth_floor")[-1]
+        log_y = np.log((2.0 - 0.4 + 2.0 * depth) / 2.0)
+        log_x = -POISSON / (1.0 - POISSON) * log_y
+        stress, force = modulus * log_y / np.exp(log_x + log_y), 2.0 * modulus * log_y / np.exp(log_y)
+        label = f"free_{shape}"
+        test.check(f"{label}.stress", difference(run.table("stress")[:, 1], stress), None, 1e-8)
+        test.check(f"{label}.lateral", np.max(np.abs(run.table("stress")[:, 0])) / abs(stress), None, 1e-8)
+        test.near(f"{label}.force", run.results.column("reaction_plate_y")[-1], force, 1e-8)
+        test.near(f"{label}.depth", depth, -0.5 * force * CELL / (100.0 * YOUNG), 1e-8)
+
+
+def stick(test):
+    """What sticks remembers its slip: one step or four, and a plane that carries a block along."""
+    weight = {"mpm_loads": "push", "mpm_load_push_type": "force", "mpm_load_push_region": "all",
+              "mpm_load_push_value": "1e4,-2e4"}
+    far = []
+    for step in (1.0, 0.25):
+        run = test.run(BLOCK, mpm_time_step=step, mpm_boundaries="floor", mpm_tracks="all", mpm_track_all_region="all",
+                       **plane("floor", (0, 1), (0, 1), friction="stick", contact="bilateral", penalty=1), **weight)
+        far.append(run.results.column("track_all_ux")[-1])
+        check_vector(test, f"stick_{step}.reaction", reaction(run, "floor"), (-1e4, 2e4), 2e4)
+    test.near("stick.steps", far[1], far[0], 0.05)
+    test.check("stick.slip", far[0], 1e4 * CELL / (2.0 * YOUNG), None)
+    run = test.run(BLOCK, ranks=2, mpm_time_step=0.25, mpm_boundaries="floor",
+                   **plane("floor", (0, 1), (0, 1), friction="stick", contact="bilateral", motion="0.3,0.2", ramp="0:0.5,1:1"))
+    test.check("stick.carried", np.max(np.abs(run.table("displacement") - (0.3, 0.2))), None, 1e-9)
+
+
 def bowl(test):
     """A block in a round bowl, a disc between two polygons: the boundaries carry the weight."""
     weight = {"mpm_loads": "weight", "mpm_load_weight_type": "gravity", "mpm_load_weight_value": "0,-10"}
@@ -225,5 +260,7 @@ with Test() as test:
     two_rollers(test)
     rotated_body(test)
     penalty_compression(test)
+    free_sides(test)
+    stick(test)
     bowl(test)
     inclined_plane(test)
