@@ -108,6 +108,8 @@ static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, co
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_boundary_%s_points_", name));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &boundary->region));
+  MpmCheckInput(MpmOptionsHelp() || MpmRegionGetType(boundary->region) != MPM_REGION_FILE,
+                "-%sregion file: only bodies are read from files", prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

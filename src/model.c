@@ -110,7 +110,7 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
   PetscCall(MpmOptionsText(&block, "ghost",
-                           "penalty on the faces of edge cells: auto (1e-4 for iterative solvers and with F-bar; "
+                           "penalty on the faces of edge cells: auto (1e-4 for iterative solvers, F-bar, boundaries; "
                            "else 1e-2 from the first step that fails), off, or a factor times Young's modulus",
                            "auto", MPM_OPTIONAL, &ghost));
   model->ghost = MPM_GHOST_AUTO;

@@ -177,6 +177,8 @@ CASES = [
     ("penalty zero", {**PLANE, "mpm_boundary_wall_penalty": "0"}, "-mpm_boundary_wall_penalty"),
     ("unknown friction", {**PLANE, "mpm_boundary_wall_friction": "sticky"}, "-mpm_boundary_wall_friction"),
     ("unknown contact", {**PLANE, "mpm_boundary_wall_contact": "loose"}, "-mpm_boundary_wall_contact"),
+    ("boundary for the points of a file", {**PLANE, "mpm_boundary_wall_points_region": "file"},
+     "-mpm_boundary_wall_points_region"),
     ("boundary for no points", WALL_POINTS, "-mpm_boundary_wall_points_region"),
     ("boundary that holds no points", {**PLANE, "mpm_boundary_wall_point": "3,0",
                                        "mpm_boundary_wall_contact": "bilateral"}, "-mpm_boundary_wall_contact"),
