@@ -32,8 +32,16 @@ MpmRegionType  MpmRegionGetType(MpmRegion region);
 PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal upper[]);
 
 /*
+  Reads -<prefix>vertices, a polygon that does not meet itself: x and y of `count` vertices in order; free with
+  PetscFree(). With -help there may be none.
+*/
+PetscErrorCode MpmPolygonRead(const MpmOptions *options, PetscInt *count, PetscReal **vertices);
+
+/*
   Reads -<prefix><name> "t:f,t:f,..."; `fallback` is the text used when the option is absent. Times must not decrease.
 */
 PetscErrorCode MpmRampCreate(const MpmOptions *options, const char *name, const char *fallback, MpmRamp *ramp);
 PetscErrorCode MpmRampDestroy(MpmRamp *ramp);
 PetscReal      MpmRampEvaluate(MpmRamp ramp, PetscReal time);
+/* The least and the largest factor of all times. */
+void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most);

@@ -216,5 +216,6 @@ PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal
   for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
     PetscCall(MpmActionApplyUnit(action, unit, du, y, failed));
   PetscCall(MpmGhostResidual(action->sum, du, y));
+  MpmContactsApply(action->sum, action->u, du, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -48,6 +48,7 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
     MPM_DISPATCH(sum->layout, group, ResidualGroup, sum, group, weights, u, &work, residual, failed);
   }
   PetscCall(MpmGhostResidual(sum, u, residual));
+  MpmContactsResidual(sum, u, residual);
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -148,6 +149,7 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal 
     MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, &work, state, residual, failed);
   }
   PetscCall(MpmGhostResidual(sum, u, residual));
+  MpmContactsResidual(sum, u, residual);
   PetscCall(PetscFree(state));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -51,6 +51,7 @@ static void PlantSeeds(const Seeds *seeds, const PetscInt color[], PetscInt c)
     for (PetscInt k = 0; k < bs; k++) seeds->du[i * bs + k] = 0.;
     if (HasColor(seeds, i, color) && seeds->sum->constraints->condition[i * bs + c] < 0) seeds->du[i * bs + c] = 1.;
   }
+  MpmFramesToAxes(seeds->sum->constraints, bs, seeds->sum->space->local, seeds->du);
 }
 
 /* Moves y into the matrix values: row i holds the column of the one node of this colour in its window. */
@@ -60,6 +61,7 @@ static void TakeColumn(const Seeds *seeds, const PetscInt color[], PetscInt c, M
   const MpmConstraints *constraints = seeds->sum->constraints;
   const PetscInt        bs = pattern->block, dim = pattern->dim, side = 2 * pattern->reach + 1;
 
+  MpmFramesToUnknowns(constraints, bs, pattern->local, seeds->y);
   for (PetscInt i = 0; i < pattern->local; i++) {
     PetscInt       w = 0, stride = 1, slot;
     const PetscInt count = pattern->row[i + 1] - pattern->row[i];
@@ -93,7 +95,7 @@ static PetscErrorCode AddColumns(Seeds *seeds, const PetscInt color[], PetscInt 
     const PetscInt  j = NodeOfColor(seeds, box, color), node = j < 0 ? -1 : space->group_nodes[box->node_offset + j];
 
     /* dense differentiation is kept honest: it evaluates every point for every column */
-    if (!seeds->dense && (node < 0 || seeds->du[node * sum->layout->block + c] == 0.)) continue;
+    if (!seeds->dense && (node < 0 || sum->constraints->condition[node * sum->layout->block + c] >= 0)) continue;
     PetscCall(MpmActionApplyUnit(&seeds->action, unit, seeds->du, seeds->y, failed));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -154,6 +156,7 @@ PetscErrorCode MpmJacobianColoring(const MpmSum *sum, MpmJacobianType type, cons
     }
   }
   PetscCall(MpmGhostJacobian(sum, pattern));
+  PetscCall(MpmContactsJacobian(sum, u, pattern));
   PetscCall(MpmActionDestroy(&seeds.action));
   PetscCall(PetscFree(seeds.y));
   PetscCall(PetscFree(seeds.du));

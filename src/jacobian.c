@@ -241,7 +241,11 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
     if (coupling.storage) CouplingAddToPattern(sum, &groups, &coupling, pattern);
   }
   PetscCall(MpmGhostJacobian(sum, pattern));
-  if (residual) PetscCall(MpmGhostResidual(sum, u, residual));
+  PetscCall(MpmContactsJacobian(sum, u, pattern));
+  if (residual) {
+    PetscCall(MpmGhostResidual(sum, u, residual));
+    MpmContactsResidual(sum, u, residual);
+  }
   PetscCall(PetscFree2(to.element, to.rows));
   PetscCall(PetscFree(coupling.storage));
   PetscCall(PetscFree(work.storage));
@@ -305,6 +309,7 @@ PetscErrorCode MpmJacobianDiagonal(const MpmSum *sum, const PetscReal u[], Petsc
     if (coupling.storage) CouplingAddToDiagonal(sum, &groups, &coupling, blocks);
   }
   PetscCall(MpmGhostDiagonal(sum, blocks));
+  MpmContactsDiagonal(sum, u, blocks);
   PetscCall(PetscFree(coupling.storage));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

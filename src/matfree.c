@@ -11,7 +11,7 @@ typedef struct {
   PetscReal *inverse; /* of the diagonal blocks of owned nodes, column-major as PETSc wants them */
 } Matfree;
 
-/* Local values of a vector; held unknowns are zero. */
+/* Local values of a vector, as components along the axes; held unknowns are zero. */
 static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
 {
   const MpmSpace    *space = &free->model->space;
@@ -24,6 +24,7 @@ static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
     local[k] = free->model->constraints.condition[k] < 0 ? values[k] : 0.;
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(space, bs, local));
+  MpmFramesToAxes(&free->model->constraints, bs, space->local, local);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -43,6 +44,7 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   PetscCall(PetscArrayzero(free->y, model->space.local * bs));
   PetscCall(MpmActionApply(&free->action, free->du, free->y, &failed));
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, free->y));
+  MpmFramesToUnknowns(&model->constraints, bs, model->space.owned, free->y);
   PetscCall(VecGetArrayRead(x, &from));
   PetscCall(VecGetArrayWrite(y, &to));
   for (PetscInt k = 0; k < model->space.owned * bs; k++)
@@ -62,6 +64,7 @@ static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
   PetscFunctionBeginUser;
   PetscCall(MpmJacobianDiagonal(&model->sum, free->action.u, blocks, &failed));
   PetscCall(MpmSpaceAddToOwners(&model->space, bs * bs, blocks));
+  MpmFramesRotateBlocks(&model->constraints, bs, model->space.owned, blocks);
   for (PetscInt k = 0; k < model->space.owned * bs; k++) {
     PetscReal *block = &blocks[k / bs * bs * bs];
 
@@ -187,6 +190,7 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x)
   PetscCall(PetscArraycpy(free->du, values, model->space.owned * model->layout.block));
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(&model->space, model->layout.block, free->du));
+  MpmFramesToAxes(&model->constraints, model->layout.block, model->space.local, free->du);
   PetscCall(MpmActionSetState(&free->action, free->du, &failed));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY)); /* tells preconditioners that it has changed */
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));

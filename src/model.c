@@ -61,17 +61,22 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
     PetscCall(MpmMaterialDestroy(&model->materials[k]));
   for (PetscInt k = 0; model->bodies && k < model->body_count; k++) PetscCall(MpmBodyDestroy(&model->bodies[k]));
   for (PetscInt k = 0; model->bcs && k < model->bc_count; k++) PetscCall(MpmConditionDestroy(&model->bcs[k]));
+  for (PetscInt k = 0; model->boundaries && k < model->boundary_count; k++)
+    PetscCall(MpmBoundaryDestroy(&model->boundaries[k]));
+  PetscCall(MpmContactsDestroy(&model->contacts));
   for (PetscInt k = 0; model->loads && k < model->load_count; k++) PetscCall(MpmLoadDestroy(&model->loads[k]));
   for (PetscInt k = 0; model->tracks && k < model->track_count; k++) PetscCall(MpmTrackDestroy(&model->tracks[k]));
   PetscCall(PetscFree(model->materials));
   PetscCall(PetscFree(model->bodies));
   PetscCall(PetscFree(model->bcs));
+  PetscCall(PetscFree(model->boundaries));
   PetscCall(PetscFree(model->loads));
   PetscCall(PetscFree(model->tracks));
   PetscCall(PetscFree(model->walls));
   PetscCall(MpmNamesDestroy(model->material_count, &model->material_names));
   PetscCall(MpmNamesDestroy(model->body_count, &model->body_names));
   PetscCall(MpmNamesDestroy(model->bc_count, &model->bc_names));
+  PetscCall(MpmNamesDestroy(model->boundary_count, &model->boundary_names));
   PetscCall(MpmNamesDestroy(model->load_count, &model->load_names));
   PetscCall(MpmNamesDestroy(model->track_count, &model->track_names));
   PetscCall(PetscFree(model->title));
@@ -106,7 +111,7 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
   PetscCall(MpmOptionsText(&block, "ghost",
-                           "penalty on the faces of edge cells: auto (1e-4 for iterative solvers and with F-bar; "
+                           "penalty on the faces of edge cells: auto (1e-4 for iterative solvers, F-bar, boundaries; "
                            "else 1e-2 from the first step that fails), off, or a factor times Young's modulus",
                            "auto", MPM_OPTIONAL, &ghost));
   model->ghost = MPM_GHOST_AUTO;
@@ -270,6 +275,24 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reactions are columns by name: a boundary must not be called like a condition. */
+static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ReadNames(options, "boundaries", "names of the boundaries that do not follow the grid", MPM_OPTIONAL,
+                      &model->boundary_count, &model->boundary_names));
+  PetscCall(PetscCalloc1(model->boundary_count, &model->boundaries));
+  for (PetscInt k = 0; k < model->boundary_count; k++) {
+    for (PetscInt b = 0; b < model->bc_count && !MpmOptionsHelp(); b++) {
+      MpmCheckInput(strcmp(model->boundary_names[k], model->bc_names[b]),
+                    "-mpm_boundaries %s: there is a condition of this name", model->boundary_names[k]);
+    }
+    PetscCall(MpmBoundaryCreate(options, model->boundary_names[k], &model->grid, &model->boundaries[k]));
+  }
+  PetscCall(MpmContactsCreate(model->boundary_count, model->boundaries, &model->contacts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
@@ -281,10 +304,12 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     PetscInt walls;
 
     PetscCall(MpmConditionCreate(options, model->bc_names[b], &model->grid, &model->layout, &model->bcs[b]));
-    PetscCall(MpmConditionGetWalls(&model->bcs[b], &model->grid, &walls, &model->walls[model->wall_count]));
+    PetscCall(MpmConditionGetWalls(&model->bcs[b], &model->grid, MpmShapeDegree(model->shape), &walls,
+                                   &model->walls[model->wall_count]));
     model->wall_count += walls;
   }
   PetscCall(PetscCalloc1((model->bc_count * model->layout.block), &model->reaction));
+  PetscCall(ReadBoundaries(model, options));
   PetscCall(ReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
   PetscCall(PetscCalloc1(model->load_count, &model->loads));
   for (PetscInt l = 0; l < model->load_count; l++) {
@@ -308,11 +333,11 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 static PetscErrorCode CreateParticles(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0;
-  PetscBool half_length = MpmShapeHasDomain(model->shape), moved;
+  PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->shape) || model->boundary_count), moved;
   char    **fields;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((model->load_count + model->track_count), &fields));
+  PetscCall(PetscMalloc1((model->load_count + model->track_count + model->boundary_count * MPM_MAX_DIM), &fields));
   for (PetscInt m = 0; m < model->material_count; m++)
     state_size = PetscMax(state_size, model->materials[m].state_size);
   for (PetscInt l = 0; l < model->load_count; l++) {
@@ -320,6 +345,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (model->loads[l].share_field) fields[extra++] = model->loads[l].share_field;
   }
   for (PetscInt t = 0; t < model->track_count; t++) fields[extra++] = model->tracks[t].share_field;
+  for (PetscInt k = 0; k < model->boundary_count; k++)
+    for (PetscInt a = 0; model->boundaries[k].stick && a < model->grid.dim; a++)
+      fields[extra++] = model->boundaries[k].slip_field[a];
   PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra,
                                fields, &model->particles));
   PetscCall(PetscFree(fields));
@@ -332,6 +360,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
   for (PetscInt l = 0; l < model->load_count; l++)
     PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
+  for (PetscInt k = 0; k < model->boundary_count; k++)
+    PetscCall(MpmBoundaryCheck(&model->boundaries[k], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)
     PetscCall(MpmTrackSelect(&model->tracks[t], &model->grid, &model->particles));
   PetscFunctionReturn(PETSC_SUCCESS);

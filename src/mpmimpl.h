@@ -233,6 +233,11 @@ PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPo
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
+/*
+  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, cut at walls and at the
+  grid's edges. The cut is not remembered. PETSC_FALSE where the point has no stretch.
+*/
+PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt point, PetscReal half[]);
 /* Room for `count` boxes more, without points, behind the others. */
 PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes);
 /* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
@@ -271,34 +276,135 @@ PetscErrorCode MpmProjectToNodes(const MpmSpace *space, const MpmGrid *grid, con
                                  const PetscReal gradient[], PetscReal nodal[]);
 void           MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
 
-/* ---- condition.c ---- */
+/* ---- condition.c, frame.c ---- */
 
-/* A Dirichlet condition on nodes. */
+/* A Dirichlet condition on nodes: on components of their unknowns, or on the displacement along a normal. */
 typedef struct {
   char     *name;
   MpmRegion region;
+  PetscBool inclined;            /* it has a normal: value[0] is along it, components are those of the reaction */
+  PetscReal normal[MPM_MAX_DIM]; /* of length 1 */
   PetscInt  component_count;
   PetscInt  component[MPM_MAX_BLOCK];
   PetscReal value[MPM_MAX_BLOCK];
   MpmRamp   ramp;
 } MpmCondition;
 
-/* The conditions as they act on the local unknowns of a step. */
+/* The frame of a node that a condition with a normal holds; rows q_r, of which the first `held` are held (frame.c). */
+typedef struct {
+  PetscInt  held, condition[MPM_MAX_DIM]; /* condition: whose equation it is */
+  PetscReal value[MPM_MAX_DIM];
+  PetscReal axis[MPM_MAX_DIM][MPM_MAX_DIM];   /* q_r */
+  PetscReal factor[MPM_MAX_DIM][MPM_MAX_DIM]; /* L_kr */
+} MpmFrame;
+
+/*
+  The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement are
+  its components in the frame.
+*/
 typedef struct {
   PetscInt  *condition; /* per local unknown: which condition holds it, or -1 */
   PetscReal *value;     /* the value that it takes */
   PetscBool  any;
+  PetscInt   dim;
+  PetscInt  *frame_of; /* per local node: its frame, or -1; NULL where no condition has a normal */
+  MpmFrame  *frames;
 } MpmConstraints;
 
 PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                   const MpmLayout *layout, MpmCondition *bc);
 PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
-PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt *count, MpmWall walls[]);
+PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
+                                    MpmWall walls[]);
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
                                    const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space,
                                    PetscReal time_n, PetscReal time);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
+/*
+  Adds the forces of the supports on the body, those that the owned nodes' residual lacks in balance; reaction[b*block + c]
+  for condition b and component c.
+*/
+void MpmConstraintsAddReactions(const MpmConstraints *constraints, PetscInt block, PetscInt owned,
+                                const PetscReal residual[], PetscReal reaction[]);
+
+static inline const MpmFrame *MpmConstraintsFrame(const MpmConstraints *constraints, PetscInt node)
+{
+  return constraints->frame_of && constraints->frame_of[node] >= 0 ? &constraints->frames[constraints->frame_of[node]]
+                                                                   : NULL;
+}
+/* Adds the equation a . u = g, |a| = 1, unless it depends on those there are; then makes the frame whole. */
+void MpmFrameAdd(MpmFrame *frame, PetscInt dim, const PetscReal a[], PetscReal g, PetscInt condition);
+void MpmFrameComplete(MpmFrame *frame, PetscInt dim);
+/* The force along the vector of each equation into which the supports' force on the node falls. */
+void MpmFrameForces(const MpmFrame *frame, PetscInt dim, const PetscReal force[], PetscReal amount[]);
+/*
+  Turns the values (`bs` a node) of the first `nodes` local nodes from components along the axes into those that the solver
+  works with, and back; element blocks [i][c][d][j] and the diagonal blocks of nodes likewise. Where no node has a frame
+  nothing is done.
+*/
+void MpmFramesToUnknowns(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);
+void MpmFramesToAxes(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);
+void MpmFramesRotateElement(const MpmConstraints *constraints, PetscInt bs, PetscInt n, const PetscInt nodes[],
+                            PetscReal element[]);
+void MpmFramesRotateBlocks(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal blocks[]);
+
+/* ---- boundary.c, contact.c ---- */
+
+typedef enum { MPM_BOUNDARY_PLANE, MPM_BOUNDARY_SPHERE, MPM_BOUNDARY_CYLINDER, MPM_BOUNDARY_POLYGON } MpmBoundaryType;
+
+/* A surface that holds the material by a penalty. */
+typedef struct {
+  char           *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, with stick only */
+  MpmBoundaryType type;
+  PetscInt        dim;
+  PetscReal  point[MPM_MAX_DIM], direction[MPM_MAX_DIM], radius; /* direction: a plane's normal, a cylinder's axis */
+  PetscReal  side;                                               /* 1: the material is outside, -1: inside */
+  PetscInt   vertex_count;
+  PetscReal *vertices, penalty, motion[MPM_MAX_DIM];
+  PetscBool  stick, bilateral;
+  MpmRegion  region; /* of the points concerned, at the start */
+  MpmRamp    ramp;
+} MpmBoundary;
+
+/* Distance from a boundary, positive where the material is, its gradient and its second derivative. */
+typedef struct {
+  PetscReal distance, normal[MPM_MAX_DIM], second[MPM_MAX_DIM][MPM_MAX_DIM];
+} MpmSurface;
+
+/* A point that may touch a boundary in this step. */
+typedef struct {
+  PetscInt  point, group, boundary, weight; /* weight: where the face's weights at the group's nodes stand */
+  PetscReal face[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start */
+  PetscReal stiffness;                                                 /* N/m */
+} MpmContact;
+
+/* Those of this rank's points, and what they do. */
+typedef struct {
+  PetscInt           boundary_count;
+  const MpmBoundary *boundaries;
+  PetscReal (*before)[MPM_MAX_DIM], (*after)[MPM_MAX_DIM]; /* the boundaries' motions at the step's start and end */
+  PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the body; deepest places behind, m */
+  PetscReal   unit, touch;                    /* 1/h; a face that is no further away touches */
+  PetscInt    count, capacity;
+  MpmContact *contact;
+  PetscReal  *weight;
+} MpmContacts;
+
+PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                                 MpmBoundary *boundary);
+PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
+/* Do the scene's points suit it? */
+PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
+void           MpmBoundaryMotion(const MpmBoundary *boundary, PetscReal time, PetscReal motion[]);
+void           MpmBoundaryDistance(const MpmBoundary *boundary, const PetscReal motion[], const PetscReal x[],
+                                   MpmSurface *surface);
+/* Room for the boundaries' motions and reactions; the boundaries are borrowed. */
+PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
+PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);
+/* Finds the contacts of the step from time_n to `time`. */
+PetscErrorCode MpmContactsSetUp(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
+                                const MpmPoints *points, MpmParticles *particles, PetscReal time_n, PetscReal time);
 
 /* ---- load.c ---- */
 
@@ -354,6 +460,7 @@ typedef struct {
   PetscReal             dt;
   PetscReal             ghost; /* factor of the ghost penalty */
   PetscBool             rest;  /* nothing moves: stresses are those of the step's start */
+  const MpmContacts    *contacts;
   MpmMean               mean;
 } MpmSum;
 
@@ -431,6 +538,15 @@ PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscRea
 PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern);
 /* Adds to the diagonal blocks of the local nodes. */
 PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[]);
+
+/* The contacts' part of residual, Jacobian, action and diagonal blocks, in every form of the Jacobian (contact.c). */
+void           MpmContactsResidual(const MpmSum *sum, const PetscReal u[], PetscReal residual[]);
+void           MpmContactsApply(const MpmSum *sum, const PetscReal u[], const PetscReal du[], PetscReal y[]);
+void           MpmContactsDiagonal(const MpmSum *sum, const PetscReal u[], PetscReal blocks[]);
+PetscErrorCode MpmContactsJacobian(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern);
+/* Reactions and depths of the converged step; keeps the slips. */
+PetscErrorCode MpmContactsCommit(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                 MpmParticles *particles);
 
 /* With `residual` not NULL it does what MpmResidualLocal() does too, at little cost. */
 PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPattern *pattern, PetscReal residual[],
@@ -532,11 +648,12 @@ struct _p_MpmModel {
   MpmShapeType    shape;
   MpmJacobianType jacobian_type;
   char           *solver, *solver_why; /* the preset; why `auto` took it, or NULL */
-  PetscInt        material_count, body_count, bc_count, load_count, track_count, wall_count;
-  char          **material_names, **body_names, **bc_names, **load_names, **track_names;
+  PetscInt        material_count, body_count, bc_count, boundary_count, load_count, track_count, wall_count;
+  char          **material_names, **body_names, **bc_names, **boundary_names, **load_names, **track_names;
   MpmMaterial    *materials;
   MpmBody        *bodies;
   MpmCondition   *bcs;
+  MpmBoundary    *boundaries;
   MpmLoad        *loads;
   MpmTrack       *tracks;
   MpmWall        *walls;
@@ -562,6 +679,7 @@ struct _p_MpmModel {
   MpmPattern     pattern;
   MpmSum         sum;
   MpmMean        mean;
+  MpmContacts    contacts;
   PetscReal     *u, *residual, *force; /* local nodes */
   PetscReal      diagonal;             /* of held unknowns: a typical stiffness */
   char           mat_type[64], vec_type[64];

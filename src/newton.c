@@ -3,7 +3,7 @@
 */
 #include "mpmimpl.h"
 
-/* Brings the solution vector to the local nodes, ghosts included. */
+/* Brings the solution vector to the local nodes, ghosts included, as components along the axes. */
 PetscErrorCode MpmGatherSolution(MpmModel model, Vec x)
 {
   const PetscScalar *values;
@@ -13,6 +13,7 @@ PetscErrorCode MpmGatherSolution(MpmModel model, Vec x)
   PetscCall(PetscArraycpy(model->u, values, model->space.owned * model->layout.block));
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(&model->space, model->layout.block, model->u));
+  MpmFramesToAxes(&model->constraints, model->layout.block, model->space.local, model->u);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -23,11 +24,12 @@ PetscErrorCode MpmGatherSolution(MpmModel model, Vec x)
 */
 static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 {
-  MpmModel       model = (MpmModel)ctx;
-  const PetscInt bs    = model->layout.block;
-  PetscScalar   *values;
-  PetscLogDouble since;
-  PetscInt       failed;
+  MpmModel           model = (MpmModel)ctx;
+  const PetscInt     bs    = model->layout.block;
+  const PetscScalar *at;
+  PetscScalar       *values;
+  PetscLogDouble     since;
+  PetscInt           failed;
 
   PetscFunctionBeginUser;
   (void)snes;
@@ -42,11 +44,14 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
     PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, model->residual, &failed));
   } else PetscCall(MpmResidualLocal(&model->sum, model->u, model->residual, &failed));
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
+  MpmFramesToUnknowns(&model->constraints, bs, model->space.owned, model->residual);
+  PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));
   for (PetscInt k = 0; k < model->space.owned * bs; k++) {
     values[k] = model->constraints.condition[k] < 0 ? model->residual[k]
-                                                    : model->diagonal * (model->u[k] - model->constraints.value[k]);
+                                                    : model->diagonal * (at[k] - model->constraints.value[k]);
   }
+  PetscCall(VecRestoreArrayRead(x, &at));
   /* a rank may own no unknown of its failing points: the flag travels apart */
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, model->comm));
   if (failed && model->space.owned) values[0] = PETSC_INFINITY;

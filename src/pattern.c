@@ -302,6 +302,7 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   PetscInt        offset[MPM_MAX_WIDTH * MPM_MAX_WIDTH * MPM_MAX_WIDTH];
   const PetscInt  center = WindowOffsets(pattern, group, offset);
 
+  MpmFramesRotateElement(constraints, bs, n, nodes, element);
   if (group->holes) {
     AddBlockWithHoles(pattern, nodes, group, offset, center, constraints, element);
     return;

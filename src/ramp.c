@@ -90,3 +90,12 @@ PetscReal MpmRampEvaluate(MpmRamp ramp, PetscReal time)
   const PetscReal along = (time - ramp->time[after - 1]) / (ramp->time[after] - ramp->time[after - 1]);
   return (1. - along) * ramp->factor[after - 1] + along * ramp->factor[after];
 }
+
+void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most)
+{
+  *least = *most = ramp->factor[0];
+  for (PetscInt k = 1; k < ramp->count; k++) {
+    *least = PetscMin(*least, ramp->factor[k]);
+    *most  = PetscMax(*most, ramp->factor[k]);
+  }
+}

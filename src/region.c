@@ -199,22 +199,39 @@ static PetscErrorCode ReadPrism(const MpmOptions *options, MpmRegion region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadPolygon(const MpmOptions *options, MpmRegion region)
+PetscErrorCode MpmPolygonRead(const MpmOptions *options, PetscInt *count, PetscReal **vertices)
 {
-  PetscInt   count, n;
+  PetscInt   numbers, n;
   PetscReal *v;
 
   PetscFunctionBegin;
   PetscCall(MpmOptionsRealList(options, "vertices", "m", "x1,y1,x2,y2,... round the boundary, 3 vertices at least",
-                               MPM_REQUIRED, &count, &v));
-  if (region->dim == 3) PetscCall(ReadPrism(options, region));
-  if (count == 0) PetscFunctionReturn(PETSC_SUCCESS); /* missing, with -help */
-  MpmCheckInput(count % 2 == 0, "-%svertices: has %lld numbers, must have two a vertex", Prefix(options),
-                (long long)count);
-  n = count / 2;
-  if (n > 1 && v[0] == v[count - 2] && v[1] == v[count - 1]) n--; /* closed by hand */
+                               MPM_REQUIRED, &numbers, &v));
+  *count    = 0;
+  *vertices = v;
+  if (numbers == 0) PetscFunctionReturn(PETSC_SUCCESS); /* missing, with -help */
+  MpmCheckInput(numbers % 2 == 0, "-%svertices: has %lld numbers, must have two a vertex", Prefix(options),
+                (long long)numbers);
+  n = numbers / 2;
+  if (n > 1 && v[0] == v[numbers - 2] && v[1] == v[numbers - 1]) n--; /* closed by hand */
   MpmCheckInput(n >= 3, "-%svertices: has %lld vertices, must have 3 at least", Prefix(options), (long long)n);
   PetscCall(CheckPolygon(options, n, v));
+  *count = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadPolygon(const MpmOptions *options, MpmRegion region)
+{
+  PetscInt   n;
+  PetscReal *v;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPolygonRead(options, &n, &v));
+  if (region->dim == 3) PetscCall(ReadPrism(options, region));
+  if (n == 0) {
+    PetscCall(PetscFree(v));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < 2; a++) {
     region->lower[a] = PETSC_INFINITY;
     region->upper[a] = PETSC_NINFINITY;

@@ -137,8 +137,9 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
 {
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->grid.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
-  PetscInt                 capacity = fixed + model->track_count * dim + model->bc_count * model->layout.block;
-  char                     name[512];
+  PetscInt                 capacity =
+    fixed + model->track_count * dim + model->bc_count * (model->layout.block + 1) + model->boundary_count * (dim + 1);
+  char name[512];
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(capacity, names));
@@ -150,6 +151,18 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
                               model->layout.component_name[model->bcs[b].component[k]]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
+    if (model->bcs[b].inclined) { /* along the normal */
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->bc_names[b]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+  }
+  for (PetscInt b = 0; b < model->boundary_count; b++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->boundary_names[b], "xyz"[a]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+    PetscCall(PetscSNPrintf(name, sizeof(name), "depth_%s", model->boundary_names[b]));
+    PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
   }
   for (PetscInt t = 0; t < model->track_count; t++) {
     for (PetscInt a = 0; a < dim; a++) {
@@ -198,8 +211,17 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->cuts;
   row[k++] = model->load_count ? MpmRampEvaluate(model->loads[0].ramp, model->time) : 0.;
   for (PetscInt b = 0; b < model->bc_count; b++) {
-    for (PetscInt c = 0; c < model->bcs[b].component_count; c++)
-      row[k++] = model->reaction[b * model->layout.block + model->bcs[b].component[c]];
+    const PetscReal *reaction = &model->reaction[b * model->layout.block];
+
+    for (PetscInt c = 0; c < model->bcs[b].component_count; c++) row[k++] = reaction[model->bcs[b].component[c]];
+    if (!model->bcs[b].inclined) continue;
+    row[k] = 0.;
+    for (PetscInt a = 0; a < model->grid.dim; a++) row[k] += reaction[a] * model->bcs[b].normal[a];
+    k++;
+  }
+  for (PetscInt b = 0; b < model->boundary_count; b++) {
+    for (PetscInt a = 0; a < model->grid.dim; a++) row[k++] = model->contacts.reaction[b][a];
+    row[k++] = model->contacts.depth[b];
   }
   for (PetscInt t = 0; t < model->track_count; t++, k += model->grid.dim)
     PetscCall(MpmTrackEvaluate(&model->tracks[t], &model->particles, &row[k]));

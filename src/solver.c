@@ -202,8 +202,11 @@ PetscErrorCode MpmSolverChoose(MpmModel model)
     if (!model->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
   }
   if (model->ghost == MPM_GHOST_AUTO) {
-    /* F-bar takes stiffness from points at the edge of the material, too much where splines reach beyond it */
-    model->ghost        = direct && !model->fbar ? 0. : MPM_GHOST_FACTOR;
+    /*
+      F-bar takes stiffness from points at the edge of the material, too much where splines reach beyond it; boundaries
+      push there
+    */
+    model->ghost        = direct && !model->fbar && !model->boundary_count ? 0. : MPM_GHOST_FACTOR;
     model->ghost_rescue = (PetscBool)(model->ghost == 0.);
   }
   PetscCall(CreateSNES(model));
@@ -319,9 +322,10 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model)
 
       for (PetscInt a = 0; a < dim; a++) x[a] = model->grid.h[a] * (PetscReal)model->space.node[i * dim + a];
       RigidMode(dim, k, x, &values[i * bs]);
-      for (PetscInt a = 0; a < dim; a++)
-        if (model->constraints.condition[i * bs + a] >= 0) values[i * bs + a] = 0.;
     }
+    MpmFramesToUnknowns(&model->constraints, bs, model->space.owned, values);
+    for (PetscInt i = 0; i < model->space.owned * bs; i++)
+      if (model->constraints.condition[i] >= 0) values[i] = 0.;
     PetscCall(VecRestoreArray(mode[kept], &values));
     for (PetscInt pass = 0; pass < 2 && kept; pass++) {
       PetscCall(VecMDot(mode[kept], kept, mode, dot));

@@ -55,31 +55,35 @@ void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[],
   }
 }
 
-/*
-  Half-lengths of the points' domains in cells: the initial ones stretched by the diagonal of U, cut at walls and at the
-  grid's edges. The cut is not remembered. `longest` is infinite when a point has no stretch.
-*/
+PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt p, PetscReal half[])
+{
+  const MpmGrid   *grid = rules->grid;
+  const PetscInt   dim  = grid->dim;
+  const PetscReal *x    = &points->x[p * dim];
+  PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
+  const PetscBool  good           = (PetscBool)!rules->stretch(&points->F[p * dim * dim], U);
+
+  MpmSpaceEdges(rules, x, lower, upper);
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
+    PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
+
+    l       = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
+    half[a] = PetscMax(l, 0.);
+  }
+  return good;
+}
+
+/* Those of all points, and the longest: infinite when a point has no stretch. */
 static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
 {
-  const MpmGrid *grid = rules->grid;
-  const PetscInt dim  = grid->dim;
+  const PetscInt dim = rules->grid->dim;
 
   *longest = 0.;
   for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal *x = &points->x[p * dim];
-    PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-    PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
-
-    if (rules->stretch(&points->F[p * dim * dim], U)) *longest = PETSC_INFINITY;
-    MpmSpaceEdges(rules, x, lower, upper);
-    for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
-      PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
-
-      l                 = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
-      half[p * dim + a] = PetscMax(l, 0.);
-      *longest          = PetscMax(*longest, half[p * dim + a]);
-    }
+    if (!MpmSpaceHalfLengths(rules, points, p, &half[p * dim])) *longest = PETSC_INFINITY;
+    for (PetscInt a = 0; a < dim; a++) *longest = PetscMax(*longest, half[p * dim + a]);
   }
 }
 

@@ -51,6 +51,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscCall(VecGetArray(model->x, &x));
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
+  MpmFramesToUnknowns(&model->constraints, model->layout.block, model->space.owned, x);
   for (PetscInt k = 0; k < n; k++)
     if (model->constraints.condition[k] >= 0) x[k] = model->constraints.value[k];
   PetscCall(VecRestoreArray(model->x, &x));
@@ -94,6 +95,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscFunctionBeginUser;
   PetscCall(MpmConstraintsSetUp(&model->constraints, model->bc_count, model->bcs, &model->grid, &model->layout,
                                 &model->space, model->time, time));
+  PetscCall(
+    MpmContactsSetUp(&model->contacts, rules, &model->space, &model->points, &model->particles, model->time, time));
   PetscCall(PetscArrayzero(model->force, model->space.local * model->layout.block));
   for (PetscInt l = 0; l < model->load_count; l++) {
     PetscCall(MpmLoadApply(&model->loads[l], time, rules, &model->sum, &model->particles, model->force));
@@ -124,6 +127,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
                         .state_size        = model->particles.state_size,
                         .dt                = dt,
                         .ghost             = model->ghost,
+                        .contacts          = &model->contacts,
                         .mean              = model->mean};
   if (!again) PetscCall(MpmSolverSetUp(model));
   PetscCall(PrepareConditions(model, &rules, time));
@@ -223,12 +227,10 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
              failed);
+  PetscCall(MpmContactsCommit(&model->contacts, &model->sum, model->u, &model->particles));
   PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
   PetscCall(PetscArrayzero(model->reaction, model->bc_count * bs));
-  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
-    if (model->constraints.condition[k] >= 0)
-      model->reaction[model->constraints.condition[k] * bs + k % bs] += model->residual[k];
-  }
+  MpmConstraintsAddReactions(&model->constraints, bs, model->space.owned, model->residual, model->reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->reaction, (PetscMPIInt)(model->bc_count * bs), MPIU_REAL, MPIU_SUM,
                            model->comm));
   for (PetscInt k = 0; k < model->points.count * dim; k++)

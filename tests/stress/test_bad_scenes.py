@@ -47,6 +47,11 @@ J2 = {"mpm_material_soil_type": "j2", "mpm_material_soil_yield_stress": "1e4"}
 PRAGER = {"mpm_material_soil_type": "drucker_prager", "mpm_material_soil_friction": "30",
           "mpm_material_soil_dilation": "0", "mpm_material_soil_cohesion": "1e3"}
 NO_BOX = {"mpm_body_block_lower": None, "mpm_body_block_upper": None}
+NORMAL = {"mpm_bc_base_components": None, "mpm_bc_base_normal": "1,2"}
+PLANE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "plane", "mpm_boundary_wall_point": "2,0",
+         "mpm_boundary_wall_normal": "-1,0"}
+WALL_POINTS = {**PLANE, "mpm_boundary_wall_points_region": "box", "mpm_boundary_wall_points_lower": "3,3",
+               "mpm_boundary_wall_points_upper": "4,4"}
 ON_REGION = {"mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_region": "box"}
 
 # name, change, what the line must contain
@@ -148,6 +153,35 @@ CASES = [
     ("condition between the nodes", {"mpm_bc_base_lower": "0.1,0.1", "mpm_bc_base_upper": "0.9,0.9"},
      "-mpm_bc_base_region"),
     ("condition outside the grid", {"mpm_bc_base_lower": "0,9", "mpm_bc_base_upper": "4,9"}, "-mpm_bc_base_region"),
+    ("normal without length", {**NORMAL, "mpm_bc_base_normal": "0,0"}, "-mpm_bc_base_normal"),
+    ("normal of infinite length", {**NORMAL, "mpm_bc_base_normal": "inf,0"}, "-mpm_bc_base_normal"),
+    ("normal of three components in 2D", {**NORMAL, "mpm_bc_base_normal": "1,0,0"}, "-mpm_bc_base_normal"),
+    ("normal and components", {"mpm_bc_base_normal": "1,2"}, "-mpm_bc_base_components"),
+    ("two values along a normal", {**NORMAL, "mpm_bc_base_value": "1,2"}, "-mpm_bc_base_value"),
+    # boundaries
+    ("boundary without a block", {"mpm_boundaries": "wall"}, "-mpm_boundary_wall_type"),
+    ("boundary of an unknown type", {**PLANE, "mpm_boundary_wall_type": "wavy"}, "-mpm_boundary_wall_type"),
+    ("boundary with a condition's name", {**PLANE, "mpm_boundaries": "base"}, "-mpm_boundaries"),
+    ("plane without a point", {**PLANE, "mpm_boundary_wall_point": None}, "-mpm_boundary_wall_point"),
+    ("plane without a normal", {**PLANE, "mpm_boundary_wall_normal": None}, "-mpm_boundary_wall_normal"),
+    ("plane with a normal of no length", {**PLANE, "mpm_boundary_wall_normal": "0,0"}, "-mpm_boundary_wall_normal"),
+    ("plane with a radius", {**PLANE, "mpm_boundary_wall_radius": "1"}, "-mpm_boundary_wall_radius"),
+    ("plane turned the wrong way", {**PLANE, "mpm_boundary_wall_normal": "1,0"}, "-mpm_boundary_wall_type"),
+    ("plane through the body", {**PLANE, "mpm_boundary_wall_point": "1,0"}, "-mpm_boundary_wall_type"),
+    ("cylinder as boundary in 2D", {**PLANE, "mpm_boundary_wall_type": "cylinder"}, "-mpm_boundary_wall_type"),
+    ("polygon as boundary with two vertices", {**PLANE, "mpm_boundary_wall_type": "polygon",
+                                               "mpm_boundary_wall_vertices": "2,0,2,2"}, "-mpm_boundary_wall_vertices"),
+    ("disc as boundary with radius zero", {**PLANE, "mpm_boundary_wall_type": "sphere",
+                                           "mpm_boundary_wall_center": "3,1", "mpm_boundary_wall_radius": "0"},
+     "-mpm_boundary_wall_radius"),
+    ("penalty zero", {**PLANE, "mpm_boundary_wall_penalty": "0"}, "-mpm_boundary_wall_penalty"),
+    ("unknown friction", {**PLANE, "mpm_boundary_wall_friction": "sticky"}, "-mpm_boundary_wall_friction"),
+    ("unknown contact", {**PLANE, "mpm_boundary_wall_contact": "loose"}, "-mpm_boundary_wall_contact"),
+    ("boundary for the points of a file", {**PLANE, "mpm_boundary_wall_points_region": "file"},
+     "-mpm_boundary_wall_points_region"),
+    ("boundary for no points", WALL_POINTS, "-mpm_boundary_wall_points_region"),
+    ("boundary that holds no points", {**PLANE, "mpm_boundary_wall_point": "3,0",
+                                       "mpm_boundary_wall_contact": "bilateral"}, "-mpm_boundary_wall_contact"),
     # loads, ramps, tracks
     ("load without a type", {"mpm_load_push_type": None}, "-mpm_load_push_type"),
     ("unknown type of load", {"mpm_load_push_type": "kick"}, "-mpm_load_push_type"),
@@ -197,7 +231,7 @@ FILES = [
 ]
 
 TWO_RANKS = {"unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
-             "condition between the nodes", "results in a folder that is not there", "broken YAML"}
+             "condition between the nodes", "normal without length", "plane through the body", "boundary for no points", "results in a folder that is not there", "broken YAML"}
 
 
 def write_scene(folder, options):

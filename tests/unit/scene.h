@@ -68,15 +68,11 @@ static inline PetscErrorCode SceneBegin(MpmModel model, PetscReal dt)
 /* The displacement x becomes the state, in balance or not. */
 static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
 {
-  const PetscInt     bs = model->layout.block;
-  const PetscScalar *values;
-  PetscInt           failed;
+  const PetscInt bs = model->layout.block;
+  PetscInt       failed;
 
   PetscFunctionBeginUser;
-  PetscCall(VecGetArrayRead(x, &values));
-  PetscCall(PetscArraycpy(model->u, values, model->space.owned * bs));
-  PetscCall(VecRestoreArrayRead(x, &values));
-  PetscCall(MpmSpaceToGhosts(&model->space, bs, model->u));
+  PetscCall(MpmGatherSolution(model, x));
   PetscCall(PetscArrayzero(model->residual, model->space.local * bs));
   PetscCall(MpmCommitLocal(&model->sum, model->u, model->residual, &failed));
   PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%" PetscInt_FMT " points have no answer", failed);
