@@ -61,7 +61,6 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Components of one history variable. */
 PetscInt       MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
-PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
 
 /* ---- physics.c ---- */
 

@@ -21,6 +21,9 @@ PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIB
    PetscFree(). */
 PetscErrorCode MpmTextQuote(const char value[], char **quoted);
 
+/* One option of the manual: its name, and its text in a column of its own. */
+PetscErrorCode MpmHelpEntry(MPI_Comm comm, const char name[], const char text[]);
+
 /*
   The options database. `name` has no leading dash. PETSc's look-up takes -a_b for -a_1_b when the latter is absent,
   meant for levels of multigrid, and it would let one body of a scene inherit from another: these go by the exact name
