@@ -36,7 +36,7 @@ ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}  # one rank needs no daemon: starts five times as fast
 CRASHES = ("PETSC ERROR", "MPI_ABORT", "Caught signal", "Sanitizer", "runtime error:", "*** Process received signal",
            "terminate called", "malloc():", "free():", "corrupted")
-GUARD = {"mpm_memory_limit": "0.1"}  # GB: a case that is valid but large is refused, and so is short
+GUARD = {"mpm_memory_limit": "0.02"}  # GB: a case that is valid but large is refused, and so is short
 SLOW = 2.0  # s: an example that has been made coarse must run in less
 
 
@@ -449,7 +449,7 @@ class Outcome:
 
     def __init__(self, case, program, folder, limits):
         self.folder, kept = folder, set(os.listdir(folder))
-        command = ["/bin/sh", "-c", f'ulimit -v {limits.memory} -c 0; exec "$@"', "sh", *command_of(case, program)]
+        command = ["/bin/sh", "-c", f'ulimit -v {limits.memory}; ulimit -c 0; exec "$@"', "sh", *command_of(case, program)]
         if limits.memory == 0:
             command = command[4:]
         with open(folder / ".out", "wb") as out, open(folder / ".err", "wb") as err:
@@ -471,7 +471,7 @@ def known_words(case):
     names = {name.lower() for name in case.scene.help} | {str(name).lower() for name, _ in case.pairs}
     names |= {word.lstrip("-").lower() for word in case.arguments if word.startswith("-")}
     names |= {word.lstrip("-").lower() for word in case.raw.decode("utf-8", "replace").split()}
-    return names | {"options_file", "options_file_yaml", *PETSC, *GUARD}
+    return names | {"command", "options_file", "options_file_yaml", *PETSC, *GUARD}
 
 
 def refusal_faults(case, outcome):
@@ -483,7 +483,7 @@ def refusal_faults(case, outcome):
     elif case.ranks == 1 and len(lines) > 1:  # mpiexec adds lines of its own
         yield "more than one line"
     for line in told[:1]:
-        option = re.match(r"talus: error: -([^\s:]+)", line)
+        option = re.match(r"talus: error: (?:-|(?=command line))([^\s:]+)", line)
         if not option:
             yield "the line does not start with an option's name"
         elif not re.match(r"mpm_", option[1], re.IGNORECASE) and option[1].lower() not in known_words(case):

@@ -31,7 +31,7 @@ static const char closing[] =
   "  -ksp_type, -pc_type, -ksp_rtol      the linear solver, instead of what -mpm_solver takes\n"
   "  -log_view                           time and flops by function\n"
   "  -options_left                       options that nobody has used\n"
-  "  talus -help petsc                   prints the others\n";
+  "  talus -help_petsc                   prints the others\n";
 
 PetscErrorCode MpmHelpUsage(MPI_Comm comm, FILE *file)
 {
@@ -68,11 +68,13 @@ PetscErrorCode MpmHelpPetsc(MPI_Comm comm)
   KSP  ksp;
 
   PetscFunctionBegin;
+  PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
   PetscCall(SNESCreate(comm, &snes));
   PetscCall(SNESSetFromOptions(snes));
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetFromOptions(ksp));
   PetscCall(SNESDestroy(&snes));
+  PetscCall(PetscOptionsClearValue(NULL, "-help"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

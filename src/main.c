@@ -22,19 +22,35 @@ static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function,
   ErrorContext *context = (ErrorContext *)ctx;
 
   if (type == PETSC_ERROR_INITIAL) {
-    context->input = (PetscBool)(code == MPM_ERR_INPUT || code == PETSC_ERR_ARG_UNKNOWN_TYPE || context->source);
-    if (context->source && code != MPM_ERR_INPUT) {
-      (void)PetscSNPrintf(context->message, sizeof(context->message), "%s: %s", context->source,
-                          message ? message : "cannot be read");
-    } else if (message) (void)PetscStrncpy(context->message, message, sizeof(context->message));
+    const int   options      = !strncmp(function, "PetscOptions", 12) || code == PETSC_ERR_ARG_UNKNOWN_TYPE;
+    const char *text         = message ? message : "cannot be read";
+    char        culprit[256] = "";
+
+    context->input = (PetscBool)(code == MPM_ERR_INPUT || options || context->source);
+    if (code == MPM_ERR_INPUT) (void)PetscStrncpy(context->message, text, sizeof(context->message));
+    else if (context->source)
+      (void)PetscSNPrintf(context->message, sizeof(context->message), "%s: %s", context->source, text);
+    else if (options) {
+      (void)MpmForeignOptionsFind(text, culprit, sizeof(culprit));
+      (void)PetscSNPrintf(context->message, sizeof(context->message), "%s: %s", *culprit ? culprit : "PETSc's options",
+                          text);
+    }
   }
   if (!context->input) return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
   return code;
 }
 
-/* Messages quote what the user wrote: whatever that was, a message is one line of text. */
+#define MESSAGE_LENGTH 400
+
+/* Messages quote what the user wrote: whatever that was, a message is one line of text, whose middle may be left out. */
 static void MakeLine(char message[])
 {
+  const size_t length = strlen(message), half = MESSAGE_LENGTH / 2;
+
+  if (length > MESSAGE_LENGTH) {
+    memcpy(&message[half], " ... ", 5);
+    memmove(&message[half + 5], &message[length - half], half + 1);
+  }
   for (char *c = message; *c; c++)
     if (iscntrl((unsigned char)*c)) *c = ' ';
 }
@@ -98,6 +114,7 @@ static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
   for (int i = 1; i < argc; i++) {
     const PetscBool yaml = (PetscBool)!strcmp(argv[i], "-options_file_yaml");
 
+    MpmCheckInput(strncmp(argv[i], "-prefix_p", 9), "%s: prefixes are not available on the command line", argv[i]);
     if (!yaml && strcmp(argv[i], "-options_file")) {
       rest[count++] = argv[i];
       continue;
@@ -106,7 +123,7 @@ static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
     PetscCall(ReadFile(argv[i], argv[i + 1], yaml, context));
     i++;
   }
-  context->source = "the command line";
+  context->source = "command line";
   PetscCall(PetscOptionsInsert(NULL, &count, &rest, NULL));
   context->source = NULL;
   PetscCall(PetscFree(rest));
@@ -119,13 +136,13 @@ static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
 /* What is asked for instead of a run; PETSC_FALSE where nothing is. */
 static PetscErrorCode AnswerQuestions(int *status, PetscBool *answered)
 {
-  char      word[16] = "", version[256], *all;
+  char      version[256], *all;
   PetscBool set;
 
   PetscFunctionBeginUser;
   *answered = PETSC_TRUE;
-  PetscCall(PetscOptionsGetString(NULL, NULL, "-help", word, sizeof(word), &set));
-  if (!strcmp(word, "petsc")) {
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-help_petsc", &set));
+  if (set) {
     PetscCall(MpmHelpPetsc(PETSC_COMM_WORLD));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

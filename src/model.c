@@ -198,6 +198,13 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
                            MPM_OPTIONAL, &model->dt_max, NULL));
   PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
                            (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &model->growth, NULL));
+  MpmCheckInput(model->time_end < 1e9 * model->dt_nominal || MpmOptionsHelp(),
+                "-mpm_time_step %g: -mpm_time_end, %g, must not be more than 1e9 steps away", (double)model->dt_nominal,
+                (double)model->time_end);
+  MpmCheckInput(
+    model->dt_min >= 1e-12 * model->time_end || MpmOptionsHelp(),
+    "-mpm_time_step_min %g: must be at least 1e-12 of -mpm_time_end, %g: shorter steps are lost in rounding",
+    (double)model->dt_min, (double)model->time_end);
   MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(),
                 "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
                 (double)model->dt_nominal);
@@ -266,6 +273,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
                             &model->bodies[b]));
   }
+  PetscCall(MpmMemoryCheck(options, &model->grid, model->body_count, model->bodies, model->body_names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -129,8 +129,17 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
                              const MpmMaterial materials[], MpmBody *body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
+/* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
+PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
+                               PetscReal *points);
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
+
+/* ---- memory.c ---- */
+
+/* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count. */
+PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, PetscInt count, const MpmBody bodies[],
+                              char *const names[]);
 
 /* ---- space.c, nodes.c ---- */
 

@@ -33,6 +33,16 @@ PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has);
 /* Lends the value; NULL for an option without one. Marks the option as used. */
 PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given);
 
+/* An option that is not ours, as it stands in the database, which lends both; `value` may be NULL. */
+typedef struct {
+  const char *name, *value;
+} MpmForeignOption;
+
+/* All of them; free `options` and `text` with PetscFree() after use. */
+PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options, char **text);
+/* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
+PetscErrorCode MpmForeignOptionsCheck(void);
+
 /* One option that a reader has asked for. */
 typedef struct {
   char     *name;
