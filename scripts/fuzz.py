@@ -195,7 +195,7 @@ class Case:
     def not_finite(self):
         """Names of the numeric options whose last value is not finite."""
         last = dict(map(tuple, self.pairs))
-        return {name for name, value in last.items() if self.numeric(name) and
+        return {name for name, value in last.items() if self.numeric(name) and name not in GUARD and
                 any(part.strip() in NOT_FINITE for part in re.split("[,:]", value))}
 
 

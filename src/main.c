@@ -2,6 +2,7 @@
   The program: reads options, runs the model, and turns errors into one line and an exit status.
 */
 #include <ctype.h>
+#include <signal.h>
 #include "mpm.h"
 #include "mpmhelp.h"
 
@@ -193,6 +194,7 @@ int main(int argc, char **argv)
   PetscErrorCode error;
 
   if (Initialize(argc, argv, &words)) return 1;
+  (void)signal(SIGPIPE, SIG_DFL); /* who reads the output through `head` has seen enough: no traceback */
   PetscCall(PetscPushErrorHandler(HandleError, &context));
   error = Run(argc, argv, &context, &status);
   if (error && context.input) {

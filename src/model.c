@@ -365,47 +365,6 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
 
 /* ---- the run ---- */
 
-static PetscErrorCode PrintHeader(MpmModel model)
-{
-  const MpmGrid *grid = &model->grid;
-
-  PetscFunctionBeginUser;
-  if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, model->title[0] ? model->title : model->prefix));
-  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
-                        model->physics.name, grid->dim, MpmShapeTypes[model->shape],
-                        MpmJacobianTypes[model->jacobian_type], model->solver, model->solver_why ? " (" : "",
-                        model->solver_why ? model->solver_why : "", model->solver_why ? ")" : "", model->size,
-                        model->size > 1 ? "s" : ""));
-  PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " points, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
-                        model->particles.total, grid->cells[0], grid->cells[1]));
-  if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %" PetscInt_FMT, grid->cells[2]));
-  PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));
-  if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
-  PetscCall(PetscPrintf(model->comm, " m\n%6s %12s %10s %6s %6s %5s %12s\n", "step", "time", "dt", "newton", "linear",
-                        "cuts", "time to go"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PrintStep(MpmModel model, PetscReal dt)
-{
-  PetscLogDouble now;
-  PetscReal      left;
-  int            minutes;
-
-  PetscFunctionBeginUser;
-  if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscTime(&now));
-  left    = (now - model->start) * (model->time_end - model->time) / model->time;
-  minutes = (int)(left / 60.);
-  PetscCall(PetscPrintf(model->comm,
-                        "%6" PetscInt_FMT " %12.5g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %5" PetscInt_FMT
-                        " %4d:%02d:%02d\n",
-                        model->step, (double)model->time, (double)dt, model->newton, model->linear, model->cuts,
-                        minutes / 60, minutes % 60, (int)(left - 60. * minutes)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
 static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
 {
@@ -435,10 +394,7 @@ static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
   PetscFunctionBeginUser;
   model->ghost        = MPM_GHOST_RESCUE;
   model->ghost_rescue = PETSC_FALSE;
-  if (!model->quiet) {
-    PetscCall(PetscPrintf(model->comm, "       %s; from here on with -mpm_stabilization_ghost %g\n", why,
-                          (double)model->ghost));
-  }
+  PetscCall(MpmTerminalNote(model, "%s; from here on with -mpm_stabilization_ghost %g", why, (double)model->ghost));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -469,9 +425,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, 
     *wanted = 0.5 * *dt;
     model->cuts++;
     model->cuts_total++;
-    if (!model->quiet) {
-      PetscCall(PetscPrintf(model->comm, "       %s; the step is cut to %.4g\n", *why, (double)*wanted));
-    }
+    PetscCall(MpmTerminalNote(model, "%s; the step is cut to %.4g", *why, (double)*wanted));
   }
   model->time = next;
   model->step++;
@@ -488,14 +442,14 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscFunctionBeginUser;
   *status = 0;
   wanted  = model->dt_nominal;
-  PetscCall(PrintHeader(model));
+  PetscCall(MpmTerminalBegin(model));
   PetscCall(MpmModelCreateHistory(model));
   if (model->output_every) PetscCall(MpmModelWriteOutput(model));
   while (!why && model->time < model->time_end * (1. - 1e-12)) {
     PetscCall(Advance(model, &wanted, &dt, &why));
     if (why) break;
     PetscCall(MpmModelWriteHistory(model, dt));
-    PetscCall(PrintStep(model, dt));
+    PetscCall(MpmTerminalStep(model, dt));
     if (model->output_every && (model->step % model->output_every == 0)) {
       PetscCall(MpmModelWriteOutput(model));
       written = model->step;

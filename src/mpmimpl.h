@@ -60,7 +60,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
                                  MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Components of one history variable. */
-PetscInt       MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
 
 /* ---- physics.c ---- */
 
@@ -456,6 +456,23 @@ PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscR
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
 PetscErrorCode MpmActionDestroy(MpmAction *action);
 
+/* ---- terminal.c ---- */
+
+/* What the line of a step needs to know of the steps before. */
+typedef struct {
+  PetscLogDouble since;             /* the end of the step before */
+  PetscReal      seconds, progress; /* wall time and time of the run, fading */
+  PetscInt       lines;
+} MpmTerminal;
+
+/* Header, line of a step, and a line between two steps; nothing with -mpm_quiet. */
+PetscErrorCode MpmTerminalBegin(MpmModel model);
+PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt);
+PetscErrorCode MpmTerminalNote(MpmModel model, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* "0:02:05", "4 d 4 h" */
+#define MPM_DURATION_TEXT 32
+void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
+
 /* ---- newton.c, solver.c, step.c, model.c ---- */
 
 struct _p_MpmModel {
@@ -536,6 +553,8 @@ struct _p_MpmModel {
   PetscReal *reaction; /* per condition and component of the block */
   PetscReal  seconds[MPM_TIME_COUNT], start;
   PetscBool  quiet;
+
+  MpmTerminal terminal;
 };
 
 /* Stops the clock of one task: adds the seconds since `since` to it. */
