@@ -84,7 +84,8 @@ def ask_help(program, options):
     output = subprocess.run([program, *words, "-help"], env={**ENVIRONMENT, **ALONE}, capture_output=True, text=True,
                             timeout=60, check=True).stdout
     output = re.sub(r"\n {10,}", " ", output)  # lines that go on
-    return {name: Option(text) for name, text in re.findall(r"^  -(mpm_\w+) +(.*)$", output, re.MULTILINE)}
+    return {name: Option(text) for name, text in re.findall(r"^  -(mpm_\w+) +(.*)$", output, re.MULTILINE)
+            if not re.search("_(NAME|BLOCK)_", name)}
 
 
 class Scene:
@@ -202,14 +203,14 @@ class Case:
 def hostile_number(case, name, old):
     """A number that may be anything, but does not ask for a long run that would be valid."""
     dice = case.random.random()
-    if dice < 0.2:
+    if dice < 0.1:
         return case.random.choice(NOT_FINITE)
     try:
         value = float(old)
     except ValueError:
         value = 1.0
-    if dice < 0.6 and not STEPS.match(name):
-        scale = case.random.choice((-1.0, 0.0, 0.5, 0.9, 1.1, 2.0, 3.0, 1e-15, 1e-9, 1e-3, 1e3, 1e9, 1e15, 1e100))
+    if dice < 0.75 and not STEPS.match(name):
+        scale = case.random.choice((-1.0, 0.0, 0.5, 0.9, 1.1, 2.0, 3.0, 1e-15, 1e-6, 1e-3, 0.03, 30.0, 1e3, 1e6, 1e15, 1e100))
         value *= scale
         integer = re.fullmatch(r"-?\d+", old) and abs(value) < 1e18
         return str(int(value)) if integer else repr(value)
@@ -222,9 +223,11 @@ def change_value(case, pair):
     choice, option = case.random, case.scene.help.get(name)
     parts = re.split("([,:])", old)
     dice = choice.random()
-    if option and option.words and dice < 0.5:
+    if option and option.words and dice < 0.85:
         pair[1] = choice.choice(option.words)
-    elif case.numeric(name) and dice < 0.7:
+    elif option and "true or false" in option.text and dice < 0.85:
+        pair[1] = choice.choice(("true", "false"))
+    elif case.numeric(name) and dice < 0.8:
         at = choice.randrange(0, len(parts), 2)
         parts[at] = hostile_number(case, name, parts[at])
         pair[1] = "".join(parts)
@@ -307,7 +310,7 @@ def spoil_options(case):
     kinds = (change_value, drop_option, add_option, twice, misspell, rename_block, swap, mix, many)
     for _ in range(case.random.choices((1, 2, 4, 8), (0.6, 0.25, 0.1, 0.05))[0]):
         if case.pairs:
-            case.random.choices(kinds, (45, 10, 20, 4, 6, 6, 4, 3, 1))[0](case, case.random.choice(case.pairs))
+            case.random.choices(kinds, (50, 5, 26, 5, 4, 4, 3, 2, 1))[0](case, case.random.choice(case.pairs))
 
 
 # ---- text ----
