@@ -83,6 +83,8 @@ PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
 /* Is the option -<prefix><name> there? Does not mark it as used. */
 PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has);
 
+/* Is the file a text that can be options, as far as a look tells? Names the line where it is not. */
+PetscErrorCode MpmOptionsCheckFile(MPI_Comm comm, const char option[], const char path[], PetscBool yaml);
 /*
   After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name;
   and so does an option of PETSc's that is not a number where it must be one.

@@ -452,18 +452,21 @@ class Outcome:
 
     def __init__(self, case, program, folder, limits):
         self.folder, kept = folder, set(os.listdir(folder))
+        sessions = tempfile.mkdtemp(prefix="s", dir=limits.place)  # cases at a time would share it, and remove it
+        environment = {**ENVIRONMENT, "OMPI_MCA_orte_tmpdir_base": sessions, **(ALONE if case.ranks == 1 else {})}
         command = ["/bin/sh", "-c", f'ulimit -v {limits.memory}; ulimit -c 0; exec "$@"', "sh", *command_of(case, program)]
         if limits.memory == 0:
             command = command[4:]
         with open(folder / ".out", "wb") as out, open(folder / ".err", "wb") as err:
-            process = subprocess.Popen(command, cwd=folder, env={**ENVIRONMENT, **(ALONE if case.ranks == 1 else {})},
-                                       stdin=subprocess.DEVNULL, stdout=out, stderr=err, start_new_session=True)
+            process = subprocess.Popen(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=out,
+                                       stderr=err, start_new_session=True)
             try:
                 self.status = process.wait(timeout=limits.time)
             except subprocess.TimeoutExpired:
                 self.status = None
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
+        shutil.rmtree(sessions, ignore_errors=True)
         self.output, self.errors = ((folder / name).read_text(encoding="utf-8", errors="replace")
                                     for name in (".out", ".err"))
         self.written = sorted(set(os.listdir(folder)) - kept - {".out", ".err"})
@@ -479,7 +482,7 @@ def known_words(case):
 
 def refusal_faults(case, outcome):
     """Of a run with status 2."""
-    lines = [line for line in outcome.errors.splitlines() if line.strip()]
+    lines = [line for line in outcome.errors.split("\n") if line.strip()]
     told = [line for line in lines if line.startswith("talus: error:")]
     if len(told) != 1:
         yield f"{len(told)} lines of error"

@@ -63,9 +63,12 @@ PetscErrorCode MpmForeignOptionsCheck(void)
 {
   MpmForeignOption *options;
   PetscInt          count;
+  PetscBool         left;
   char             *text;
 
   PetscFunctionBegin;
+  /* PETSc reads this one when it ends, with the results written */
+  PetscCall(PetscOptionsGetBool(NULL, NULL, "-options_left", &left, NULL));
   PetscCall(MpmDatabaseGetForeign(&count, &options, &text));
   for (PetscInt i = 0; i < count; i++) {
     const char *value = options[i].value;

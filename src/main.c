@@ -94,6 +94,7 @@ static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool
   PetscFunctionBeginUser;
   PetscCall(PetscTestFile(path, 'r', &readable));
   MpmCheckInput(readable, "%s %s: the file cannot be read", option, path);
+  PetscCall(MpmOptionsCheckFile(PETSC_COMM_WORLD, option, path, yaml));
   PetscCall(PetscSNPrintf(source, sizeof(source), "%s %s", option, path));
   context->source = source;
   if (yaml) PetscCall(PetscOptionsInsertFileYAML(PETSC_COMM_WORLD, NULL, path, PETSC_TRUE));
@@ -201,6 +202,7 @@ int main(int argc, char **argv)
     MakeLine(context.message);
     (void)PetscFPrintf(PETSC_COMM_WORLD, stderr, "talus: error: %s\n", context.message);
     status = MPM_EXIT_INPUT;
+    (void)PetscOptionsClearValue(NULL, "-options_left"); /* many, in a scene that was not read to its end */
   } else if (error) {
     MPI_Abort(PETSC_COMM_WORLD, 1);
   }
