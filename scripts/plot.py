@@ -13,6 +13,7 @@ from matplotlib import animation
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
+from PIL import Image
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from results import Results, ResultsError, component_names, initial_lengths, pressure, von_mises
@@ -33,7 +34,7 @@ SYMBOLS = {"stress": "\\sigma", "displacement": "u"}
 GHOST = "0.9"  # where the body was
 VIEW = {"elev": 22, "azim": -60}  # degrees
 LIGHT = np.array([0.35, -0.55, 0.76])  # direction to the light, of length one
-FRAME_SIZE = 110  # dots an inch, of animations
+FRAME_DPI = 110  # of animations
 FACES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
 NORMALS = np.array([[0, 0, -1], [0, 0, 1], [0, -1, 0], [0, 1, 0], [-1, 0, 0], [1, 0, 0]])
 BOX = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
@@ -96,13 +97,14 @@ def domain_polygons(state, initial, deformed):
     return domain_corners(state, initial, np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]), deformed)
 
 
-def outer_faces(initial):
-    """Which of the six faces of each point's domain have no neighbour in the initial state, (points, 6)."""
+def shell(initial):
+    """Indices of the points that have no neighbour on one of their six sides in the initial state."""
     lengths = initial_lengths(initial)[0]
     lattice = np.rint((initial["position0"] - initial["position0"].min(axis=0)) / lengths).astype(np.int64)
     shape = lattice.max(axis=0) + 3
     code = np.ravel_multi_index((lattice + 1).T, shape)
-    return np.stack([~np.isin(np.ravel_multi_index((lattice + 1 + step).T, shape), code) for step in NORMALS], axis=1)
+    inner = [np.isin(np.ravel_multi_index((lattice + 1 + step).T, shape), code) for step in NORMALS]
+    return np.flatnonzero(~np.all(inner, axis=0))
 
 
 def frame_of(corners, margin):
@@ -134,16 +136,16 @@ def view_direction():
 
 
 def draw_space(figure, state, initial, values, scale, deformed, frame=None):
-    """The outer faces of the domains that look at the eye, with light from above."""
+    """The domains at the surface: their faces that look at the eye, with light from above."""
     axes = figure.add_subplot(projection="3d", computed_zorder=False)
     axes.set_proj_type("ortho")
     axes.view_init(**VIEW)
     corners = domain_corners(state, initial, BOX, deformed)
     lower, upper = frame if frame else frame_of(corners, 0.02)
-    axes.set_box_aspect(upper - lower)
+    axes.set_box_aspect(upper - lower, zoom=0.92)
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
-    point, face = np.nonzero(outer_faces(initial))
-    polygons = corners[point[:, None], FACES[face]]
+    point = np.repeat(shell(initial), len(FACES))
+    polygons = corners[point[:, None], np.tile(FACES, (len(point) // len(FACES), 1))]
     normal = np.cross(polygons[:, 2] - polygons[:, 0], polygons[:, 3] - polygons[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     seen = normal @ view_direction() > 0.0
@@ -152,7 +154,7 @@ def draw_space(figure, state, initial, values, scale, deformed, frame=None):
     shade = 0.72 + 0.28 * np.clip(normal[seen] @ LIGHT, 0.0, 1.0)
     paint = mappable.to_rgba(values[point[seen]])
     paint[:, :3] *= shade[:, None]
-    axes.add_collection3d(Poly3DCollection(polygons[seen], facecolors=paint, edgecolors=paint, linewidths=0.3))
+    axes.add_collection3d(Poly3DCollection(polygons[seen], facecolors=paint, edgecolors=paint, linewidths=0.4))
     axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_major_locator(plt.MaxNLocator(5))
@@ -160,15 +162,23 @@ def draw_space(figure, state, initial, values, scale, deformed, frame=None):
     return axes, mappable
 
 
-def figure_size(state, initial, deformed):
-    """Follows the body's proportions in 2D, within reason."""
-    if state.dim == 3:
+def figure_size(lower, upper):
+    """Follows the picture's proportions in 2D, within reason."""
+    if len(lower) == 3:
         return 8.0, 6.5
-    position = np.concatenate([initial["position0"], state["position"]]) if deformed else initial["position0"]
-    width, height = np.maximum(np.ptp(position, axis=0), 1e-12)
+    width, height = np.maximum(upper - lower, 1e-12)
     if height < width:
-        return 8.0, max(6.5 * height / width + 1.0, 2.5)
+        return 8.0, max(6.5 * height / width + 1.2, 2.7)
     return max(6.0 * width / height + 2.0, 4.0), 7.0
+
+
+def state_frame(state, initial, deformed):
+    """Limits of the axes for one state, and in the plane for the initial one behind it."""
+    corners = BOX if state.dim == 3 else BOX[::2, :2]
+    drawn = domain_corners(state, initial, corners, deformed)
+    if state.dim == 3:
+        return frame_of(drawn, 0.02)
+    return frame_of(np.concatenate([drawn, domain_corners(state, initial, corners, False)]), 0.04)
 
 
 def check_points(state, initial):
@@ -178,7 +188,7 @@ def check_points(state, initial):
         raise ResultsError("the number of points changed during the run: there are no initial domains to draw with")
 
 
-def draw_state(figure, results, state, arguments, scale, factor_unit, frame=None):
+def draw_state(figure, results, state, arguments, scale, factor_unit, frame):
     """One state with its colour bar and title."""
     values, label = field_values(state, arguments.field, arguments.component)
     factor, unit = factor_unit
@@ -204,8 +214,9 @@ def plot_points(results, arguments):
     state = results.state(arguments.step)
     check_points(state, results.initial)
     scale, factor_unit = scale_of(field_values(state, arguments.field, arguments.component)[0], arguments)
-    figure = plt.figure(figsize=figure_size(state, results.initial, arguments.deformed), layout="constrained")
-    draw_state(figure, results, state, arguments, scale, factor_unit)
+    frame = state_frame(state, results.initial, arguments.deformed)
+    figure = plt.figure(figsize=figure_size(*frame), layout="constrained")
+    draw_state(figure, results, state, arguments, scale, factor_unit, frame)
     return figure
 
 
@@ -215,23 +226,44 @@ def animate(results, arguments):
     gif = arguments.output.lower().endswith(".gif")
     if not gif and not animation.writers.is_available("ffmpeg"):
         raise ResultsError(f"{arguments.output}: ffmpeg is not installed; without it, animations are .gif")
-    initial, values, frames = results.initial, [], []
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) if initial.dim == 2 else BOX
+    values, frames = [], []
     for step in results.steps:
         state = results.state(step)
-        check_points(state, initial)
+        check_points(state, results.initial)
         values.append(field_values(state, arguments.field, arguments.component)[0])
-        frames.append(np.stack(frame_of(domain_corners(state, initial, corners, True), 0.0)))
-    frame = frame_of(np.concatenate(frames), 0.04)
+        frames.append(state_frame(state, results.initial, True))
+    lower, upper = np.swapaxes(frames, 0, 1)
+    frame = lower.min(axis=0), upper.max(axis=0)
     scale, factor_unit = scale_of(np.concatenate(values), arguments)
-    figure = plt.figure(figsize=figure_size(results.state("last"), initial, True), layout="constrained")
-    writer = (animation.PillowWriter if gif else animation.FFMpegWriter)(fps=arguments.fps)
-    with writer.saving(figure, arguments.output, FRAME_SIZE):
-        for step in results.steps:
+    figure = plt.figure(figsize=figure_size(*frame), dpi=FRAME_DPI, layout="constrained")
+    pictures = []
+    for step in results.steps:
+        figure.clear()
+        draw_state(figure, results, results.state(step), arguments, scale, factor_unit, frame)
+        figure.canvas.draw()
+        pictures.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy()))
+    if gif:
+        write_gif(pictures, arguments.output, arguments.fps)
+    else:
+        write_film(pictures, arguments.output, arguments.fps)
+
+
+def write_gif(pictures, path, fps):
+    """One palette for all pictures, taken from the first, the middle and the last; the last one stands for longer."""
+    chosen = [np.asarray(pictures[i]) for i in (0, len(pictures) // 2, -1)]
+    palette = Image.fromarray(np.concatenate(chosen)).quantize(256)
+    frames = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+    duration = [round(1000.0 / fps)] * (len(frames) - 1) + [round(1000.0 / fps) + 1000]
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=duration, loop=0)
+
+
+def write_film(pictures, path, fps):
+    figure = plt.figure(figsize=np.array(pictures[0].size) / FRAME_DPI)
+    writer = animation.FFMpegWriter(fps=fps)
+    with writer.saving(figure, path, FRAME_DPI):
+        for picture in pictures + [pictures[-1]] * int(fps):
             figure.clear()
-            draw_state(figure, results, results.state(step), arguments, scale, factor_unit, frame)
-            writer.grab_frame()
-        for _ in range(int(arguments.fps)):  # the end stands for a second before it begins anew
+            figure.figimage(np.asarray(picture))
             writer.grab_frame()
 
 

@@ -41,6 +41,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));
   if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
   PetscCall(PetscPrintf(model->comm, " m\n"));
+  PetscCall(PrintTitles(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -66,7 +67,8 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   terminal->progress = MEMORY * terminal->progress + dt;
   terminal->since    = now;
   MpmTerminalDuration(terminal->seconds / terminal->progress * PetscMax(model->time_end - model->time, 0.), left);
-  if (terminal->lines++ % LINES_A_TITLE == 0) PetscCall(PrintTitles(model));
+  if (terminal->lines && terminal->lines % LINES_A_TITLE == 0) PetscCall(PrintTitles(model));
+  terminal->lines++;
   PetscCall(PetscPrintf(model->comm,
                         "%7" PetscInt_FMT " %14.8g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %4" PetscInt_FMT
                         " %5.1f%% %11s\n",
