@@ -13,7 +13,9 @@ case that fails is kept in a folder with the command that repeats it.
 """
 import argparse
 import concurrent.futures
+import io
 import json
+import math
 import os
 import random
 import re
@@ -127,8 +129,19 @@ class Scene:
                     self.options.update(change)
                     self.overrides = change
                     self.help = ask_help(program, self.options)
+                    self.take_points(program, Path(folder, "case.h5"))
                     return time.monotonic() - begin < SLOW
         return False
+
+
+    def take_points(self, program, results):
+        """The points of the coarse run as a file that a body can be read from, where the program does that."""
+        self.point_file, body = None, self.options["mpm_bodies"].split(",")[0]
+        if f"mpm_body_{body}_file" in ask_help(program, {**self.options, f"mpm_body_{body}_region": "file"}):
+            self.body, self.point_file = body, results.read_bytes()
+            with h5py.File(results, "r") as file:
+                group = file["points"][sorted(file["points"])[0]]
+                self.points = np.column_stack([group["position"][()], group["volume"][()]])
 
 
 def quoted(text):
@@ -168,9 +181,10 @@ class Case:
         self.scene = self.random.choice(scenes)
         self.pairs = [list(pair) for pair in self.scene.options.items()]
         self.arguments, self.files, self.raw, self.notes = [], {}, None, []
+        self.wrong_points = False
         self.ranks = 2 if self.random.random() < 0.04 else 1
-        spoil = self.random.choices((spoil_options, spoil_text, spoil_command), (0.72, 0.18, 0.10))[0]
-        spoil(self)
+        kinds = (spoil_options, spoil_text, spoil_command, spoil_points if self.scene.point_file else spoil_options)
+        self.random.choices(kinds, (0.65, 0.17, 0.10, 0.08))[0](self)
         if self.raw is None:
             self.write()
 
@@ -227,6 +241,8 @@ def change_value(case, pair):
         pair[1] = choice.choice(option.words)
     elif option and "true or false" in option.text and dice < 0.85:
         pair[1] = choice.choice(("true", "false"))
+    elif name.endswith("_prefix"):  # no word that leads out of the case's folder
+        pair[1] = choice.choice([word for word in WORDS + NUMBERS if not word.startswith("/")])
     elif case.numeric(name) and dice < 0.8:
         at = choice.randrange(0, len(parts), 2)
         parts[at] = hostile_number(case, name, parts[at])
@@ -283,7 +299,8 @@ def rename_block(case, pair):
 
 def swap(case, pair):
     other = case.random.choice(case.pairs)
-    pair[1], other[1] = other[1], pair[1]
+    if not (pair[0] + other[0]).endswith("_prefix"):
+        pair[1], other[1] = other[1], pair[1]
     case.note(f"values of {pair[0]} and {other[0]} swapped")
 
 
@@ -439,6 +456,84 @@ def spoil_command(case):
         case.arguments.append("-mpm_quiet")
 
 
+# ---- files of points ----
+
+def spoil_table(case):
+    """A CSV file of points with something wrong."""
+    names = ["x", "y", "z"][:case.scene.points.shape[1] - 1] + ["volume"]
+    rows = [names] + [[repr(float(value)) for value in row] for row in case.scene.points]
+    choice, kind = case.random, case.random.choice(("number", "number", "name", "row", "cut", "bytes", "column", "good"))
+    at, column = choice.randrange(1, len(rows)), choice.randrange(len(names))
+    if kind == "number":
+        rows[at][column] = choice.choice(NOT_FINITE + NUMBERS + WORDS[:30])
+        case.wrong_points = rows[at][column] in NOT_FINITE
+    elif kind == "name":
+        rows[0][column] = choice.choice(("", "x", "volume", "F", "stress_xx", "mass", "id", "material", "\u00fc", "x" * 5000))
+    elif kind == "row":
+        rows[at] = choice.choice(([], rows[at] * 2, rows[at][:-1], rows[at] + [""], ["#"], rows[0]))
+    elif kind == "column":
+        for row, value in zip(rows, [choice.choice(("mass", "stress_xx", "F_xx", "half_length_x", "material"))]
+                              + [choice.choice(NUMBERS[:12] + NOT_FINITE[:2]) for _ in rows[1:]]):
+            row.append(value)
+    data = "\n".join(",".join(row) for row in rows).encode("utf-8", "surrogatepass")
+    if kind == "cut":
+        data = data[:choice.choice((0, 1, 5, choice.randrange(len(data))))]
+    elif kind == "bytes":
+        data = spoil_bytes(case, data.decode())
+    case.note(f"points.csv: {kind} {rows[min(at, len(rows) - 1)]}")
+    return data
+
+
+def spoil_datasets(case):
+    """A file of results with something wrong in it."""
+    choice, kind = case.random, case.random.choice(("bytes", "cut", "value", "shape", "drop", "type", "group", "good"))
+    data = bytearray(case.scene.point_file)
+    if kind == "cut":
+        data = data[:choice.choice((0, 8, 100, choice.randrange(len(data))))]
+    elif kind == "bytes":
+        for _ in range(choice.choice((1, 10, 200))):
+            data[choice.randrange(choice.choice((200, 5000, len(data))))] = choice.randrange(256)
+    elif kind != "good":
+        buffer = io.BytesIO(bytes(data))
+        with h5py.File(buffer, "r+") as file:
+            group = file["points"][sorted(file["points"])[-1]]
+            name = choice.choice(sorted(group))
+            case.note(f"dataset {name}")
+            spoil_dataset(case, group, name, kind)
+        data = buffer.getvalue()
+    case.note(f"points.h5: {kind}")
+    return bytes(data)
+
+
+def spoil_dataset(case, group, name, kind):
+    """One dataset of a group, replaced."""
+    values = group[name][()]
+    del group[name]
+    if kind == "value":
+        values = values.astype(float)
+        values.flat[case.random.randrange(values.size)] = value = case.random.choice((math.nan, math.inf, -1.0, 0.0, 1e300))
+        case.wrong_points = not math.isfinite(value) and name in ("position", "volume", "F", "stress", "mass")
+        group[name] = values
+    elif kind == "shape":
+        group[name] = case.random.choice((values[:-1], values.reshape(-1)[:1], values[:0], values[..., None], 3.0))
+    elif kind == "type":
+        group[name] = case.random.choice(("text", values.astype("S8"), values.astype(complex), values.astype("i1")))
+    elif kind == "group":
+        group.create_group(name)
+
+
+def spoil_points(case):
+    """A body that is read from a file."""
+    prefix = f"mpm_body_{case.scene.body}_"
+    gone = [prefix + name for name in ("lower", "upper", "points_per_cell", "center", "radius", "vertices")]
+    name = case.random.choice(("points.csv", "points.h5"))
+    case.pairs = [pair for pair in case.pairs if pair[0] not in gone and pair[0] != prefix + "region"]
+    case.pairs += [[prefix + "region", "file"], [prefix + "file", name]]
+    case.files[name] = spoil_table(case) if name == "points.csv" else spoil_datasets(case)
+    if case.random.random() < 0.1:
+        case.wrong_points, case.pairs[-1][1] = False, case.random.choice(("nowhere.csv", ".", "scene.yaml", "", "/dev/null"))
+
+
 # ---- judging ----
 
 def command_of(case, program):
@@ -539,6 +634,8 @@ def faults(case, outcome):
         yield from refusal_faults(case, outcome)
     elif not asked_for_help(case, everything):
         yield from result_faults(outcome)
+        if case.wrong_points:
+            yield "accepted points that are not finite"
         for name in sorted(case.not_finite()):
             yield f"accepted a number that is not finite for -{name}"
 

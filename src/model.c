@@ -84,11 +84,11 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 /* ---- the scene ---- */
 
 /* The names of a list of blocks. For -help, a list that the scene does not give becomes one block called NAME. */
-static PetscErrorCode ReadNames(const MpmOptions *options, const char *title, const char *list, const char *help,
-                                MpmNeed need, PetscInt *count, char ***names)
+static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
+                                PetscInt *count, char ***names)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsHeading(options, title));
+  PetscCall(MpmOptionsHeading(options, list));
   PetscCall(MpmOptionsNames(options, list, help, need, count, names));
   if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   *count = 1;
@@ -198,13 +198,7 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
                            MPM_OPTIONAL, &model->dt_max, NULL));
   PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
                            (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &model->growth, NULL));
-  MpmCheckInput(model->time_end < 1e9 * model->dt_nominal || MpmOptionsHelp(),
-                "-mpm_time_step %g: -mpm_time_end, %g, must not be more than 1e9 steps away", (double)model->dt_nominal,
-                (double)model->time_end);
-  MpmCheckInput(
-    model->dt_min >= 1e-12 * model->time_end || MpmOptionsHelp(),
-    "-mpm_time_step_min %g: must be at least 1e-12 of -mpm_time_end, %g: shorter steps are lost in rounding",
-    (double)model->dt_min, (double)model->time_end);
+  PetscCall(MpmStepsCheck(&block, model->time_end, model->dt_nominal, model->dt_min));
   MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(),
                 "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
                 (double)model->dt_nominal);
@@ -257,8 +251,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
-  PetscCall(ReadNames(options, "Materials", "materials", "names of the material blocks", MPM_REQUIRED,
-                      &model->material_count, &model->material_names));
+  PetscCall(ReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count,
+                      &model->material_names));
   PetscCall(PetscCalloc1(model->material_count, &model->materials));
   model->symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++) {
@@ -269,8 +263,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
   model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
-  PetscCall(ReadNames(options, "Bodies", "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count,
-                      &model->body_names));
+  PetscCall(
+    ReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
   PetscCall(PetscCalloc1(model->body_count, &model->bodies));
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
@@ -283,8 +277,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(ReadNames(options, "Conditions", "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count,
-                      &model->bc_names));
+  PetscCall(
+    ReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
   PetscCall(PetscCalloc1(model->bc_count, &model->bcs));
   PetscCall(PetscMalloc1((model->bc_count * 2 * MPM_MAX_BLOCK), &model->walls));
   for (PetscInt b = 0; b < model->bc_count; b++) {
@@ -295,8 +289,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     model->wall_count += walls;
   }
   PetscCall(PetscCalloc1((model->bc_count * model->layout.block), &model->reaction));
-  PetscCall(
-    ReadNames(options, "Loads", "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
+  PetscCall(ReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
   PetscCall(PetscCalloc1(model->load_count, &model->loads));
   for (PetscInt l = 0; l < model->load_count; l++) {
     PetscCall(MpmLoadCreate(options, model->load_names[l], &model->grid, &model->loads[l]));
@@ -306,8 +299,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->material_names[m], model->load_names[l]);
     }
   }
-  PetscCall(ReadNames(options, "Tracks", "tracks", "names of the followed sets of points", MPM_OPTIONAL,
-                      &model->track_count, &model->track_names));
+  PetscCall(ReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count,
+                      &model->track_names));
   PetscCall(PetscCalloc1(model->track_count, &model->tracks));
   for (PetscInt t = 0; t < model->track_count; t++) {
     PetscCall(MpmTrackCreate(options, model->track_names[t], &model->grid, &model->tracks[t]));

@@ -135,11 +135,13 @@ PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
 
-/* ---- memory.c ---- */
+/* ---- limits.c ---- */
 
 /* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count. */
 PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, PetscInt count, const MpmBody bodies[],
                               char *const names[]);
+/* Refuses more steps than can be counted, and steps that are lost in rounding. */
+PetscErrorCode MpmStepsCheck(const MpmOptions *block, PetscReal end, PetscReal step, PetscReal step_min);
 
 /* ---- space.c, nodes.c ---- */
 

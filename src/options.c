@@ -255,7 +255,8 @@ PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title)
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasHelp(NULL, &help));
-  if (help) PetscCall((*PetscHelpPrintf)(options->comm, "\n%s\n", title));
+  if (help && !strcmp(title, "bcs")) title = "conditions";
+  if (help) PetscCall((*PetscHelpPrintf)(options->comm, "\n%c%s\n", toupper((unsigned char)title[0]), title + 1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,6 @@
 /*
-  Whether a scene fits into memory, told before any of it is taken: a slip in the number of cells would otherwise swap
-  the machine to death.
+  What a scene may ask for. Whether it fits into memory is told before any of it is taken: a slip in the number of cells
+  would otherwise swap the machine to death.
 */
 #include <unistd.h>
 #include "mpmimpl.h"
@@ -9,6 +9,8 @@
 #define BYTES_PER_POINT_2D 500.
 #define BYTES_PER_POINT_3D 1000.
 #define BYTES_PER_NODE     60. /* of the box of cells around the material, touched or not */
+#define MOST_STEPS         1e9
+#define SHORTEST_STEP      1e-12 /* of the run's time */
 
 /* Memory of all machines that the ranks run on, in GB; infinite where the system does not tell. */
 static PetscErrorCode MachineMemory(MPI_Comm comm, PetscReal *memory)
@@ -62,5 +64,17 @@ PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, Pe
                 "-mpm_body_%s_points_per_cell and -mpm_grid_cells: about %.2g points in a box of %.2g cells need "
                 "PETSc with 64-bit indices",
                 names[largest], (double)points, (double)nodes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepsCheck(const MpmOptions *block, PetscReal end, PetscReal step, PetscReal step_min)
+{
+  PetscFunctionBeginUser;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(end < MOST_STEPS * step, "-%sstep %g: -%send, %g, must not be more than %g steps away", block->prefix,
+                (double)step, block->prefix, (double)end, MOST_STEPS);
+  MpmCheckInput(step_min >= SHORTEST_STEP * end,
+                "-%sstep_min %g: must be at least %g of -%send, %g: shorter steps are lost in rounding", block->prefix,
+                (double)step_min, SHORTEST_STEP, block->prefix, (double)end);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
