@@ -213,15 +213,16 @@ static PetscErrorCode CheckPrefix(MpmModel model)
 {
   char      folder[PETSC_MAX_PATH_LEN] = ".", *slash;
   PetscBool there;
+  size_t    length;
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(model->prefix[0] && strlen(model->prefix) < sizeof(folder) - 64,
                 "-mpm_output_prefix: must be a name of 1 to %d characters", (int)sizeof(folder) - 65);
-  slash = strrchr(model->prefix, '/');
-  MpmCheckInput(strlen(slash ? slash + 1 : model->prefix) <= 200,
-                "-mpm_output_prefix: the files' name has %d characters, must have at most 200",
-                (int)strlen(slash ? slash + 1 : model->prefix));
+  slash  = strrchr(model->prefix, '/');
+  length = strlen(slash ? slash + 1 : model->prefix);
+  MpmCheckInput(length > 0 && length <= 200,
+                "-mpm_output_prefix: the name behind the folder has %d characters, must have 1 to 200", (int)length);
   if (slash) PetscCall(PetscStrncpy(folder, model->prefix, (size_t)(slash - model->prefix) + 2));
   PetscCall(PetscTestDirectory(folder, 'w', &there));
   MpmCheckInput(there, "-mpm_output_prefix %s: the folder %s is not there or cannot be written", model->prefix, folder);
