@@ -98,7 +98,8 @@ static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool
   PetscCall(PetscSNPrintf(source, sizeof(source), "%s %s", option, path));
   context->source = source;
   if (yaml) PetscCall(PetscOptionsInsertFileYAML(PETSC_COMM_WORLD, NULL, path, PETSC_TRUE));
-  else PetscCall(PetscOptionsInsertFile(PETSC_COMM_WORLD, NULL, path, PETSC_TRUE));
+  /* by every rank: with the whole communicator, PETSc stops on the first one and leaves the others waiting */
+  else PetscCall(PetscOptionsInsertFile(PETSC_COMM_SELF, NULL, path, PETSC_TRUE));
   context->source = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -136,7 +137,7 @@ static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
 }
 
 /* What is asked for instead of a run; PETSC_FALSE where nothing is. */
-static PetscErrorCode AnswerQuestions(int *status, PetscBool *answered)
+static PetscErrorCode AnswerQuestions(int argc, int *status, PetscBool *answered)
 {
   char      version[256], *all;
   PetscBool set;
@@ -155,7 +156,7 @@ static PetscErrorCode AnswerQuestions(int *status, PetscBool *answered)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscOptionsGetAll(NULL, &all));
-  *answered = (PetscBool)!all[0];
+  *answered = (PetscBool)(argc == 1 && !all[0]);
   PetscCall(PetscFree(all));
   if (*answered) {
     PetscCall(MpmHelpUsage(PETSC_COMM_WORLD, stderr));
@@ -171,7 +172,7 @@ static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *sta
 
   PetscFunctionBeginUser;
   PetscCall(ReadOptions(argc, argv, context));
-  PetscCall(AnswerQuestions(status, &answered));
+  PetscCall(AnswerQuestions(argc, status, &answered));
   if (answered) PetscFunctionReturn(PETSC_SUCCESS);
   help = MpmOptionsHelp();
   if (help) PetscCall(MpmHelpBegin(PETSC_COMM_WORLD));

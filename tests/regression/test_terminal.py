@@ -39,6 +39,10 @@ def check_usage(test):
     test.check("usage.text", nothing.stderr.startswith("usage: talus -options_file") and not nothing.stdout, 1, 1)
     version = call([test.program, "-version"], place)
     test.check("version", version.returncode == 0 and version.stdout.startswith("talus "), 1, 1)
+    (place / "wrong.opts").write_text("-mpm_dim 2\nmpm_shape gimp\n", encoding="utf-8")
+    for ranks in (1, 2):  # nobody may wait for the rank that found the fault
+        wrong = call(["mpiexec", "--oversubscribe", "-n", ranks, test.program, "-options_file", "wrong.opts"], place)
+        test.check(f"wrong_file_on_{ranks}", wrong.returncode == 2 and wrong.stderr.count("talus: error:") == 1, 1, 1)
     test.check("help_petsc", "-ksp_rtol" in call([test.program, "-help_petsc"], place).stdout, 1, 1)
 
 

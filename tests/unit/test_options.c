@@ -390,12 +390,12 @@ START_TEST(help)
   PetscHelpPrintf = print;
   ck_assert_str_eq(printed,
                    "\nBlock a\n"
-                   "  -mpm_a_cells                        cells per axis (-; 2 values, each >= 1; default 60,60)\n"
+                   "  -mpm_a_cells                        cells per axis (2 values, each >= 1; default 60,60)\n"
                    "  -mpm_a_origin                       origin (m; 2 values; default 0,0.25)\n"
                    "  -mpm_a_E                            modulus (Pa; > 0; required)\n"
                    "  -mpm_a_state                        a switch (one of on, off; default off)\n"
                    "  -mpm_a_title                        title (text; required)\n"
-                   "  -mpm_a_bodies                       bodies (names of blocks, comma-separated; default none)\n");
+                   "  -mpm_a_bodies                       bodies (names of blocks, comma-separated; optional)\n");
   ck_assert_double_eq(E, -5.); /* a missing value stays as on entry */
   ck_assert_ptr_null(text);
   ck_assert_int_eq(count, 0);
