@@ -84,7 +84,7 @@ def ask_help(program, options):
     """The options of a scene by name, as -help tells them."""
     words = [word for name, value in options.items() for word in ("-" + name, value)]
     output = subprocess.run([program, *words, "-help"], env={**ENVIRONMENT, **ALONE}, capture_output=True, text=True,
-                            timeout=60, check=True).stdout
+                            timeout=60, check=False).stdout
     output = re.sub(r"\n {10,}", " ", output)  # lines that go on
     return {name: Option(text) for name, text in re.findall(r"^  -(mpm_\w+) +(.*)$", output, re.MULTILINE)
             if not re.search("_(NAME|BLOCK)_", name)}
