@@ -183,8 +183,8 @@ class Case:
         self.arguments, self.files, self.raw, self.notes = [], {}, None, []
         self.wrong_points = False
         self.ranks = 2 if self.random.random() < 0.04 else 1
-        kinds = (spoil_options, spoil_text, spoil_command, spoil_points if self.scene.point_file else spoil_options)
-        self.random.choices(kinds, (0.65, 0.17, 0.10, 0.08))[0](self)
+        kinds = (spoil_options, spoil_finite, spoil_text, spoil_command, spoil_points if self.scene.point_file else spoil_options)
+        self.random.choices(kinds, (0.60, 0.06, 0.17, 0.10, 0.07))[0](self)
         if self.raw is None:
             self.write()
 
@@ -321,6 +321,13 @@ def many(case, _pair):
     kind = case.random.choice(("mpm_unknown_{}", "mpm_body_{}_region", "user_{}"))
     case.pairs += [[kind.format(i), "box"] for i in range(count)]
     case.note(f"{count} options {kind}")
+
+
+def spoil_finite(case):
+    """One number that is not finite, and nothing else."""
+    name = case.random.choice(sorted(name for name in case.scene.help if case.numeric(name) and name not in GUARD))
+    case.pairs.append([name, case.random.choice(NOT_FINITE)])
+    case.note(f"{name}: {case.pairs[-1][1]}")
 
 
 def spoil_options(case):
