@@ -84,10 +84,15 @@ PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
 /* Is the option -<prefix><name> there? Does not mark it as used. */
 PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has);
 
+/* Is the file a text that can be options, as far as a look tells? Names the line where it is not. */
+PetscErrorCode MpmOptionsCheckFile(MPI_Comm comm, const char option[], const char path[], PetscBool yaml);
 /*
-  After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name.
+  After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name;
+  and so does an option of PETSc's that is not a number where it must be one.
 */
 PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options);
+/* The option of PETSc's, "-name value", whose value an error message of PETSc's quotes; empty where there is none. */
+PetscErrorCode MpmForeignOptionsFind(const char message[], char name[], size_t size);
 /* Writes what was in force, defaults included, and all other PETSc options, as YAML that can be run again (rank 0). */
 PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path);
 /* The same as text, appended. Not collective. */

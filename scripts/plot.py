@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Draws the results of a run of Talus: points coloured by a field, or curves from the history."""
+"""Draws the results of a run of Talus: points coloured by a field, as a picture or moving, or curves of the history."""
 import argparse
+import re
 import sys
 
 import matplotlib
@@ -8,15 +9,22 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import animation
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+from PIL import Image
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from results import Results, ResultsError, component_names, initial_lengths, pressure, von_mises
 
 EXAMPLES = """examples:
   plot.py out/cantilever --field stress --component xx --deformed --output stress.png
   plot.py out/cantilever --field von_mises --step 20 --output mises.png
+  plot.py out/cantilever --field stress --component xx --animate --output cantilever.gif
   plot.py out/cantilever --history track_tip_ux track_tip_uy --x load --output tip.png
 
+Animations are GIF, or MP4 and others where ffmpeg is installed; they show the written states, deformed.
 derived fields: von_mises and pressure (from stress), and the magnitude of vectors (no --component)."""
 
 UNITS = {"stress": "Pa", "von_mises": "Pa", "pressure": "Pa", "displacement": "m", "position": "m", "position0": "m",
@@ -24,6 +32,12 @@ UNITS = {"stress": "Pa", "von_mises": "Pa", "pressure": "Pa", "displacement": "m
 DERIVED = {"von_mises": (von_mises, "von Mises stress"), "pressure": (pressure, "pressure")}
 SYMBOLS = {"stress": "\\sigma", "displacement": "u"}
 GHOST = "0.9"  # where the body was
+VIEW = {"elev": 22, "azim": -60}  # degrees
+LIGHT = np.array([0.35, -0.55, 0.76])  # direction to the light, of length one
+FRAME_DPI = 110  # of animations
+FACES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
+NORMALS = np.array([[0, 0, -1], [0, 0, 1], [0, -1, 0], [0, 1, 0], [-1, 0, 0], [1, 0, 0]])
+BOX = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
 
 
 def scaled(values, unit):
@@ -65,18 +79,41 @@ def colour_scale(values, limits, colours):
     return colours or "viridis", low, high if high > low else low + 1.0
 
 
-def domain_polygons(state, initial, deformed):
-    """Corners of the points' domains, (points, 4, 2): rectangles, or the parallelograms that F makes of them."""
-    corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])[None] * initial_lengths(initial)[:, None, :]
+def domain_corners(state, initial, corners, deformed):
+    """Corners of the points' domains, (points, corners, dim): boxes, or what F makes of them. `corners` are those of a
+    box of edge length two about the origin."""
+    dim = state.dim
+    corners = 0.5 * corners[None] * initial_lengths(initial)[:, None, :]
     if not deformed:
         return initial["position0"][:, None, :] + corners
     if "F" in state:
-        gradient = state["F"].reshape(-1, 3, 3)[:, :2, :2]
+        gradient = state["F"].reshape(-1, 3, 3)[:, :dim, :dim]
         corners = np.einsum("pij,pkj->pki", gradient, corners)
     return state["position"][:, None, :] + corners
 
 
-def draw_plane(figure, state, initial, values, scale, deformed):
+def domain_polygons(state, initial, deformed):
+    """Corners of the points' domains in the plane, (points, 4, 2)."""
+    return domain_corners(state, initial, np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]), deformed)
+
+
+def shell(initial):
+    """Indices of the points that have no neighbour on one of their six sides in the initial state."""
+    lengths = initial_lengths(initial)[0]
+    lattice = np.rint((initial["position0"] - initial["position0"].min(axis=0)) / lengths).astype(np.int64)
+    shape = lattice.max(axis=0) + 3
+    code = np.ravel_multi_index((lattice + 1).T, shape)
+    inner = [np.isin(np.ravel_multi_index((lattice + 1 + step).T, shape), code) for step in NORMALS]
+    return np.flatnonzero(~np.all(inner, axis=0))
+
+
+def frame_of(corners, margin):
+    """Limits of the axes around corners, (lower, upper)."""
+    lower, upper = corners.reshape(-1, corners.shape[-1]).min(axis=0), corners.reshape(-1, corners.shape[-1]).max(axis=0)
+    return lower - margin * np.max(upper - lower), upper + margin * np.max(upper - lower)
+
+
+def draw_plane(figure, state, initial, values, scale, deformed, frame=None):
     axes = figure.add_subplot()
     start = polygons = domain_polygons(state, initial, False)
     if deformed:
@@ -86,92 +123,198 @@ def draw_plane(figure, state, initial, values, scale, deformed):
     body = PolyCollection(polygons, array=values, cmap=colours, edgecolors="face", linewidths=0.25)
     body.set_clim(low, high)
     axes.add_collection(body)
-    corners = np.concatenate([start, polygons])
-    lower, upper = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    margin = 0.04 * np.max(upper - lower)
-    axes.set(xlim=(lower[0] - margin, upper[0] + margin), ylim=(lower[1] - margin, upper[1] + margin))
+    lower, upper = frame if frame else frame_of(np.concatenate([start, polygons]), 0.04)
+    axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]))
     axes.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     return axes, body
 
 
-def draw_space(figure, state, initial, values, scale, deformed):
-    axes = figure.add_subplot(projection="3d")
+def view_direction():
+    """Unit vector from the scene to the eye."""
+    elevation, azimuth = np.radians(VIEW["elev"]), np.radians(VIEW["azim"])
+    return np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+
+
+def draw_space(figure, state, initial, values, scale, deformed, frame=None):
+    """The domains at the surface: their faces that look at the eye, with light from above."""
+    axes = figure.add_subplot(projection="3d", computed_zorder=False)
     axes.set_proj_type("ortho")
-    position = state["position"] if deformed else initial["position0"]
-    lower, upper = position.min(axis=0), position.max(axis=0)
-    extent = np.maximum(upper - lower, 1e-12)
-    axes.set_box_aspect(extent)
-    axes.view_init(elev=22, azim=-60)
-    # A marker about as wide as a domain: the box fills some 60 % of the figure's shorter side.
-    points_per_metre = 0.6 * 72 * min(figure.get_size_inches()) / np.linalg.norm(extent)
-    size = (1.5 * points_per_metre * np.mean(initial_lengths(initial), axis=1)) ** 2
+    axes.view_init(**VIEW)
+    corners = domain_corners(state, initial, BOX, deformed)
+    lower, upper = frame if frame else frame_of(corners, 0.02)
+    axes.set_box_aspect(upper - lower, zoom=0.92)
+    axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
+    point = np.repeat(shell(initial), len(FACES))
+    polygons = corners[point[:, None], np.tile(FACES, (len(point) // len(FACES), 1))]
+    normal = np.cross(polygons[:, 2] - polygons[:, 0], polygons[:, 3] - polygons[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    seen = normal @ view_direction() > 0.0
     colours, low, high = scale
-    body = axes.scatter(*position.T, c=values, s=np.maximum(size, 1.0), marker="o", cmap=colours, vmin=low, vmax=high,
-                        depthshade=False, linewidths=0, alpha=1.0)
+    mappable = ScalarMappable(Normalize(low, high), colours)
+    shade = 0.72 + 0.28 * np.clip(normal[seen] @ LIGHT, 0.0, 1.0)
+    paint = mappable.to_rgba(values[point[seen]])
+    paint[:, :3] *= shade[:, None]
+    axes.add_collection3d(Poly3DCollection(polygons[seen], facecolors=paint, edgecolors=paint, linewidths=0.4))
     axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
-    return axes, body
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(plt.MaxNLocator(5))
+        axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
+    return axes, mappable
 
 
-def figure_size(state, initial, deformed):
-    """Follows the body's proportions in 2D, within reason."""
-    if state.dim == 3:
+def figure_size(lower, upper):
+    """Follows the picture's proportions in 2D, within reason."""
+    if len(lower) == 3:
         return 8.0, 6.5
-    position = np.concatenate([initial["position0"], state["position"]]) if deformed else initial["position0"]
-    width, height = np.maximum(np.ptp(position, axis=0), 1e-12)
+    width, height = np.maximum(upper - lower, 1e-12)
     if height < width:
-        return 8.0, max(6.5 * height / width + 1.0, 2.5)
+        return 8.0, max(6.5 * height / width + 1.2, 2.7)
     return max(6.0 * width / height + 2.0, 4.0), 7.0
 
 
-def plot_points(results, arguments):
-    state, initial = results.state(arguments.step), results.initial
+def state_frame(state, initial, deformed):
+    """Limits of the axes for one state, and in the plane for the initial one behind it."""
+    corners = BOX if state.dim == 3 else BOX[::2, :2]
+    drawn = domain_corners(state, initial, corners, deformed)
+    if state.dim == 3:
+        return frame_of(drawn, 0.02)
+    return frame_of(np.concatenate([drawn, domain_corners(state, initial, corners, False)]), 0.04)
+
+
+def check_points(state, initial):
     if len(state["position"]) == 0:
         raise ResultsError(f"step {state.step} has no points")
     if len(state["position"]) != len(initial["position0"]):
         raise ResultsError("the number of points changed during the run: there are no initial domains to draw with")
+
+
+def draw_state(figure, results, state, arguments, scale, factor_unit, frame):
+    """One state with its colour bar and title."""
     values, label = field_values(state, arguments.field, arguments.component)
-    values, unit = scaled(values, UNITS.get(arguments.field, ""))
-    scale = colour_scale(values, arguments.limits, arguments.colours)
-    figure = plt.figure(figsize=figure_size(state, initial, arguments.deformed), layout="constrained")
+    factor, unit = factor_unit
     draw = draw_plane if state.dim == 2 else draw_space
-    axes, body = draw(figure, state, initial, values, scale, arguments.deformed)
-    figure.colorbar(body, ax=axes, shrink=0.8, label=f"{label} ({unit})" if unit else label)
-    title = arguments.title or results.options_title()
+    axes, body = draw(figure, state, results.initial, factor * values, scale, arguments.deformed, frame)
+    figure.colorbar(body, ax=axes, shrink=0.8, aspect=25, pad=0.03 if state.dim == 2 else 0.1,
+                    label=f"{label} ({unit})" if unit else label)
     where = "" if arguments.deformed else ", drawn at initial positions"
-    axes.set_title(f"{title}step {state.step}, time {state.time:g}{where}", fontsize="medium")
+    title = arguments.title or results.scene_title()
+    axes.set_title((title + "\n" if title else "") + f"step {state.step}, time {state.time:.4g} s{where}",
+                   fontsize="medium")
+
+
+def scale_of(values, arguments):
+    """Colours and their limits, and the factor and unit of the numbers beside them."""
+    shown, unit = scaled(values, UNITS.get(arguments.field, ""))
+    largest = np.argmax(np.abs(values))
+    factor = shown[largest] / values[largest] if values[largest] else 1.0
+    return colour_scale(shown, arguments.limits, arguments.colours), (factor, unit)
+
+
+def plot_points(results, arguments):
+    state = results.state(arguments.step)
+    check_points(state, results.initial)
+    scale, factor_unit = scale_of(field_values(state, arguments.field, arguments.component)[0], arguments)
+    frame = state_frame(state, results.initial, arguments.deformed)
+    figure = plt.figure(figsize=figure_size(*frame), layout="constrained")
+    draw_state(figure, results, state, arguments, scale, factor_unit, frame)
     return figure
 
 
+def animate(results, arguments):
+    """Writes the written states as a film: the same colours, limits and axes throughout."""
+    arguments.deformed = True
+    gif = arguments.output.lower().endswith(".gif")
+    if not gif and not animation.writers.is_available("ffmpeg"):
+        raise ResultsError(f"{arguments.output}: ffmpeg is not installed; without it, animations are .gif")
+    values, frames = [], []
+    for step in results.steps:
+        state = results.state(step)
+        check_points(state, results.initial)
+        values.append(field_values(state, arguments.field, arguments.component)[0])
+        frames.append(state_frame(state, results.initial, True))
+    lower, upper = np.swapaxes(frames, 0, 1)
+    frame = lower.min(axis=0), upper.max(axis=0)
+    scale, factor_unit = scale_of(np.concatenate(values), arguments)
+    figure = plt.figure(figsize=figure_size(*frame), dpi=FRAME_DPI, layout="constrained")
+    pictures = []
+    for step in results.steps:
+        figure.clear()
+        draw_state(figure, results, results.state(step), arguments, scale, factor_unit, frame)
+        figure.canvas.draw()
+        pictures.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy()))
+    if gif:
+        write_gif(pictures, arguments.output, arguments.fps)
+    else:
+        write_film(pictures, arguments.output, arguments.fps)
+
+
+def write_gif(pictures, path, fps):
+    """One palette for all pictures, taken from the first, the middle and the last; the last one stands for longer."""
+    chosen = [np.asarray(pictures[i]) for i in (0, len(pictures) // 2, -1)]
+    palette = Image.fromarray(np.concatenate(chosen)).quantize(256)
+    frames = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+    duration = [round(1000.0 / fps)] * (len(frames) - 1) + [round(1000.0 / fps) + 1000]
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=duration, loop=0)
+
+
+def write_film(pictures, path, fps):
+    figure = plt.figure(figsize=np.array(pictures[0].size) / FRAME_DPI)
+    writer = animation.FFMpegWriter(fps=fps)
+    with writer.saving(figure, path, FRAME_DPI):
+        for picture in pictures + [pictures[-1]] * int(fps):
+            figure.clear()
+            figure.figimage(np.asarray(picture))
+            writer.grab_frame()
+
+
 def column_label(name):
-    for start, unit in (("track_", "m"), ("reaction_", "N"), ("time", "s"), ("dt", "s")):
-        if name.startswith(start):
-            return f"{name} ({unit})"
-    return name
+    """What a column of the history is, and its unit."""
+    track = re.fullmatch(r"track_(\w+)_u([xyz])", name)
+    reaction = re.fullmatch(r"reaction_(\w+)_(\w+)", name)
+    if track:
+        return f"$u_{track[2]}$ of {track[1]}", "m"
+    if reaction:
+        return f"reaction {reaction[2]} of {reaction[1]}", "N"
+    return name.replace("_", " "), {"time": "s", "dt": "s"}.get(name, "")
+
+
+def with_unit(label, unit):
+    return f"{label} ({unit})" if unit else label
 
 
 def plot_history(results, arguments):
     figure, axes = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
     abscissa = results.column(arguments.x)
-    for name in arguments.history:
-        axes.plot(abscissa, results.column(name), marker=".", label=column_label(name))
-    axes.set(xlabel=column_label(arguments.x))
-    if len(arguments.history) == 1:
-        axes.set(ylabel=column_label(arguments.history[0]))
+    labels = [column_label(name) for name in arguments.history]
+    units = {unit for _, unit in labels}
+    columns = [results.column(name) for name in arguments.history]
+    shared, largest = "", np.abs(np.concatenate(columns))
+    factor = 1.0
+    if len(units) == 1:
+        shown, shared = scaled(largest, units.pop())
+        factor = shown.max() / largest.max() if largest.size and largest.max() else 1.0
+    for column, (label, unit) in zip(columns, labels):
+        axes.plot(abscissa, factor * column, marker="." if len(column) <= 60 else "", linewidth=1.6,
+                  label=label if shared else with_unit(label, unit))
+    axes.set(xlabel=with_unit(*column_label(arguments.x)))
+    if len(labels) == 1:
+        axes.set(ylabel=with_unit(labels[0][0], shared))
     else:
-        axes.legend()
-    axes.set_title(arguments.title or results.options_title().rstrip(": "), fontsize="medium")
+        axes.legend(frameon=False)
+        axes.set(ylabel=f"({shared})" if shared else "")
+    axes.set_title(arguments.title or results.scene_title(), fontsize="medium")
     axes.grid(alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
     return figure
 
 
 class TitledResults(Results):
-    def options_title(self):
-        """The scene's title as the start of a line; nothing where there is none."""
+    def scene_title(self):
+        """The scene's title; nothing where there is none."""
         try:
-            title = self.option("mpm_title", "")
+            return self.option("mpm_title", "")
         except ResultsError:
-            title = ""
-        return f"{title}: " if title else ""
+            return ""
 
 
 def parse(arguments):
@@ -182,14 +325,18 @@ def parse(arguments):
     parser.add_argument("--component", help="xx, yy, zz, xy, yz, xz of a tensor; x, y, z of a vector")
     parser.add_argument("--step", default="last", help="first, last, or the number of a written step (last)")
     parser.add_argument("--deformed", action="store_true", help="draw the points where they are at that step")
+    parser.add_argument("--animate", action="store_true", help="all written states as a film (.gif; .mp4 with ffmpeg)")
+    parser.add_argument("--fps", type=float, default=8.0, help="pictures a second of a film (8)")
     parser.add_argument("--history", nargs="+", metavar="COLUMN", help="draw columns of the history instead of points")
     parser.add_argument("--x", default="time", metavar="COLUMN", help="the column along the x axis (time)")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"),
                         help="ends of the colour bar, in its unit (the field's extremes)")
     parser.add_argument("--colours", metavar="MAP", help="a colour map of matplotlib")
     parser.add_argument("--title", help="the picture's title (the scene's)")
-    parser.add_argument("--output", default="plot.png", help="picture file; its ending tells the format (plot.png)")
-    return parser.parse_args(arguments)
+    parser.add_argument("--output", help="file; its ending tells the format (plot.png, or plot.gif of a film)")
+    arguments = parser.parse_args(arguments)
+    arguments.output = arguments.output or ("plot.gif" if arguments.animate else "plot.png")
+    return arguments
 
 
 def main(arguments=None):
@@ -198,8 +345,11 @@ def main(arguments=None):
     try:
         if arguments.colours and arguments.colours not in plt.colormaps():
             raise ResultsError(f"matplotlib has no colour map '{arguments.colours}'")
-        figure = plot_history(results, arguments) if arguments.history else plot_points(results, arguments)
-        figure.savefig(arguments.output, dpi=150, bbox_inches="tight")
+        if arguments.animate:
+            animate(results, arguments)
+        else:
+            figure = plot_history(results, arguments) if arguments.history else plot_points(results, arguments)
+            figure.savefig(arguments.output, dpi=150, bbox_inches="tight")
     except (ResultsError, OSError, ValueError) as error:
         print(f"plot.py: {error}", file=sys.stderr)
         return 2

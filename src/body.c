@@ -85,6 +85,40 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The part of the body's box that it fills, from a coarse lattice; never none. */
+static PetscReal FilledPart(const MpmBody body, const MpmGrid *grid)
+{
+  const PetscInt across = grid->dim == 2 ? 64 : 24, total = grid->dim == 2 ? 64 * 64 : 24 * 24 * 24;
+  PetscInt       inside = 0;
+
+  for (PetscInt k = 0; k < total; k++) {
+    const PetscInt sub[MPM_MAX_DIM] = {k % across, (k / across) % across, k / (across * across)};
+    PetscReal      x[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      x[a] = grid->lower[a] +
+             grid->h[a] * ((PetscReal)body->cell_lower[a] + (PetscReal)(body->cell_upper[a] - body->cell_lower[a]) *
+                                                              ((PetscReal)sub[a] + 0.5) / (PetscReal)across);
+    }
+    if (MpmRegionContains(body->region, x)) inside++;
+  }
+  return (PetscReal)PetscMax(inside, 1) / (PetscReal)total;
+}
+
+PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
+                               PetscReal *points)
+{
+  PetscFunctionBeginUser;
+  *points = 1.;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    lower[a] = PetscMin(lower[a], body->cell_lower[a]);
+    upper[a] = PetscMax(upper[a], body->cell_upper[a]);
+    *points *= (PetscReal)(body->cell_upper[a] - body->cell_lower[a]) * (PetscReal)body->per_cell[a];
+  }
+  if (*points > 1e4) *points *= FilledPart(body, grid);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where
   points is given.

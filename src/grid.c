@@ -18,7 +18,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
     grid->cells[a] = grid->nodes[a] = 1;
     grid->h[a]                      = 1.;
   }
-  PetscCall(MpmOptionsHeading(&block, "Background grid"));
+  PetscCall(MpmOptionsHeading(&block, "Grid"));
   PetscCall(MpmOptionsReals(&block, "lower", "m", "lower corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->lower, NULL));
   PetscCall(MpmOptionsReals(&block, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->upper, NULL));
   PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 999999999, MPM_REQUIRED, dim, grid->cells, NULL));

@@ -16,7 +16,7 @@ static PetscErrorCode ReadSelection(const MpmOptions *block, const MpmGrid *grid
   *nearest = 1;
   PetscCall(MpmOptionsReals(block, "at", "m", "a place in the initial state", MPM_RANGE_ANY, MPM_OPTIONAL, grid->dim,
                             at, &has_at));
-  if (has_at)
+  if (has_at || MpmOptionsHelp())
     PetscCall(
       MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL, nearest, NULL));
   else *nearest = 0;

@@ -35,30 +35,6 @@ PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
   return variable->kind == MPM_STATE_SCALAR ? 1 : dim == 2 ? 4 : 6;
 }
 
-PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscPrintf(comm, "Constitutive laws (the values of -mpm_material_<name>_type) and their parameters\n"));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
-    MpmLawInfo info;
-
-    if (laws[k].dim != 3 || laws[k].directions) continue;
-    laws[k].create(&info);
-    PetscCall(PetscPrintf(comm, "  %s: %s\n", info.name, info.summary));
-    for (size_t i = 0; i < info.parameter_count; i++) {
-      const MpmParameter *parameter = &info.parameters[i];
-
-      PetscCall(PetscPrintf(comm, "    %-20s %s (%s", parameter->name, parameter->help, parameter->unit));
-      if (parameter->choices) PetscCall(PetscPrintf(comm, "; %s", parameter->choices));
-      if (parameter->required) PetscCall(PetscPrintf(comm, "; required)\n"));
-      else if (parameter->choices)
-        PetscCall(PetscPrintf(comm, "; default: choice %d)\n", (int)parameter->fallback + 1));
-      else PetscCall(PetscPrintf(comm, "; default %g)\n", parameter->fallback));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Reads one parameter; a parameter with choices is a word whose value is its index. */
 static PetscErrorCode ReadParameter(const MpmOptions *block, const MpmParameter *parameter, double *value)
 {
@@ -96,6 +72,27 @@ static PetscErrorCode LawNames(const char ***names)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* For -help: every law with its own parameters. */
+static PetscErrorCode PrintLaws(const MpmOptions *block)
+{
+  const MpmOptions unrecorded = {block->comm, block->prefix, NULL}; /* laws share parameters: each is printed again */
+  char             title[256];
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+    MpmLawInfo info;
+    double     unused;
+
+    if (laws[k].dim != 3 || laws[k].directions) continue;
+    laws[k].create(&info);
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", info.name, info.summary));
+    PetscCall(MpmOptionsHeading(block, title));
+    for (size_t i = 0; i < info.parameter_count; i++)
+      PetscCall(ReadParameter(&unrecorded, &info.parameters[i], &unused));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs,
                                  MpmMaterial *material)
 {
@@ -104,6 +101,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   MpmOptions     block = {options->comm, prefix, options->record};
   const char   **names;
   PetscInt       type = 0;
+  PetscBool      given;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(material, sizeof(*material)));
@@ -111,7 +109,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscStrallocpy(name, &material->name));
   PetscCall(MpmOptionsHeading(&block, "Material"));
   PetscCall(LawNames(&names));
-  PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, NULL));
+  PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, &given));
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
     const PetscBool compiled = MpmLawFind(names[type], dim, directions[form], &material->info);
 
@@ -122,8 +120,9 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
     material->law[form] = compiled ? material->info.law : NULL;
   }
   PetscCall(PetscFree(names));
-  PetscCall(PetscMalloc1(material->info.parameter_count, &material->parameter));
-  for (size_t i = 0; i < material->info.parameter_count; i++) {
+  PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));
+  if (!given) PetscCall(PrintLaws(&block));
+  for (size_t i = 0; given && i < material->info.parameter_count; i++) {
     PetscCall(ReadParameter(&block, &material->info.parameters[i], &material->parameter[i]));
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];

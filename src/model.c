@@ -94,6 +94,7 @@ static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, con
                                 PetscInt *count, char ***names)
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(options, list));
   PetscCall(MpmOptionsNames(options, list, help, need, count, names));
   if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   *count = 1;
@@ -198,12 +199,13 @@ static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
   model->dt_max = model->dt_nominal;
   PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));
   if (model->adaptive) model->dt_max = PetscMax(model->time_end / 4., model->dt_nominal);
-  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
-                           &model->dt_min, NULL));
-  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
-                           &model->dt_max, NULL));
+  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this; by default step/1024",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->dt_min, NULL));
+  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
+                           MPM_OPTIONAL, &model->dt_max, NULL));
   PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
                            (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &model->growth, NULL));
+  PetscCall(MpmStepsCheck(&block, model->time_end, model->dt_nominal, model->dt_min));
   MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(),
                 "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
                 (double)model->dt_nominal);
@@ -218,12 +220,16 @@ static PetscErrorCode CheckPrefix(MpmModel model)
 {
   char      folder[PETSC_MAX_PATH_LEN] = ".", *slash;
   PetscBool there;
+  size_t    length;
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(model->prefix[0] && strlen(model->prefix) < sizeof(folder) - 64,
                 "-mpm_output_prefix: must be a name of 1 to %d characters", (int)sizeof(folder) - 65);
-  slash = strrchr(model->prefix, '/');
+  slash  = strrchr(model->prefix, '/');
+  length = strlen(slash ? slash + 1 : model->prefix);
+  MpmCheckInput(length > 0 && length <= 200,
+                "-mpm_output_prefix: the name behind the folder has %d characters, must have 1 to 200", (int)length);
   if (slash) PetscCall(PetscStrncpy(folder, model->prefix, (size_t)(slash - model->prefix) + 2));
   PetscCall(PetscTestDirectory(folder, 'w', &there));
   MpmCheckInput(there, "-mpm_output_prefix %s: the folder %s is not there or cannot be written", model->prefix, folder);
@@ -272,6 +278,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
                             &model->bodies[b]));
   }
+  PetscCall(MpmMemoryCheck(options, &model->grid, model->body_count, model->bodies, model->body_names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -396,47 +403,6 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
 
 /* ---- the run ---- */
 
-static PetscErrorCode PrintHeader(MpmModel model)
-{
-  const MpmGrid *grid = &model->grid;
-
-  PetscFunctionBeginUser;
-  if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, model->title[0] ? model->title : model->prefix));
-  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
-                        model->physics.name, grid->dim, MpmShapeTypes[model->shape],
-                        MpmJacobianTypes[model->jacobian_type], model->solver, model->solver_why ? " (" : "",
-                        model->solver_why ? model->solver_why : "", model->solver_why ? ")" : "", model->size,
-                        model->size > 1 ? "s" : ""));
-  PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " points, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
-                        model->particles.total, grid->cells[0], grid->cells[1]));
-  if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %" PetscInt_FMT, grid->cells[2]));
-  PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));
-  if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
-  PetscCall(PetscPrintf(model->comm, " m\n%6s %12s %10s %6s %6s %5s %12s\n", "step", "time", "dt", "newton", "linear",
-                        "cuts", "time to go"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PrintStep(MpmModel model, PetscReal dt)
-{
-  PetscLogDouble now;
-  PetscReal      left;
-  int            minutes;
-
-  PetscFunctionBeginUser;
-  if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscTime(&now));
-  left    = (now - model->start) * (model->time_end - model->time) / (model->time - model->time_start);
-  minutes = (int)(left / 60.);
-  PetscCall(PetscPrintf(model->comm,
-                        "%6" PetscInt_FMT " %12.5g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %5" PetscInt_FMT
-                        " %4d:%02d:%02d\n",
-                        model->step, (double)model->time, (double)dt, model->newton, model->linear, model->cuts,
-                        minutes / 60, minutes % 60, (int)(left - 60. * minutes)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
 static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
 {
@@ -466,10 +432,7 @@ static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
   PetscFunctionBeginUser;
   model->ghost        = MPM_GHOST_RESCUE;
   model->ghost_rescue = PETSC_FALSE;
-  if (!model->quiet) {
-    PetscCall(PetscPrintf(model->comm, "       %s; from here on with -mpm_stabilization_ghost %g\n", why,
-                          (double)model->ghost));
-  }
+  PetscCall(MpmTerminalNote(model, "%s; from here on with -mpm_stabilization_ghost %g", why, (double)model->ghost));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -500,9 +463,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
     model->dt_wanted = 0.5 * *dt;
     model->cuts++;
     model->cuts_total++;
-    if (!model->quiet) {
-      PetscCall(PetscPrintf(model->comm, "       %s; the step is cut to %.4g\n", *why, (double)model->dt_wanted));
-    }
+    PetscCall(MpmTerminalNote(model, "%s; the step is cut to %.4g", *why, (double)model->dt_wanted));
   }
   model->time = next;
   model->step++;
@@ -530,14 +491,14 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
 
   PetscFunctionBeginUser;
   *status = 0;
-  PetscCall(PrintHeader(model));
+  PetscCall(MpmTerminalBegin(model));
   PetscCall(OpenResults(model));
   PetscCall(MpmCheckpointStep(model, &stop));
   while (!stop && model->time < model->time_end * (1. - 1e-12)) {
     PetscCall(Advance(model, &dt, &why));
     if (why) break;
     PetscCall(MpmModelWriteHistory(model, dt));
-    PetscCall(PrintStep(model, dt));
+    PetscCall(MpmTerminalStep(model, dt));
     if (model->output_every && (model->step % model->output_every == 0)) PetscCall(MpmModelWriteOutput(model));
     PetscCall(MpmCheckpointStep(model, &stop));
   }

@@ -63,8 +63,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
                                  MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Components of one history variable. */
-PetscInt       MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
-PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
 
 /* ---- physics.c ---- */
 
@@ -142,8 +141,19 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
                              const MpmMaterial materials[], MpmBody *body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
+/* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
+PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
+                               PetscReal *points);
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
+
+/* ---- limits.c ---- */
+
+/* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count. */
+PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, PetscInt count, const MpmBody bodies[],
+                              char *const names[]);
+/* Refuses more steps than can be counted, and steps that are lost in rounding. */
+PetscErrorCode MpmStepsCheck(const MpmOptions *block, PetscReal end, PetscReal step, PetscReal step_min);
 
 /* ---- space.c, nodes.c ---- */
 
@@ -634,6 +644,23 @@ PetscErrorCode MpmSignalsCatch(void);
 PetscErrorCode MpmSignalsRelease(void);
 PetscBool      MpmSignalsCaught(void);
 
+/* ---- terminal.c ---- */
+
+/* What the line of a step needs to know of the steps before. */
+typedef struct {
+  PetscLogDouble since;             /* the end of the step before */
+  PetscReal      seconds, progress; /* wall time and time of the run, fading */
+  PetscInt       lines;
+} MpmTerminal;
+
+/* Header, line of a step, and a line between two steps; nothing with -mpm_quiet. */
+PetscErrorCode MpmTerminalBegin(MpmModel model);
+PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt);
+PetscErrorCode MpmTerminalNote(MpmModel model, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* "0:02:05", "4 d 4 h" */
+#define MPM_DURATION_TEXT 32
+void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
+
 /* ---- newton.c, solver.c, step.c, model.c ---- */
 
 struct _p_MpmModel {
@@ -667,8 +694,7 @@ struct _p_MpmModel {
 
   /* time */
   PetscReal time, time_end, dt_nominal, dt_min, dt_max, growth;
-  PetscReal dt_wanted;  /* of the next step */
-  PetscReal time_start; /* where this run began: 0, or the time of a checkpoint */
+  PetscReal dt_wanted; /* of the next step */
   PetscBool adaptive;
   PetscInt  step, cuts, cuts_total;
 
@@ -720,6 +746,7 @@ struct _p_MpmModel {
   PetscBool  quiet;
 
   MpmCheckpoint checkpoint;
+  MpmTerminal   terminal;
 };
 
 /* Stops the clock of one task: adds the seconds since `since` to it. */

@@ -49,18 +49,21 @@ static PetscErrorCode FullName(const MpmOptions *options, const char name[], cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* "Young's modulus (Pa; > 0; required)" */
 static PetscErrorCode ItemPrintHelp(MPI_Comm comm, const Item *item, const ItemSpec *spec)
 {
-  const char *fallback = spec->need == MPM_REQUIRED ? "required" : spec->fallback ? spec->fallback : "none";
-  const char *unit = spec->unit ? spec->unit : "", *between = (spec->unit && *spec->accepts) ? "; " : "";
+  char *text = NULL;
 
   PetscFunctionBegin;
-  if (*unit || *spec->accepts) {
-    PetscCall((*PetscHelpPrintf)(comm, "  -%s <%s>: %s (%s%s%s)\n", item->name, fallback, spec->help, unit, between,
-                                 spec->accepts));
-  } else {
-    PetscCall((*PetscHelpPrintf)(comm, "  -%s <%s>: %s\n", item->name, fallback, spec->help));
-  }
+  PetscCall(MpmTextAppend(&text, "%s (", spec->help));
+  if (spec->unit && strcmp(spec->unit, "-")) PetscCall(MpmTextAppend(&text, "%s; ", spec->unit));
+  if (*spec->accepts) PetscCall(MpmTextAppend(&text, "%s; ", spec->accepts));
+  if (spec->need == MPM_REQUIRED) PetscCall(MpmTextAppend(&text, "required)"));
+  else if (spec->presence || !spec->lasting) PetscCall(MpmTextAppend(&text, "optional)"));
+  else if (spec->fallback && *spec->fallback) PetscCall(MpmTextAppend(&text, "default %s)", spec->fallback));
+  else PetscCall(MpmTextAppend(&text, "default none)"));
+  PetscCall(MpmHelpEntry(comm, item->name, text));
+  PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -184,10 +187,11 @@ static PetscErrorCode ItemRefuseRange(const Item *item, const ItemSpec *spec, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a list of `count` values accepts: "2 values, each > 0"; one value goes without saying. */
+/* What a list of `count` values accepts: "2 values, each > 0"; one value goes without saying, and so
+   does a number that -help does not know. */
 static void ListText(PetscInt count, const char range[], char text[2 * MPM_RANGE_TEXT])
 {
-  if (count == 1) snprintf(text, 2 * MPM_RANGE_TEXT, "%s", range);
+  if (count <= 1) snprintf(text, 2 * MPM_RANGE_TEXT, "%s", range);
   else if (*range) snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values, each %s", (long long)count, range);
   else snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values", (long long)count);
 }
@@ -251,7 +255,8 @@ PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title)
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasHelp(NULL, &help));
-  if (help) PetscCall((*PetscHelpPrintf)(options->comm, "\n%s:\n", title));
+  if (help && !strcmp(title, "bcs")) title = "conditions";
+  if (help) PetscCall((*PetscHelpPrintf)(options->comm, "\n%c%s\n", toupper((unsigned char)title[0]), title + 1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -456,7 +461,7 @@ PetscErrorCode MpmOptionsBool(const MpmOptions *options, const char *name, const
 PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
                               MpmNeed need, char **value)
 {
-  const ItemSpec spec = {name, help, NULL, "", fallback, need, PETSC_TRUE, PETSC_FALSE};
+  const ItemSpec spec = {name, help, NULL, "text", fallback, need, PETSC_TRUE, PETSC_FALSE};
   Item           item;
 
   PetscFunctionBegin;

@@ -21,6 +21,9 @@ PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIB
    PetscFree(). */
 PetscErrorCode MpmTextQuote(const char value[], char **quoted);
 
+/* One option of the manual: its name, and its text in a column of its own. */
+PetscErrorCode MpmHelpEntry(MPI_Comm comm, const char name[], const char text[]);
+
 /*
   The options database. `name` has no leading dash. PETSc's look-up takes -a_b for -a_1_b when the latter is absent,
   meant for levels of multigrid, and it would let one body of a scene inherit from another: these go by the exact name
@@ -29,6 +32,16 @@ PetscErrorCode MpmTextQuote(const char value[], char **quoted);
 PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has);
 /* Lends the value; NULL for an option without one. Marks the option as used. */
 PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given);
+
+/* An option that is not ours, as it stands in the database, which lends both; `value` may be NULL. */
+typedef struct {
+  const char *name, *value;
+} MpmForeignOption;
+
+/* All of them; free `options` and `text` with PetscFree() after use. */
+PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options, char **text);
+/* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
+PetscErrorCode MpmForeignOptionsCheck(void);
 
 /* One option that a reader has asked for. */
 typedef struct {

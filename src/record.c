@@ -14,10 +14,7 @@
 /* PETSc 3.18 dies on its 513th option. Below this many, defaults are written as keys, beyond it as comments. */
 #define MPM_YAML_KEYS 480
 
-/* An option of the database; both strings are lent by PETSc. */
-typedef struct {
-  const char *name, *value;
-} Pair;
+typedef MpmForeignOption Pair; /* an option of the database; both strings are lent by PETSc */
 
 /* ---- database ---- */
 
@@ -97,6 +94,32 @@ static PetscErrorCode DatabaseGet(PetscInt *count, Pair **pairs, char **text)
     PetscCall(PairsAdd(count, *pairs, word + 1, value));
   }
   if (*count) qsort(*pairs, (size_t)*count, sizeof(Pair), ComparePairs);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode IsOurs(const char name[], PetscBool *ours)
+{
+  char head[5];
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(head, name, sizeof(head)));
+  PetscCall(PetscStrcasecmp(head, "mpm_", ours));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options, char **text)
+{
+  PetscInt all;
+
+  PetscFunctionBegin;
+  PetscCall(DatabaseGet(&all, options, text));
+  *count = 0;
+  for (PetscInt i = 0; i < all; i++) {
+    PetscBool ours;
+
+    PetscCall(IsOurs((*options)[i].name, &ours));
+    if (!ours) (*options)[(*count)++] = (*options)[i];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -213,15 +236,14 @@ PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options)
   char    *text, *unknown = NULL;
 
   PetscFunctionBegin;
+  PetscCall(MpmForeignOptionsCheck());
   PetscCall(DatabaseGet(&count, &pairs, &text));
   for (PetscInt i = 0; i < count && !unknown; i++) {
     MpmRecordEntry *entry;
     const char     *nearest;
-    char            head[5];
     PetscBool       ours;
 
-    PetscCall(PetscStrncpy(head, pairs[i].name, sizeof(head)));
-    PetscCall(PetscStrcasecmp(head, "mpm_", &ours));
+    PetscCall(IsOurs(pairs[i].name, &ours));
     if (!ours) continue;
     PetscCall(RecordFind(options->record, pairs[i].name, &entry));
     if (entry && entry->known) continue;

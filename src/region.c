@@ -314,6 +314,28 @@ PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
+{
+  static const struct {
+    MpmRegionType type;
+    PetscInt      dim;
+    const char   *title;
+  } kinds[] = {{MPM_REGION_BOX, 2, "Regions of type box (BLOCK: body_NAME, bc_NAME, load_NAME, track_NAME)"},
+               {MPM_REGION_SPHERE, 2, "Regions of type sphere; in 2D, a disc"},
+               {MPM_REGION_CYLINDER, 3, "Regions of type cylinder, in 3D"},
+               {MPM_REGION_POLYGON, 3, "Regions of type polygon; in 3D, a prism along z"}};
+  const MpmOptions options = {comm, "mpm_BLOCK_", NULL};
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < sizeof(kinds) / sizeof(kinds[0]); k++) {
+    struct _p_MpmRegion region = {.type = kinds[k].type, .dim = kinds[k].dim};
+
+    PetscCall(MpmOptionsHeading(&options, kinds[k].title));
+    PetscCall(ReadGeometry(&options, &region));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRegionDestroy(MpmRegion *region)
 {
   PetscFunctionBegin;

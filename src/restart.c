@@ -428,7 +428,6 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   model->may_be_indefinite = (PetscBool)(may_be_indefinite && !model->indefinite);
   if (model->dt_nominal != dt_nominal) model->dt_wanted = dt_nominal; /* the user wants another step */
   model->dt_nominal = dt_nominal;
-  model->time_start = model->time;
   if (!strcmp(model->checkpoint.from, "latest")) model->checkpoint.step = model->step; /* it is among the files kept */
   MpmCheckInput(model->time_end >= model->time * (1. - 1e-12),
                 "-mpm_time_end %g: the checkpoint %s stands at %g already", (double)model->time_end, restart->path,

@@ -233,6 +233,7 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++) names[k + 1] = presets[k].name;
+  PetscCall(MpmOptionsHeading(options, "Solver"));
   PetscCall(MpmOptionsWord(options, "solver", "preset of PETSc solver options", names, MPM_OPTIONAL, &choice, NULL));
   PetscCall(PetscStrallocpy(names[choice], &model->solver));
   PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, model->mat_type));

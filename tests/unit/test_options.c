@@ -388,13 +388,14 @@ START_TEST(help)
   UNIT_CALL(MpmOptionsText(&options, "title", "title", NULL, MPM_REQUIRED, &text));
   UNIT_CALL(MpmOptionsNames(&options, "bodies", "bodies", MPM_OPTIONAL, &count, &names));
   PetscHelpPrintf = print;
-  ck_assert_str_eq(printed, "\nBlock a:\n"
-                            "  -mpm_a_cells <60,60>: cells per axis (-; 2 values, each >= 1)\n"
-                            "  -mpm_a_origin <0,0.25>: origin (m; 2 values)\n"
-                            "  -mpm_a_E <required>: modulus (Pa; > 0)\n"
-                            "  -mpm_a_state <off>: a switch (one of on, off)\n"
-                            "  -mpm_a_title <required>: title\n"
-                            "  -mpm_a_bodies <none>: bodies (names of blocks, comma-separated)\n");
+  ck_assert_str_eq(printed,
+                   "\nBlock a\n"
+                   "  -mpm_a_cells                        cells per axis (2 values, each >= 1; default 60,60)\n"
+                   "  -mpm_a_origin                       origin (m; 2 values; default 0,0.25)\n"
+                   "  -mpm_a_E                            modulus (Pa; > 0; required)\n"
+                   "  -mpm_a_state                        a switch (one of on, off; default off)\n"
+                   "  -mpm_a_title                        title (text; required)\n"
+                   "  -mpm_a_bodies                       bodies (names of blocks, comma-separated; optional)\n");
   ck_assert_double_eq(E, -5.); /* a missing value stays as on entry */
   ck_assert_ptr_null(text);
   ck_assert_int_eq(count, 0);

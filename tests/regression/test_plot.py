@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""scripts/plot.py without a screen: pictures in 2D and 3D, a film, curves; and what it says of what is not there."""
+import sys
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import ROOT, Test, call, example  # noqa: E402
+
+PLOT = ROOT / "scripts" / "plot.py"
+
+
+def plot(run, *words):
+    return call([sys.executable, PLOT, run.prefix, *words], run.folder)
+
+
+def colours(path):
+    """How many colours a picture has that are not grey."""
+    pixels = np.asarray(Image.open(path).convert("RGB")).reshape(-1, 3).astype(int)
+    return len(np.unique(pixels[np.ptp(pixels, axis=1) > 30], axis=0))
+
+
+def check_picture(test, run, name, *words):
+    """A command that must draw a picture of many colours."""
+    process = plot(run, *words, "--output", name)
+    test.check(f"{name}.status", process.returncode, 0, 0)
+    test.check(f"{name}.colours", colours(run.folder / name) if process.returncode == 0 else 0, 50)
+
+
+with Test() as test:
+    plane = test.run(example("collapse"), mpm_grid_cells="16,8", mpm_time_step=0.1, mpm_output_every=2)
+    space = test.run(example("slump3d"), mpm_body_block_points_per_cell="2,2,2", mpm_time_step=0.25, mpm_output_every=2)
+    check_picture(test, plane, "stress.png", "--field", "stress", "--component", "yy", "--deformed")
+    check_picture(test, plane, "mises.png", "--field", "von_mises", "--step", "2")
+    check_picture(test, space, "pressure.png", "--field", "pressure", "--deformed")
+    check_picture(test, space, "displacement.png", "--step", "last")
+    for count, scene in ((6, plane), (3, space)):
+        process = plot(scene, "--field", "von_mises", "--animate", "--output", "film.gif")
+        test.check("film.status", process.returncode, 0, 0)
+        test.check("film.pictures", Image.open(scene.folder / "film.gif").n_frames, count, count)
+    process = plot(plane, "--history", "track_top_uy", "track_toe_ux", "--output", "curves.svg")
+    test.check("curves", process.returncode == 0 and "<svg" in (plane.folder / "curves.svg").read_text(), 1, 1)
+    for name, words in (("field", ("--field", "colour")), ("step", ("--step", "1")), ("column", ("--history", "load_x")),
+                        ("component", ("--field", "stress", "--component", "xyz")), ("map", ("--colours", "none")),
+                        ("tensor", ("--field", "stress"))):
+        process = plot(plane, *words)
+        test.check(f"wrong_{name}", process.returncode == 2 and process.stderr.startswith("plot.py:")
+                   and len(process.stderr.splitlines()) == 1, 1, 1)

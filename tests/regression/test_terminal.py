@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""What the program says: the manual, the usage, the lines of a run, and nothing when it is to be quiet."""
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import EXAMPLES, ROOT, Test, call, example  # noqa: E402
+
+sys.path.insert(0, str(ROOT / "scripts"))
+from fuzz import parse_scene  # noqa: E402
+
+LINE = re.compile(r" +(\d+) +([\d.e+-]+) +([\d.e+-]+) +\d+ +\d+ +(\d+) +([\d.]+)% +(\d+:\d\d:\d\d)")
+
+
+def check_manual(test):
+    """-help: every option of every example, in groups, ours alone, in lines that fit."""
+    place = test.folder()
+    general = call([test.program, "-help"], place)
+    test.check("help.status", general.returncode, 0, 0)
+    for group in ("Scene", "Grid", "Materials", "Bodies", "Conditions", "Loads", "Tracks", "Time", "Output", "Solver"):
+        test.check(f"help.{group}", f"\n{group}\n" in general.stdout, 1, 1)
+    for law in (ROOT / "materials").glob("*.c"):
+        test.check(f"help.{law.stem}", f"Material of type {law.stem}: " in general.stdout, 1, 1)
+    test.check("help.width", max(map(len, general.stdout.splitlines())), None, 120)
+    test.check("help.of_petsc", general.stdout.count("PETSc Team"), None, 0)
+    for path in sorted(EXAMPLES.glob("*/case*.yaml")):
+        manual = call([test.program, "-options_file", path, "-help"], place).stdout
+        missing = [name for name in parse_scene(path.read_text(encoding="utf-8")) if f"  -{name} " not in manual
+                   and f"  -{name}\n" not in manual]
+        test.check(f"help.missing.{path.parent.name}", len(missing), None, 0)
+        print("".join(f"    {name}\n" for name in missing), end="")
+
+
+def check_usage(test):
+    place = test.folder()
+    nothing = call([test.program], place)
+    test.check("usage.status", nothing.returncode, 2, 2)
+    test.check("usage.text", nothing.stderr.startswith("usage: talus -options_file") and not nothing.stdout, 1, 1)
+    version = call([test.program, "-version"], place)
+    test.check("version", version.returncode == 0 and version.stdout.startswith("talus "), 1, 1)
+    (place / "wrong.opts").write_text("-mpm_dim 2\nmpm_shape gimp\n", encoding="utf-8")
+    for ranks in (1, 2):  # nobody may wait for the rank that found the fault
+        wrong = call(["mpiexec", "--oversubscribe", "-n", ranks, test.program, "-options_file", "wrong.opts"], place)
+        test.check(f"wrong_file_on_{ranks}", wrong.returncode == 2 and wrong.stderr.count("talus: error:") == 1, 1, 1)
+    test.check("help_petsc", "-ksp_rtol" in call([test.program, "-help_petsc"], place).stdout, 1, 1)
+
+
+def check_lines(test):
+    """One line a step, and the columns' titles once and again in a long run."""
+    for step, count in ((1.0, 1), (0.01, 100)):
+        run = test.run(example("bar_elastic"), mpm_time_step=step, mpm_grid_cells="1,8", mpm_output_every=0)
+        lines = [match.groups() for match in map(LINE.fullmatch, run.output.splitlines()) if match]
+        test.check("lines", len(lines), count, count)
+        test.check("titles", run.output.count("time to go"), (count + 49) // 50, (count + 49) // 50)
+        test.check("done", float(lines[-1][4]), 100.0, 100.0)
+        test.check("to_go", lines[-1][5] == "0:00:00", 1, 1)
+    run = test.run(example("collapse"), mpm_time_step=0.5, mpm_stabilization_ghost="off", mpm_output_every=0)
+    cuts = sum(int(match[4]) for match in map(LINE.fullmatch, run.output.splitlines()) if match)
+    test.check("cuts", cuts, 1)
+    test.check("reasons", run.output.count("the step is cut to"), cuts, cuts)
+    for ranks in (1, 2):
+        run = test.run(example("bar_elastic"), ranks=ranks, mpm_quiet=None, mpm_output_every=0)
+        test.check("quiet", len(run.output + (run.errors if ranks == 1 else "")), None, 0)
+
+
+with Test() as test:
+    check_manual(test)
+    check_usage(test)
+    check_lines(test)
