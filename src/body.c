@@ -8,6 +8,7 @@ struct _p_MpmBody {
   char     *name;
   MpmRegion region;
   PetscInt  material;
+  PetscInt  id_first, id_end;
   PetscInt  per_cell[MPM_MAX_DIM];
   PetscInt  cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
 };
@@ -83,6 +84,17 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscCall(MpmRegionDestroy(&(*body)->region));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end)
+{
+  *first = body->id_first;
+  *end   = body->id_end;
+}
+
+PetscInt MpmBodyGetMaterial(MpmBody body)
+{
+  return body->material;
 }
 
 /*
@@ -166,7 +178,9 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscCall(MpmParticlesGetArrays(particles, &points));
   for (PetscInt b = 0; b < body_count; b++) {
     first += FillCells(bodies[b], grid, id + before[b] - count[b], first, &points);
+    bodies[b]->id_first = (PetscInt)id;
     id += total[b];
+    bodies[b]->id_end = (PetscInt)id;
   }
   if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
   for (PetscInt p = 0; p < local; p++) {
@@ -175,6 +189,8 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * grid->dim * (grid->dim + 1)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
+  for (PetscInt p = 0; points.mass && p < local; p++)
+    points.mass[p] = points.volume0[p] * materials[points.material[p]].density;
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   particles->total = id;
   PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE,

@@ -140,10 +140,10 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_coun
   PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
   for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = -1;
   for (PetscInt b = 0; b < bc_count; b++) {
-    const PetscReal now    = MpmRampEvaluate(bcs[b].ramp, time),
-                    before = time_n > 0. ? MpmRampEvaluate(bcs[b].ramp, time_n) : 0.;
+    const PetscReal start = bcs[b].start, now = MpmRampEvaluate(bcs[b].ramp, time - start),
+                    before = time_n > start ? MpmRampEvaluate(bcs[b].ramp, time_n - start) : 0.;
 
-    for (PetscInt i = 0; i < space->local; i++) {
+    for (PetscInt i = 0; bcs[b].active && i < space->local; i++) {
       PetscReal x[MPM_MAX_DIM];
 
       for (PetscInt a = 0; a < grid->dim; a++)

@@ -68,6 +68,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->loads));
   PetscCall(PetscFree(model->tracks));
   PetscCall(PetscFree(model->walls));
+  PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->material_count, &model->material_names));
   PetscCall(MpmNamesDestroy(model->body_count, &model->body_names));
   PetscCall(MpmNamesDestroy(model->bc_count, &model->bc_names));
@@ -83,9 +84,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 
 /* ---- the scene ---- */
 
-/* The names of a list of blocks. For -help, a list that the scene does not give becomes one block called NAME. */
-static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
-                                PetscInt *count, char ***names)
+PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
+                                 PetscInt *count, char ***names)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsNames(options, list, help, need, count, names));
@@ -167,45 +167,6 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
-{
-  const MpmOptions block = {options->comm, "mpm_time_", options->record};
-
-  PetscFunctionBeginUser;
-  model->time_end = 1.;
-  model->growth   = 2.;
-  PetscCall(MpmOptionsHeading(&block, "Time"));
-  PetscCall(
-    MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
-  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED,
-                           &model->dt_nominal, NULL));
-  /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
-  model->predict = PETSC_TRUE;
-  for (PetscInt m = 0; m < model->material_count; m++)
-    if (model->materials[m].state_size) model->predict = PETSC_FALSE;
-  PetscCall(MpmOptionsBool(&block, "predict",
-                           "start each step from the increment of the last; the default is true where no material has "
-                           "history",
-                           &model->predict, NULL));
-  model->dt_min = model->dt_nominal / 1024.;
-  model->dt_max = model->dt_nominal;
-  PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));
-  if (model->adaptive) model->dt_max = PetscMax(model->time_end / 4., model->dt_nominal);
-  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
-                           &model->dt_min, NULL));
-  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
-                           &model->dt_max, NULL));
-  PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
-                           (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &model->growth, NULL));
-  MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(),
-                "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
-                (double)model->dt_nominal);
-  MpmCheckInput(!model->adaptive || model->dt_max >= model->dt_nominal || MpmOptionsHelp(),
-                "-mpm_time_step_max %g: must not be below -mpm_time_step, %g", (double)model->dt_max,
-                (double)model->dt_nominal);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The results' folder must be there and take files. */
 static PetscErrorCode CheckPrefix(MpmModel model)
 {
@@ -246,8 +207,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
-  PetscCall(ReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count,
-                      &model->material_names));
+  PetscCall(MpmModelReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED,
+                              &model->material_count, &model->material_names));
   PetscCall(PetscCalloc1(model->material_count, &model->materials));
   model->symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++) {
@@ -258,8 +219,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
   model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
-  PetscCall(
-    ReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
+  PetscCall(MpmModelReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count,
+                              &model->body_names));
   PetscCall(PetscCalloc1(model->body_count, &model->bodies));
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
@@ -271,19 +232,16 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmModelReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count,
+                              &model->bc_names));
   PetscCall(
-    ReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
+    MpmModelReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
+  PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->bc_count, &model->bcs));
   PetscCall(PetscMalloc1((model->bc_count * 2 * MPM_MAX_BLOCK), &model->walls));
-  for (PetscInt b = 0; b < model->bc_count; b++) {
-    PetscInt walls;
-
+  for (PetscInt b = 0; b < model->bc_count; b++)
     PetscCall(MpmConditionCreate(options, model->bc_names[b], &model->grid, &model->layout, &model->bcs[b]));
-    PetscCall(MpmConditionGetWalls(&model->bcs[b], &model->grid, &walls, &model->walls[model->wall_count]));
-    model->wall_count += walls;
-  }
   PetscCall(PetscCalloc1((model->bc_count * model->layout.block), &model->reaction));
-  PetscCall(ReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
   PetscCall(PetscCalloc1(model->load_count, &model->loads));
   for (PetscInt l = 0; l < model->load_count; l++) {
     PetscCall(MpmLoadCreate(options, model->load_names[l], &model->grid, &model->loads[l]));
@@ -293,8 +251,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->material_names[m], model->load_names[l]);
     }
   }
-  PetscCall(ReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count,
-                      &model->track_names));
+  PetscCall(MpmModelReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
+                              &model->track_count, &model->track_names));
   PetscCall(PetscCalloc1(model->track_count, &model->tracks));
   for (PetscInt t = 0; t < model->track_count; t++) {
     PetscCall(MpmTrackCreate(options, model->track_names[t], &model->grid, &model->tracks[t]));
@@ -306,7 +264,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 static PetscErrorCode CreateParticles(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0;
-  PetscBool half_length = MpmShapeHasDomain(model->shape), moved;
+  PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->shape) || MpmStagesAreGeostatic(model)), moved;
   char    **fields;
 
   PetscFunctionBeginUser;
@@ -318,6 +276,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (model->loads[l].share_field) fields[extra++] = model->loads[l].share_field;
   }
   for (PetscInt t = 0; t < model->track_count; t++) fields[extra++] = model->tracks[t].share_field;
+  model->particles.has_mass = MpmStagesKeepMass(model);
   PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra,
                                fields, &model->particles));
   PetscCall(PetscFree(fields));
@@ -328,6 +287,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)
     PetscCall(MpmTrackSelect(&model->tracks[t], &model->grid, &model->particles));
+  PetscCall(MpmStagesPark(model));
+  PetscCall(MpmStageBegin(model, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -342,7 +303,7 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(MpmGridSetFromOptions(&model->grid, &options, model->layout.dim));
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
-  PetscCall(ReadTime(model, &options));
+  PetscCall(MpmStagesRead(model, &options));
   PetscCall(ReadOutput(model, &options));
   PetscCall(MpmSolverSetFromOptions(model, &options));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -386,7 +347,7 @@ static PetscErrorCode PrintStep(MpmModel model, PetscReal dt)
   PetscFunctionBeginUser;
   if (model->quiet) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&now));
-  left    = (now - model->start) * (model->time_end - model->time) / model->time;
+  left    = (now - model->start) * (model->run_end - model->time) / model->time;
   minutes = (int)(left / 60.);
   PetscCall(PetscPrintf(model->comm,
                         "%6" PetscInt_FMT " %12.5g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %5" PetscInt_FMT
@@ -403,7 +364,8 @@ static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
   PetscReal       target = model->time_end, next;
 
   if (!model->adaptive) {
-    target = model->dt_nominal * PetscFloorReal((model->time + small) / model->dt_nominal + 1.);
+    target = model->time_start +
+             model->dt_nominal * PetscFloorReal((model->time - model->time_start + small) / model->dt_nominal + 1.);
     if (target > model->time_end - small) target = model->time_end;
   }
   next  = model->time + dt > target - PetscMax(small, 1e-3 * dt) ? target : model->time + dt;
@@ -420,7 +382,7 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 }
 
 /* A step has failed: nodes that the material hardly touches are the commonest reason. The same step is tried again. */
-static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
+PetscErrorCode MpmModelSwitchGhostOn(MpmModel model, const char *why)
 {
   PetscFunctionBeginUser;
   model->ghost        = MPM_GHOST_RESCUE;
@@ -451,7 +413,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, 
     if (!*why) break;
     if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
     if (model->ghost_rescue) {
-      PetscCall(SwitchGhostOn(model, *why));
+      PetscCall(MpmModelSwitchGhostOn(model, *why));
       continue;
     }
     if (0.5 * *dt < model->dt_min) PetscFunctionReturn(PETSC_SUCCESS);
@@ -469,27 +431,54 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a converged step leaves: its row, its line, and at times the points. */
+static PetscErrorCode Report(MpmModel model, PetscReal dt, PetscInt *written)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelWriteHistory(model, dt));
+  PetscCall(PrintStep(model, dt));
+  if (model->output_every && (model->step % model->output_every == 0)) {
+    PetscCall(MpmModelWriteOutput(model));
+    *written = model->step;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All steps of the stage under way; a geostatic one is a single step for the results. */
+static PetscErrorCode RunStage(MpmModel model, PetscInt *written, const char **why)
+{
+  const MpmStage *stage  = &model->stages[model->stage];
+  PetscReal       wanted = model->dt_nominal, dt = 0.;
+
+  PetscFunctionBeginUser;
+  if (stage->name && !model->quiet) PetscCall(PetscPrintf(model->comm, "  stage %s\n", stage->name));
+  if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
+    PetscCall(MpmGeostaticRun(model, why));
+    if (!*why) PetscCall(Report(model, model->time - model->time_start, written));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  while (model->time < model->time_end * (1. - 1e-12)) {
+    PetscCall(Advance(model, &wanted, &dt, why));
+    if (*why) break;
+    PetscCall(Report(model, dt, written));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelRun(MpmModel model, int *status)
 {
-  const char *why = NULL;
-  PetscReal   wanted, dt = 0.;
+  const char *why     = NULL;
   PetscInt    written = 0;
 
   PetscFunctionBeginUser;
   *status = 0;
-  wanted  = model->dt_nominal;
   PetscCall(PrintHeader(model));
   PetscCall(MpmModelCreateHistory(model));
   if (model->output_every) PetscCall(MpmModelWriteOutput(model));
-  while (!why && model->time < model->time_end * (1. - 1e-12)) {
-    PetscCall(Advance(model, &wanted, &dt, &why));
-    if (why) break;
-    PetscCall(MpmModelWriteHistory(model, dt));
-    PetscCall(PrintStep(model, dt));
-    if (model->output_every && (model->step % model->output_every == 0)) {
-      PetscCall(MpmModelWriteOutput(model));
-      written = model->step;
-    }
+  PetscCall(RunStage(model, &written, &why));
+  while (!why && model->stage + 1 < model->stage_count) {
+    PetscCall(MpmStageBegin(model, model->stage + 1));
+    PetscCall(RunStage(model, &written, &why));
   }
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   if (model->output_every && written != model->step) PetscCall(MpmModelWriteOutput(model));

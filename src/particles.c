@@ -10,6 +10,20 @@
 /* Rebalance when the fullest rank holds this much more than the mean. */
 #define IMBALANCE_LIMIT 1.05
 
+/* Registers a field and keeps its name and size. */
+static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscInt components, PetscDataType type)
+{
+  const PetscInt k = particles->field_count++;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, name, components, type));
+  PetscCall(PetscRealloc(sizeof(*particles->field) * (size_t)(k + 1), &particles->field));
+  PetscCall(PetscRealloc(sizeof(*particles->field_bytes) * (size_t)(k + 1), &particles->field_bytes));
+  PetscCall(PetscStrallocpy(name, &particles->field[k]));
+  particles->field_bytes[k] = (size_t)components * (type == PETSC_INT ? sizeof(PetscInt) : sizeof(PetscReal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
                                   PetscBool increment, PetscInt extra_count, char *const extra[],
                                   MpmParticles *particles)
@@ -18,25 +32,25 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   DM             swarm;
 
   PetscFunctionBeginUser;
-  PetscCall(DMCreate(grid->comm, &swarm));
+  PetscCall(DMCreate(grid->comm, &particles->swarm));
+  swarm = particles->swarm;
   PetscCall(DMSetType(swarm, DMSWARM));
   PetscCall(DMSetDimension(swarm, dim));
   PetscCall(DMSwarmSetType(swarm, DMSWARM_BASIC));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "id", 1, PETSC_INT));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "material", 1, PETSC_INT));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "position", dim, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "position0", dim, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "F", dim * dim, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "volume0", 1, PETSC_REAL));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
-  if (half_length) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "half_length", dim, PETSC_REAL));
-  if (state_size) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "state", state_size, PETSC_REAL));
-  if (increment) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "increment", dim + dim * dim, PETSC_REAL));
-  if (rates) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, "value", rates, PETSC_REAL));
-  for (PetscInt e = 0; e < extra_count; e++)
-    PetscCall(DMSwarmRegisterPetscDatatypeField(swarm, extra[e], 1, PETSC_REAL));
+  PetscCall(Register(particles, "id", 1, PETSC_INT));
+  PetscCall(Register(particles, "material", 1, PETSC_INT));
+  PetscCall(Register(particles, "position", dim, PETSC_REAL));
+  PetscCall(Register(particles, "position0", dim, PETSC_REAL));
+  PetscCall(Register(particles, "F", dim * dim, PETSC_REAL));
+  PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
+  PetscCall(Register(particles, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
+  if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
+  if (half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
+  if (state_size) PetscCall(Register(particles, "state", state_size, PETSC_REAL));
+  if (increment) PetscCall(Register(particles, "increment", dim + dim * dim, PETSC_REAL));
+  if (rates) PetscCall(Register(particles, "value", rates, PETSC_REAL));
+  for (PetscInt e = 0; e < extra_count; e++) PetscCall(Register(particles, extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
-  particles->swarm           = swarm;
   particles->dim             = dim;
   particles->stress_size     = dim == 2 ? 4 : 6;
   particles->state_size      = state_size;
@@ -50,6 +64,9 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
 {
   PetscFunctionBeginUser;
   PetscCall(DMDestroy(&particles->swarm));
+  for (PetscInt k = 0; k < particles->field_count; k++) PetscCall(PetscFree(particles->field[k]));
+  PetscCall(PetscFree(particles->field));
+  PetscCall(PetscFree(particles->field_bytes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -67,6 +84,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   PetscCall(DMSwarmGetField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmGetField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmGetField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_mass) PetscCall(DMSwarmGetField(swarm, "mass", NULL, NULL, (void **)&points->mass));
   if (particles->has_half_length)
     PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
@@ -88,6 +106,7 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   PetscCall(DMSwarmRestoreField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmRestoreField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmRestoreField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_mass) PetscCall(DMSwarmRestoreField(swarm, "mass", NULL, NULL, (void **)&points->mass));
   if (particles->has_half_length)
     PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
@@ -145,5 +164,94 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
   PetscCall(MpmGridPartition(grid, count, x));
   PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
   *moved = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- points that come and go ---- */
+
+/* Copies all fields of one point between the swarm and a row of parked data. */
+static PetscErrorCode CopyRow(MpmParticles *particles, void *const fields[], PetscInt p, char *row, PetscBool out)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    const size_t bytes = particles->field_bytes[k];
+    char        *field = (char *)fields[k] + (size_t)p * bytes;
+
+    if (out) PetscCall(PetscMemcpy(row, field, bytes));
+    else PetscCall(PetscMemcpy(field, row, bytes));
+    row += bytes;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies `count` points, index[k] or first + k, between the swarm and parked data. */
+static PetscErrorCode CopyRows(MpmParticles *particles, PetscInt count, const PetscInt index[], PetscInt first,
+                               char *data, PetscBool out)
+{
+  void **fields;
+  size_t bytes = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(particles->field_count, &fields));
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    bytes += particles->field_bytes[k];
+    PetscCall(DMSwarmGetField(particles->swarm, particles->field[k], NULL, NULL, &fields[k]));
+  }
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(CopyRow(particles, fields, index ? index[k] : first + k, data + (size_t)k * bytes, out));
+  for (PetscInt k = 0; k < particles->field_count; k++)
+    PetscCall(DMSwarmRestoreField(particles->swarm, particles->field[k], NULL, NULL, &fields[k]));
+  PetscCall(PetscFree(fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CountTotal(MpmParticles *particles)
+{
+  PetscInt total;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetSize(particles->swarm, &total));
+  particles->total = total;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked)
+{
+  PetscInt *id, *index, count, found = 0;
+  size_t    bytes = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(PetscMalloc1(count, &index));
+  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  for (PetscInt p = 0; p < count; p++)
+    if (id[p] >= first && id[p] < end) index[found++] = p;
+  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  if (parked) {
+    for (PetscInt k = 0; k < particles->field_count; k++) bytes += particles->field_bytes[k];
+    parked->count = found;
+    PetscCall(PetscMalloc1(((size_t)found * bytes), &parked->data));
+    PetscCall(CopyRows(particles, found, index, 0, parked->data, PETSC_TRUE));
+  }
+  /* the last point takes the place of the one that goes, so from the end */
+  while (found--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[found]));
+  PetscCall(PetscFree(index));
+  PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
+{
+  PetscInt first;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &first));
+  if (parked->count) {
+    PetscCall(DMSwarmAddNPoints(particles->swarm, parked->count));
+    PetscCall(CopyRows(particles, parked->count, NULL, first, parked->data, PETSC_FALSE));
+  }
+  PetscCall(PetscFree(parked->data));
+  parked->count = 0;
+  PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -91,7 +91,7 @@ static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Dat
     volume[p] =
       points->volume0[p] * (f9[0] * (f9[4] * f9[8] - f9[5] * f9[7]) - f9[1] * (f9[3] * f9[8] - f9[5] * f9[6]) +
                             f9[2] * (f9[3] * f9[7] - f9[4] * f9[6]));
-    mass[p] = points->volume0[p] * model->materials[points->material[p]].density;
+    mass[p] = MpmPointMass(points, model->materials, p);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -112,7 +112,8 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   PetscCall(MpmParticlesGetArrays(&model->particles, &points));
   sets.set[sets.count++] = (MpmDataset){"material", 1, NULL, points.material};
   sets.set[sets.count++] = (MpmDataset){"position", dim, points.x, NULL};
-  if (!model->step) sets.set[sets.count++] = (MpmDataset){"position0", dim, points.x0, NULL};
+  if (!model->step || model->reference_output) sets.set[sets.count++] = (MpmDataset){"position0", dim, points.x0, NULL};
+  model->reference_output = PETSC_FALSE;
   PetscCall(AddKinematics(model, &points, &sets));
   PetscCall(AddStates(model, &points, &sets));
   for (PetscInt r = 0; r < model->layout.rates; r++) {
@@ -137,7 +138,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
 {
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->grid.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
-  PetscInt                 capacity = fixed + model->track_count * dim + model->bc_count * model->layout.block;
+  PetscInt                 capacity = fixed + model->track_count * dim + model->bc_count * model->layout.block + 1;
   char                     name[512];
 
   PetscFunctionBeginUser;
@@ -157,6 +158,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
+  if (model->stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -193,13 +195,14 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->newton;
   row[k++] = (PetscReal)model->linear;
   row[k++] = (PetscReal)model->cuts;
-  row[k++] = model->load_count ? MpmRampEvaluate(model->loads[0].ramp, model->time) : 0.;
+  row[k++] = model->load_count ? MpmModelLoadFactor(model, 0, model->time) : 0.;
   for (PetscInt b = 0; b < model->bc_count; b++) {
     for (PetscInt c = 0; c < model->bcs[b].component_count; c++)
       row[k++] = model->reaction[b * model->layout.block + model->bcs[b].component[c]];
   }
   for (PetscInt t = 0; t < model->track_count; t++, k += model->grid.dim)
     PetscCall(MpmTrackEvaluate(&model->tracks[t], &model->particles, &row[k]));
+  if (model->stages[0].name) row[k] = (PetscReal)model->stage + 1.;
   PetscCall(MpmHistoryAppend(model->history, row));
   MpmClock(model, MPM_TIME_OUTPUT, since);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -96,7 +96,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
                                 &model->space, model->time, time));
   PetscCall(PetscArrayzero(model->force, model->space.local * model->layout.block));
   for (PetscInt l = 0; l < model->load_count; l++) {
-    PetscCall(MpmLoadApply(&model->loads[l], time, rules, &model->sum, &model->particles, model->force));
+    PetscCall(MpmLoadApply(&model->loads[l], MpmModelLoadFactor(model, l, time), rules, &model->sum, &model->particles,
+                           model->force));
   }
   if (model->body_force) {
     PetscCall(MpmBodyForceApply(model->body_force, model->body_force_ctx, time, &model->sum, model->force));
