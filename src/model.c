@@ -283,11 +283,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));
   PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-  for (PetscInt l = 0; l < model->load_count; l++)
-    PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)
     PetscCall(MpmTrackSelect(&model->tracks[t], &model->grid, &model->particles));
-  PetscCall(MpmStagesPark(model));
+  PetscCall(MpmStagesSelect(model));
   PetscCall(MpmStageBegin(model, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -693,8 +693,8 @@ PetscErrorCode MpmStagesDestroy(MpmModel model);
 /* Does any stage change what a point weighs per stress-free volume? */
 PetscBool MpmStagesKeepMass(const MpmModel model);
 PetscBool MpmStagesAreGeostatic(const MpmModel model);
-/* Once the points are there: those that later stages add are put aside. */
-PetscErrorCode MpmStagesPark(MpmModel model);
+/* Once the points are there: finds those that carry loads, and puts those aside that later stages add. */
+PetscErrorCode MpmStagesSelect(MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (rematerial.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */

@@ -4,12 +4,15 @@
     stages: geostatic,dig,load
     stage_dig: {remove: "pit", bcs: "base,sides", loads: "weight", time: {end: 1, step: 0.1}}
 
-  Order of calls: MpmStagesReadLists() before conditions and loads are read, MpmStagesRead() after, MpmStagesPark() when
-  the points are there, then MpmStageBegin() for each stage in turn.
+  Order of calls: MpmStagesReadLists() before conditions and loads are read, MpmStagesRead() after, MpmStagesSelect()
+  when the points are there, then MpmStageBegin() for each stage in turn.
 
   Time grows on through the stages. A ramp counts from the start of the stage in which its condition or load joins; one
   that acts in the next stage too goes on with its own time. A prescribed displacement therefore stays where it is, and
   a load that has reached its full value keeps it.
+
+  Forces and tractions pick their points in the initial state, among the bodies that are there when they first act. A
+  body that goes takes its shares with it.
 */
 #include "mpmimpl.h"
 
@@ -234,9 +237,9 @@ static PetscErrorCode ReadGeostatic(const MpmOptions *options, const char *name,
   geostatic->method     = method ? MPM_GEOSTATIC_K0 : MPM_GEOSTATIC_GRAVITY;
   geostatic->tolerance  = 1e-9;
   geostatic->iterations = 50;
-  if (method || MpmOptionsHelp())
-    PetscCall(MpmOptionsReal(&block, "k0", "-", "horizontal over vertical stress", (MpmRange){0., 100., PETSC_FALSE},
-                             MPM_REQUIRED, &geostatic->k0, NULL));
+  PetscCall(MpmOptionsReal(&block, "k0", "-", "horizontal over vertical stress, for the method k0",
+                           (MpmRange){0., 100., PETSC_FALSE}, method ? MPM_REQUIRED : MPM_OPTIONAL, &geostatic->k0,
+                           NULL));
   PetscCall(MpmOptionsReal(&block, "tolerance", "-", "largest displacement that remains, in heights of the material",
                            (MpmRange){0., 1., PETSC_TRUE}, MPM_OPTIONAL, &geostatic->tolerance, NULL));
   PetscCall(MpmOptionsInt(&block, "iterations", "most solutions under the full loads", 1, 100000, MPM_OPTIONAL,
@@ -408,22 +411,76 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
   return model->load_scale * MpmRampEvaluate(model->loads[load].ramp, time - model->loads[load].start);
 }
 
-/* ---- a stage begins ---- */
+/* ---- the points are there ---- */
 
-PetscErrorCode MpmStagesPark(MpmModel model)
+/* Takes the bodies out that are not there in a stage, or before the first one (stage 0 before its own changes). */
+static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
 {
-  PetscInt first, end;
-
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->stage_count; k++) {
-    for (PetscInt b = 0; b < model->body_count; b++) {
-      if (!model->stages[k].adds[b] || !model->stages[k].name) continue;
-      MpmBodyGetIds(model->bodies[b], &first, &end);
-      PetscCall(MpmParticlesRemove(&model->particles, first, end, &model->parked[b]));
+  for (PetscInt b = 0; b < model->body_count; b++) {
+    PetscBool there = PETSC_TRUE;
+    PetscInt  first, end;
+
+    for (PetscInt k = 0; k < model->stage_count; k++) {
+      if (k > stage && model->stages[k].adds[b]) there = PETSC_FALSE;
+      if (k <= stage && model->stages[k].removed[b]) there = PETSC_FALSE;
     }
+    if (there) continue;
+    MpmBodyGetIds(model->bodies[b], &first, &end);
+    PetscCall(MpmParticlesRemove(&model->particles, first, end, &model->parked[b]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static PetscErrorCode ReturnAll(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->body_count; b++) PetscCall(MpmParticlesReturn(&model->particles, &model->parked[b]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The stage in which a load first acts; 0 where it never does. */
+static PetscInt FirstStage(const MpmModel model, PetscInt load)
+{
+  for (PetscInt k = 0; k < model->stage_count; k++)
+    if (model->stages[k].loads[load]) return k;
+  return 0;
+}
+
+static PetscErrorCode ClearShares(MpmModel model)
+{
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(model->particles.swarm, &count));
+  for (PetscInt l = 0; l < model->load_count; l++) {
+    const char *field = model->loads[l].share_field;
+    PetscReal  *share;
+
+    if (!field) continue;
+    PetscCall(DMSwarmGetField(model->particles.swarm, field, NULL, NULL, (void **)&share));
+    PetscCall(PetscArrayzero(share, count));
+    PetscCall(DMSwarmRestoreField(model->particles.swarm, field, NULL, NULL, (void **)&share));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStagesSelect(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ClearShares(model));
+  for (PetscInt k = 0; k < model->stage_count; k++) {
+    PetscCall(ParkAbsent(model, k));
+    for (PetscInt l = 0; l < model->load_count; l++) {
+      if (FirstStage(model, l) == k) PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
+    }
+    PetscCall(ReturnAll(model));
+  }
+  PetscCall(ParkAbsent(model, -1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a stage begins ---- */
 
 static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
 {
@@ -451,7 +508,7 @@ static PetscErrorCode ResetDisplacement(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What acts from here on, and the walls that follow; a load that joins picks its points now. */
+/* What acts from here on, and the walls that follow. */
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
@@ -469,10 +526,7 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
   for (PetscInt l = 0; l < model->load_count; l++) {
     MpmLoad *load = &model->loads[l];
 
-    if (stage->loads[l] && !load->active) {
-      load->start = model->time_start;
-      if (model->stage) PetscCall(MpmLoadSelect(load, &model->grid, &model->particles));
-    }
+    if (stage->loads[l] && !load->active) load->start = model->time_start;
     load->active = stage->loads[l];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
