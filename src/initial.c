@@ -224,17 +224,6 @@ static void CopyState(const MpmMaterial *material, PetscInt from_dim, PetscInt t
   }
 }
 
-/* The initial history of the law's tables, in the kernel's dimension. */
-static void StateAtRest(const MpmInitial *initial, PetscReal state[])
-{
-  for (size_t v = 0; v < initial->material->info.state_count; v++) {
-    const MpmStateVariable *variable = &initial->material->info.states[v];
-    const PetscInt          n        = MpmStateComponents(variable, initial->dim);
-
-    for (PetscInt c = 0; c < n; c++) *state++ = c < 3 ? variable->initial : 0.;
-  }
-}
-
 static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
 {
   const PetscInt directions[MPM_FORM_COUNT] = {0, 1, dim * dim};
@@ -267,7 +256,7 @@ static PetscErrorCode FindWhetherItRemembers(MpmInitial *initial)
   if (!initial->material->state_size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc3((2 * initial->material->state_size), &state, (2 * initial->material->state_size), &after,
                          (2 * initial->material->state_size), &again));
-  StateAtRest(initial, state);
+  MpmMaterialStateAtRest(initial->material, initial->dim, state);
   if (!Take(initial, state, h, after, F, one) && !Take(initial, after, rest, again, F, two)) {
     J                  = (1. + little) * (1. + little) * (1. + little);
     initial->remembers = (PetscBool)(PetscAbsReal(two[0] - J * one[0]) <= 1e-9 * PetscAbsReal(one[0]));

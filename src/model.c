@@ -277,6 +277,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
   }
   for (PetscInt t = 0; t < model->track_count; t++) fields[extra++] = model->tracks[t].share_field;
   model->particles.has_mass = MpmStagesKeepMass(model);
+  for (PetscInt b = 0; b < model->body_count; b++)
+    if (MpmBodyIsImported(model->bodies[b])) model->particles.has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra,
                                fields, &model->particles));
   PetscCall(PetscFree(fields));

@@ -67,7 +67,9 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
                                  MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Components of one history variable. */
-PetscInt       MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+/* Initial history of a material, after the tables of its law. */
+void           MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[]);
 PetscErrorCode MpmLawsPrintHelp(MPI_Comm comm);
 
 /* ---- physics.c ---- */
@@ -150,6 +152,32 @@ static inline PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial 
 /* Moves the partition when the fullest rank holds too many points; `moved` tells. */
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
 
+/* ---- pointfile.c ---- */
+
+/*
+  A file of points, HDF5 or CSV, of which each rank has `count` rows. Get gives a quantity's components, row by row, to
+  be freed; NULL where the file has none and the need is optional. All collective.
+*/
+typedef struct _p_MpmPointFile *MpmPointFile;
+PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const char *path, const char *step,
+                                MpmPointFile *file);
+PetscErrorCode MpmPointFileClose(MpmPointFile *file);
+PetscInt       MpmPointFileCount(MpmPointFile file);
+PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
+                               PetscReal **values);
+
+/* ---- imported.c ---- */
+
+/* The points of a body that come from a file, this rank's. */
+typedef struct _p_MpmImported *MpmImported;
+PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
+                                 MpmImported *imported);
+PetscErrorCode MpmImportedDestroy(MpmImported *imported);
+PetscInt       MpmImportedCount(MpmImported imported);
+/* Writes them from point `first` on, all but id and material. */
+PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
+                               PetscInt state_size, PetscInt first, MpmPoints *points);
+
 /* ---- body.c ---- */
 
 typedef struct _p_MpmBody *MpmBody;
@@ -160,8 +188,8 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body);
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
 /* The ids of a body's points, [first, end); known once the points have been made. */
-void     MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
-PetscInt MpmBodyGetMaterial(MpmBody body);
+void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
+PetscBool MpmBodyIsImported(MpmBody body);
 
 /* ---- space.c, nodes.c ---- */
 

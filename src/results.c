@@ -71,7 +71,7 @@ static PetscErrorCode AddStates(MpmModel model, const MpmPoints *points, Dataset
 static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Datasets *sets)
 {
   const PetscInt dim = model->grid.dim, n = points->count;
-  PetscReal     *displacement, *stress, *volume, *mass, *F;
+  PetscReal     *displacement, *stress, *volume, *mass, *F, *half_length;
 
   PetscFunctionBeginUser;
   PetscCall(AddDataset(sets, "displacement", dim, n, &displacement));
@@ -79,6 +79,10 @@ static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Dat
   PetscCall(AddDataset(sets, "volume", 1, n, &volume));
   PetscCall(AddDataset(sets, "mass", 1, n, &mass));
   PetscCall(AddDataset(sets, "F", 9, n, &F));
+  if (MpmShapeHasDomain(model->shape)) {
+    PetscCall(AddDataset(sets, "half_length", dim, n, &half_length));
+    PetscCall(PetscArraycpy(half_length, points->half_length, n * dim));
+  }
   for (PetscInt p = 0; p < n; p++) {
     const PetscReal *f  = &points->F[p * dim * dim];
     PetscReal       *f9 = &F[9 * p];
@@ -99,7 +103,7 @@ static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Dat
 PetscErrorCode MpmModelWriteOutput(MpmModel model)
 {
   const PetscInt dim  = model->grid.dim;
-  Datasets       sets = {.capacity = 12};
+  Datasets       sets = {.capacity = 13};
   MpmPoints      points;
   PetscLogDouble since;
 
