@@ -312,11 +312,12 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
 /* Every stage must find the bodies that it removes or changes, and leave one at least. */
 static PetscErrorCode CheckBodies(const MpmModel model)
 {
-  PetscBool *there;
+  PetscBool *there, *was;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((model->body_count + 1), &there));
+  PetscCall(PetscMalloc2((model->body_count + 1), &there, (model->body_count + 1), &was));
   for (PetscInt b = 0; b < model->body_count; b++) {
+    was[b]   = PETSC_FALSE;
     there[b] = PETSC_TRUE;
     for (PetscInt k = 0; k < model->stage_count; k++)
       if (model->stages[k].adds[b]) there[b] = PETSC_FALSE;
@@ -328,11 +329,12 @@ static PetscErrorCode CheckBodies(const MpmModel model)
     for (PetscInt b = 0; b < model->body_count; b++) {
       const char *body = model->body_names[b];
 
-      MpmCheckInput(!stage->adds[b] || !there[b], "-mpm_stage_%s_bodies %s: the body is there already", stage->name,
-                    body);
+      MpmCheckInput(!stage->adds[b] || (!there[b] && !was[b]),
+                    "-mpm_stage_%s_bodies %s: the body was there before; one joins once", stage->name, body);
       if (stage->adds[b]) there[b] = PETSC_TRUE;
       MpmCheckInput(!stage->removed[b] || there[b], "-mpm_stage_%s_remove %s: the body is not there", stage->name,
                     body);
+      was[b] = (PetscBool)(was[b] || there[b]);
       if (stage->removed[b]) there[b] = PETSC_FALSE;
       MpmCheckInput(stage->material[b] < 0 || there[b], "-mpm_stage_%s_materials %s: the body is not there",
                     stage->name, body);
@@ -341,7 +343,7 @@ static PetscErrorCode CheckBodies(const MpmModel model)
     MpmCheckInput(left, "-mpm_stage_%s_%s: no body is left", stage->name ? stage->name : "",
                   stage->name ? "remove" : "bodies");
   }
-  PetscCall(PetscFree(there));
+  PetscCall(PetscFree2(there, was));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
