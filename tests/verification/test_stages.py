@@ -39,6 +39,8 @@ def level(test, scene, name, shape):
     test.check(f"{label}.k0_error", np.abs(stress[:, 0] / stress[:, dim - 1] - K0).max(), None, 1e-6)
     if dim == 3:
         test.check(f"{label}.k0_error_y", np.abs(stress[:, 1] / stress[:, 2] - K0).max(), None, 1e-6)
+    if "bspline" in shape:  # what balances the weight is not its integral there
+        return
     height = state["position"][:, -1]
     below = np.maximum(1.0 - height, 0.0) if scene == "level" else 0.0  # in the bed of rock
     weight = 2e4 * (HEIGHT[scene] - height - below) + 2.6e4 * below
@@ -189,6 +191,8 @@ with Test() as test:
     for law_name in LAWS:
         for shape_name in ("gimp", "linear"):
             level(test, "level", law_name, shape_name)
+    for law_name, shape_name in (("hencky", "bspline2"), ("drucker_prager", "bspline3"), ("j2", "gimp_bspline2")):
+        level(test, "level", law_name, shape_name)
     level(test, "level3d", "hencky", "gimp")
     level(test, "level3d", "drucker_prager", "linear")
     for law_name in LAWS:
