@@ -287,8 +287,12 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
                                                                                       reached[SYM_MAX], cofactor[9];
   int moved;
 
-  for (PetscInt s = 0; s < Components(initial); s++) goal[s] = stress[initial->dim == 2 && s == 2 ? 3 : s];
-  for (PetscInt s = size; s < SYM_MAX && initial->dim == 3; s++) goal[s] = 0.;
+  if (initial->dim == 2) {
+    goal[0] = stress[0];
+    goal[1] = stress[1];
+    goal[2] = stress[3];
+  } else
+    for (PetscInt s = 0; s < size; s++) goal[s] = stress[s];
   CopyState(initial->material, dim, initial->dim, state_n, before);
   moved = FindGradient(initial, before, goal, h);
   if (Take(initial, before, h, after, full, reached)) return 2;
