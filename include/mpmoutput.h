@@ -61,7 +61,7 @@ PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt 
 
   Input Parameters:
 + count    - local points, may be 0 on any rank
-. id       - their ids; over all ranks each of 0 .. N-1 exactly once; row i of each dataset belongs to id i
+. id       - their ids, >= 0 and no two alike over all ranks; the rows of each dataset go by ascending id
 . datasets - what is written besides id; a dataset called position must be among them (XDMF geometry, 2 or 3 components)
 - dataset_count
 

@@ -5,11 +5,13 @@
 #include "mpmimpl.h"
 
 struct _p_MpmBody {
-  char     *name;
-  MpmRegion region;
-  PetscInt  material;
-  PetscInt  per_cell[MPM_MAX_DIM];
-  PetscInt  cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
+  char       *name;
+  MpmRegion   region;
+  MpmImported imported; /* where the region is a file */
+  PetscInt    material;
+  PetscInt    id_first, id_end;
+  PetscInt    per_cell[MPM_MAX_DIM];
+  PetscInt    cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
 };
 
 /* The cells that the region meets; a bounded region must lie inside the grid. */
@@ -50,6 +52,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   MpmOptions   block = {options->comm, prefix, options->record};
   const char **names;
   PetscReal    tolerance[MPM_MAX_DIM];
+  PetscBool    is_file;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(body));
@@ -61,17 +64,17 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   }
   PetscCall(MpmOptionsHeading(&block, "Body"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &(*body)->region));
-  PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
-                           (*body)->per_cell, NULL));
-  MpmCheckInput(MpmRegionGetType((*body)->region) != MPM_REGION_FILE,
-                "-%sregion file: not available in this version; accepted are box, sphere, "
-                "cylinder, polygon",
-                prefix);
+  is_file = (PetscBool)(MpmRegionGetType((*body)->region) == MPM_REGION_FILE);
+  if (!is_file || MpmOptionsHelp())
+    PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
+                             (*body)->per_cell, NULL));
   PetscCall(PetscCalloc1((material_count + 1), &names));
   for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
   PetscCall(PetscFree(names));
-  if (!MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
+  if (is_file || MpmOptionsHelp())
+    PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
+  if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,6 +84,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*body)->name));
   PetscCall(MpmRegionDestroy(&(*body)->region));
+  PetscCall(MpmImportedDestroy(&(*body)->imported));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -109,6 +113,8 @@ PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt
                                PetscReal *points)
 {
   PetscFunctionBeginUser;
+  *points = 0.;
+  if (body->imported) PetscFunctionReturn(PETSC_SUCCESS); /* its points are in memory already */
   *points = 1.;
   for (PetscInt a = 0; a < grid->dim; a++) {
     lower[a] = PetscMin(lower[a], body->cell_lower[a]);
@@ -117,6 +123,17 @@ PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt
   }
   if (*points > 1e4) *points *= FilledPart(body, grid);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end)
+{
+  *first = body->id_first;
+  *end   = body->id_end;
+}
+
+PetscBool MpmBodyIsImported(MpmBody body)
+{
+  return (PetscBool)(body->imported != NULL);
 }
 
 /*
@@ -166,16 +183,37 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
   return count;
 }
 
-/* Initial history of a material, after the tables of its law. */
-static void InitialState(const MpmMaterial *material, PetscInt dim, PetscReal state[])
+/* Points of bodies on a lattice start without stress. */
+static void FillAtRest(const MpmMaterial materials[], const MpmParticles *particles, PetscInt first, PetscInt end,
+                       MpmPoints *points)
 {
-  PetscInt k = 0;
+  for (PetscInt p = first; p < end; p++) {
+    const MpmMaterial *material = &materials[points->material[p]];
 
-  for (size_t i = 0; i < material->info.state_count; i++) {
-    const MpmStateVariable *variable = &material->info.states[i];
-
-    for (PetscInt c = 0; c < MpmStateComponents(variable, dim); c++) state[k++] = c < 3 ? variable->initial : 0.;
+    if (points->state) MpmMaterialStateAtRest(material, particles->dim, &points->state[p * particles->state_size]);
+    if (points->mass) points->mass[p] = points->volume0[p] * material->density;
   }
+}
+
+/* All points of a body from `first` on; ids from `id` on. Returns where they end. */
+static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
+                               const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
+{
+  const PetscInt begin = *first;
+
+  PetscFunctionBeginUser;
+  if (!body->imported) {
+    *first += FillCells(body, grid, id, begin, points);
+    FillAtRest(materials, particles, begin, *first, points);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *first += MpmImportedCount(body->imported);
+  for (PetscInt p = begin; p < *first; p++) {
+    points->id[p]       = (PetscInt)(id + p - begin);
+    points->material[p] = body->material;
+  }
+  PetscCall(MpmImportedFill(body->imported, grid, &materials[body->material], particles->state_size, begin, points));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
@@ -188,7 +226,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3(body_count, &count, body_count, &before, body_count, &total));
   for (PetscInt b = 0; b < body_count; b++) {
-    count[b] = FillCells(bodies[b], grid, 0, 0, NULL);
+    count[b] = bodies[b]->imported ? MpmImportedCount(bodies[b]->imported) : FillCells(bodies[b], grid, 0, 0, NULL);
     local += (PetscInt)count[b];
   }
   PetscCallMPI(MPI_Scan(count, before, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
@@ -198,15 +236,14 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   }
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, 0));
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  for (PetscInt b = 0; b < body_count; b++) {
-    first += FillCells(bodies[b], grid, id + before[b] - count[b], first, &points);
-    id += total[b];
-  }
-  if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
-  for (PetscInt p = 0; p < local; p++) {
-    if (points.state) InitialState(&materials[points.material[p]], grid->dim, &points.state[p * particles->state_size]);
-  }
   PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
+  if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
+  for (PetscInt b = 0; b < body_count; b++) {
+    PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));
+    bodies[b]->id_first = (PetscInt)id;
+    id += total[b];
+    bodies[b]->id_end = (PetscInt)id;
+  }
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * grid->dim * (grid->dim + 1)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));

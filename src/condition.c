@@ -204,9 +204,9 @@ PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
 /* What a ramp adds in the step, or its factor at the step's end for unknowns that are totals. */
 static PetscReal StepFactor(const MpmCondition *bc, PetscBool increment, PetscReal time_n, PetscReal time)
 {
-  const PetscReal before = increment && time_n > 0. ? MpmRampEvaluate(bc->ramp, time_n) : 0.;
+  const PetscReal before = increment && time_n > bc->start ? MpmRampEvaluate(bc->ramp, time_n - bc->start) : 0.;
 
-  return MpmRampEvaluate(bc->ramp, time) - before;
+  return MpmRampEvaluate(bc->ramp, time - bc->start) - before;
 }
 
 static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
@@ -223,7 +223,7 @@ static void MakeFrame(PetscInt bc_count, const MpmCondition bcs[], const PetscRe
     const MpmCondition *bc     = &bcs[b];
     const PetscReal     factor = StepFactor(bc, PETSC_TRUE, time_n, time);
 
-    if (!MpmRegionContains(bc->region, x)) continue;
+    if (!bc->active || !MpmRegionContains(bc->region, x)) continue;
     if (bc->inclined) {
       MpmFrameAdd(frame, dim, bc->normal, bc->value[0] * factor, b);
       continue;
@@ -254,7 +254,7 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, PetscInt bc_count
     constraints->frame_of[i] = -1;
     NodePosition(grid, space, i, x);
     for (PetscInt b = 0; b < bc_count && constraints->frame_of[i] < 0; b++)
-      if (bcs[b].inclined && MpmRegionContains(bcs[b].region, x)) constraints->frame_of[i] = count++;
+      if (bcs[b].active && bcs[b].inclined && MpmRegionContains(bcs[b].region, x)) constraints->frame_of[i] = count++;
   }
   PetscCall(PetscCalloc1(count, &constraints->frames));
   for (PetscInt i = 0; i < space->local; i++) {
@@ -288,8 +288,8 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_coun
   PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
   for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = -1;
   for (PetscInt b = 0; b < bc_count; b++) {
-    if (bcs[b].inclined) inclined = PETSC_TRUE;
-    for (PetscInt i = 0; i < space->local && !bcs[b].inclined; i++) {
+    if (bcs[b].active && bcs[b].inclined) inclined = PETSC_TRUE;
+    for (PetscInt i = 0; i < space->local && bcs[b].active && !bcs[b].inclined; i++) {
       PetscReal x[MPM_MAX_DIM];
 
       NodePosition(grid, space, i, x);

@@ -331,12 +331,11 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmRules *rules, const MpmSum *sum,
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
                             MpmParticles *particles, PetscReal force[])
 {
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
-  const PetscReal  factor = MpmRampEvaluate(load->ramp, time);
   const PetscInt   dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
   PetscReal       *share = NULL, *storage;
   MpmBasis         basis;
@@ -352,8 +351,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmRules 
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt  p      = space->order[s];
-      const PetscReal mass   = sum->materials[points->material[p]].density * points->volume0[p];
-      const PetscReal amount = factor * (share ? share[p] : mass);
+      const PetscReal amount = factor * (share ? share[p] : MpmPointMass(points, sum->materials, p));
 
       if (amount == 0.) continue;
       if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, rules, space, points, p, group, basis.basis[0]));

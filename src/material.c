@@ -147,3 +147,12 @@ PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
   PetscCall(PetscFree(material->parameter));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[])
+{
+  for (size_t i = 0; i < material->info.state_count; i++) {
+    const MpmStateVariable *variable = &material->info.states[i];
+
+    for (PetscInt c = 0; c < MpmStateComponents(variable, dim); c++) *state++ = c < 3 ? variable->initial : 0.;
+  }
+}

@@ -73,6 +73,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->loads));
   PetscCall(PetscFree(model->tracks));
   PetscCall(PetscFree(model->walls));
+  PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->material_count, &model->material_names));
   PetscCall(MpmNamesDestroy(model->body_count, &model->body_names));
   PetscCall(MpmNamesDestroy(model->bc_count, &model->bc_names));
@@ -89,9 +90,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 
 /* ---- the scene ---- */
 
-/* The names of a list of blocks. For -help, a list that the scene does not give becomes one block called NAME. */
-static PetscErrorCode ReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
-                                PetscInt *count, char ***names)
+PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
+                                 PetscInt *count, char ***names)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, list));
@@ -174,47 +174,6 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadTime(MpmModel model, const MpmOptions *options)
-{
-  const MpmOptions block = {options->comm, "mpm_time_", options->record};
-
-  PetscFunctionBeginUser;
-  model->time_end = 1.;
-  model->growth   = 2.;
-  PetscCall(MpmOptionsHeading(&block, "Time"));
-  PetscCall(
-    MpmOptionsReal(&block, "end", "s", "end of the run", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->time_end, NULL));
-  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, MPM_REQUIRED,
-                           &model->dt_nominal, NULL));
-  model->dt_wanted = model->dt_nominal;
-  /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
-  model->predict = PETSC_TRUE;
-  for (PetscInt m = 0; m < model->material_count; m++)
-    if (model->materials[m].state_size) model->predict = PETSC_FALSE;
-  PetscCall(MpmOptionsBool(&block, "predict",
-                           "start each step from the increment of the last; the default is true where no material has "
-                           "history",
-                           &model->predict, NULL));
-  model->dt_min = model->dt_nominal / 1024.;
-  model->dt_max = model->dt_nominal;
-  PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &model->adaptive, NULL));
-  if (model->adaptive) model->dt_max = PetscMax(model->time_end / 4., model->dt_nominal);
-  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this; by default step/1024",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &model->dt_min, NULL));
-  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
-                           MPM_OPTIONAL, &model->dt_max, NULL));
-  PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
-                           (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &model->growth, NULL));
-  PetscCall(MpmStepsCheck(&block, model->time_end, model->dt_nominal, model->dt_min));
-  MpmCheckInput(model->dt_min <= model->dt_nominal || MpmOptionsHelp(),
-                "-mpm_time_step_min %g: must not exceed -mpm_time_step, %g", (double)model->dt_min,
-                (double)model->dt_nominal);
-  MpmCheckInput(!model->adaptive || model->dt_max >= model->dt_nominal || MpmOptionsHelp(),
-                "-mpm_time_step_max %g: must not be below -mpm_time_step, %g", (double)model->dt_max,
-                (double)model->dt_nominal);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The results' folder must be there and take files. */
 static PetscErrorCode CheckPrefix(MpmModel model)
 {
@@ -259,8 +218,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
-  PetscCall(ReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED, &model->material_count,
-                      &model->material_names));
+  PetscCall(MpmModelReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED,
+                              &model->material_count, &model->material_names));
   PetscCall(PetscCalloc1(model->material_count, &model->materials));
   model->symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++) {
@@ -271,8 +230,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
   model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
-  PetscCall(
-    ReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count, &model->body_names));
+  PetscCall(MpmModelReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count,
+                              &model->body_names));
   PetscCall(PetscCalloc1(model->body_count, &model->bodies));
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
@@ -286,8 +245,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(ReadNames(options, "boundaries", "names of the boundaries that do not follow the grid", MPM_OPTIONAL,
-                      &model->boundary_count, &model->boundary_names));
+  PetscCall(MpmModelReadNames(options, "boundaries", "names of the boundaries that do not follow the grid",
+                              MPM_OPTIONAL, &model->boundary_count, &model->boundary_names));
   PetscCall(PetscCalloc1(model->boundary_count, &model->boundaries));
   for (PetscInt k = 0; k < model->boundary_count; k++) {
     for (PetscInt b = 0; b < model->bc_count && !MpmOptionsHelp(); b++) {
@@ -303,21 +262,17 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmModelReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count,
+                              &model->bc_names));
   PetscCall(
-    ReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->bc_count, &model->bc_names));
+    MpmModelReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
+  PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->bc_count, &model->bcs));
   PetscCall(PetscMalloc1((model->bc_count * 2 * MPM_MAX_BLOCK), &model->walls));
-  for (PetscInt b = 0; b < model->bc_count; b++) {
-    PetscInt walls;
-
+  for (PetscInt b = 0; b < model->bc_count; b++)
     PetscCall(MpmConditionCreate(options, model->bc_names[b], &model->grid, &model->layout, &model->bcs[b]));
-    PetscCall(MpmConditionGetWalls(&model->bcs[b], &model->grid, MpmShapeDegree(model->shape), &walls,
-                                   &model->walls[model->wall_count]));
-    model->wall_count += walls;
-  }
   PetscCall(PetscCalloc1((model->bc_count * model->layout.block), &model->reaction));
   PetscCall(ReadBoundaries(model, options));
-  PetscCall(ReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->load_count, &model->load_names));
   PetscCall(PetscCalloc1(model->load_count, &model->loads));
   for (PetscInt l = 0; l < model->load_count; l++) {
     PetscCall(MpmLoadCreate(options, model->load_names[l], &model->grid, &model->loads[l]));
@@ -327,8 +282,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->material_names[m], model->load_names[l]);
     }
   }
-  PetscCall(ReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &model->track_count,
-                      &model->track_names));
+  PetscCall(MpmModelReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
+                              &model->track_count, &model->track_names));
   PetscCall(PetscCalloc1(model->track_count, &model->tracks));
   for (PetscInt t = 0; t < model->track_count; t++) {
     PetscCall(MpmTrackCreate(options, model->track_names[t], &model->grid, &model->tracks[t]));
@@ -340,8 +295,10 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 static PetscErrorCode CreateParticles(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0;
-  PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->shape) || model->boundary_count), moved;
-  char    **fields;
+  PetscBool half_length =
+              (PetscBool)(MpmShapeHasDomain(model->shape) || model->boundary_count || MpmStagesAreGeostatic(model)),
+            moved;
+  char **fields;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->load_count + model->track_count + model->boundary_count * MPM_MAX_DIM), &fields));
@@ -355,22 +312,28 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt k = 0; k < model->boundary_count; k++)
     for (PetscInt a = 0; model->boundaries[k].stick && a < model->grid.dim; a++)
       fields[extra++] = model->boundaries[k].slip_field[a];
+
+  model->particles.has_mass = MpmStagesKeepMass(model);
+  for (PetscInt b = 0; b < model->body_count; b++)
+    if (MpmBodyIsImported(model->bodies[b])) model->particles.has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(&model->grid, state_size, model->layout.rates, half_length, model->predict, extra,
                                fields, &model->particles));
   PetscCall(PetscFree(fields));
-  if (model->checkpoint.restart) {
+  /* a run that goes on needs the bodies only where later stages bring or change them */
+  if (model->checkpoint.restart && !model->stages[0].name) {
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));
   PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-  for (PetscInt l = 0; l < model->load_count; l++)
-    PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
   for (PetscInt k = 0; k < model->boundary_count; k++)
     PetscCall(MpmBoundaryCheck(&model->boundaries[k], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)
     PetscCall(MpmTrackSelect(&model->tracks[t], &model->grid, &model->particles));
+  PetscCall(MpmStagesSelect(model));
+  if (model->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
+  else PetscCall(MpmStageBegin(model, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -385,7 +348,7 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(MpmGridSetFromOptions(&model->grid, &options, model->layout.dim));
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
-  PetscCall(ReadTime(model, &options));
+  PetscCall(MpmStagesRead(model, &options));
   PetscCall(ReadOutput(model, &options));
   PetscCall(MpmCheckpointSetFromOptions(model, &options));
   PetscCall(MpmSolverSetFromOptions(model, &options));
@@ -410,7 +373,8 @@ static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
   PetscReal       target = model->time_end, next;
 
   if (!model->adaptive) {
-    target = model->dt_nominal * PetscFloorReal((model->time + small) / model->dt_nominal + 1.);
+    target = model->time_start +
+             model->dt_nominal * PetscFloorReal((model->time - model->time_start + small) / model->dt_nominal + 1.);
     if (target > model->time_end - small) target = model->time_end;
   }
   next  = model->time + dt > target - PetscMax(small, 1e-3 * dt) ? target : model->time + dt;
@@ -427,7 +391,7 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 }
 
 /* A step has failed: nodes that the material hardly touches are the commonest reason. The same step is tried again. */
-static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
+PetscErrorCode MpmModelSwitchGhostOn(MpmModel model, const char *why)
 {
   PetscFunctionBeginUser;
   model->ghost        = MPM_GHOST_RESCUE;
@@ -455,7 +419,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
     if (!*why) break;
     if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
     if (model->ghost_rescue) {
-      PetscCall(SwitchGhostOn(model, *why));
+      PetscCall(MpmModelSwitchGhostOn(model, *why));
       continue;
     }
     if (0.5 * *dt < model->dt_min) PetscFunctionReturn(PETSC_SUCCESS);
@@ -483,10 +447,39 @@ static PetscErrorCode OpenResults(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a converged step leaves: its row, its line, and at times the points. */
+static PetscErrorCode Report(MpmModel model, PetscReal dt)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelWriteHistory(model, dt));
+  PetscCall(MpmTerminalStep(model, dt));
+  if (model->output_every && (model->step % model->output_every == 0)) PetscCall(MpmModelWriteOutput(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is left of the stage under way; a geostatic one is a single step for the results. `stop`: by a signal. */
+static PetscErrorCode RunStage(MpmModel model, PetscBool *stop, const char **why)
+{
+  const MpmStage *stage = &model->stages[model->stage];
+  PetscReal       dt    = 0.;
+
+  PetscFunctionBeginUser;
+  while (!*stop && model->time < model->time_end * (1. - 1e-12)) {
+    if (stage->name && model->time == model->time_start) PetscCall(MpmTerminalNote(model, "stage %s", stage->name));
+    if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
+      PetscCall(MpmGeostaticRun(model, why));
+      dt = model->time - model->time_start;
+    } else PetscCall(Advance(model, &dt, why));
+    if (*why) break;
+    PetscCall(Report(model, dt));
+    PetscCall(MpmCheckpointStep(model, stop));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelRun(MpmModel model, int *status)
 {
   const char *why = NULL;
-  PetscReal   dt  = 0.;
   PetscBool   stop;
 
   PetscFunctionBeginUser;
@@ -494,13 +487,10 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscCall(MpmTerminalBegin(model));
   PetscCall(OpenResults(model));
   PetscCall(MpmCheckpointStep(model, &stop));
-  while (!stop && model->time < model->time_end * (1. - 1e-12)) {
-    PetscCall(Advance(model, &dt, &why));
-    if (why) break;
-    PetscCall(MpmModelWriteHistory(model, dt));
-    PetscCall(MpmTerminalStep(model, dt));
-    if (model->output_every && (model->step % model->output_every == 0)) PetscCall(MpmModelWriteOutput(model));
-    PetscCall(MpmCheckpointStep(model, &stop));
+  PetscCall(RunStage(model, &stop, &why));
+  while (!why && !stop && model->stage + 1 < model->stage_count) {
+    PetscCall(MpmStageBegin(model, model->stage + 1));
+    PetscCall(RunStage(model, &stop, &why));
   }
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   if (why) PetscCall(MpmCheckpointWrite(model));

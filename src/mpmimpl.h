@@ -12,6 +12,13 @@
 #define MPM_GHOST_RESCUE 1e-2 /* and where a step has failed without */
 #define MPM_TOLERANCE    1e-6 /* of a cell: what counts as "on" a region's edge */
 
+/* det of a dim x dim matrix */
+static inline PetscReal MpmDeterminant(PetscInt dim, const PetscReal A[])
+{
+  if (dim == 2) return A[0] * A[3] - A[1] * A[2];
+  return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) + A[2] * (A[3] * A[7] - A[4] * A[6]);
+}
+
 /* ---- grid.c ---- */
 
 /*
@@ -64,6 +71,8 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Components of one history variable. */
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+/* Initial history of a material, after the tables of its law. */
+void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[]);
 
 /* ---- physics.c ---- */
 
@@ -101,6 +110,7 @@ typedef struct {
   PetscReal *F;           /* dim x dim, row-major */
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
   PetscReal *volume0;
+  PetscReal *mass;      /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
   PetscReal *stress;    /* Cauchy, xx, yy, zz, xy (, yz, xz) */
   PetscReal *state;     /* state_size values */
   PetscReal *value;     /* rate values */
@@ -120,8 +130,15 @@ typedef struct {
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, rates;
   PetscBool      has_half_length, has_increment;
+  PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
 } MpmParticles;
+
+/* Points that are not there yet, or no longer: all their fields, one point after the other. */
+typedef struct {
+  PetscInt count;
+  char    *data;
+} MpmParked;
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
                                   PetscBool increment, PetscInt extra_count, char *const extra[],
@@ -131,8 +148,43 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
 /* Sends every point to the rank that owns its cell, however far; does nothing on one rank. */
 PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
+/* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
+PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
+/* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
+PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
+/* A point's mass, kg. */
+static inline PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial materials[], PetscInt p)
+{
+  return points->mass ? points->mass[p] : points->volume0[p] * materials[points->material[p]].density;
+}
 /* Moves the partition when the fullest rank holds too many points; `moved` tells. */
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
+
+/* ---- pointfile.c ---- */
+
+/*
+  A file of points, HDF5 or CSV, of which each rank has `count` rows. Get gives a quantity's components, row by row, to
+  be freed; NULL where the file has none and the need is optional. All collective.
+*/
+typedef struct _p_MpmPointFile *MpmPointFile;
+PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const char *path, const char *step,
+                                MpmPointFile *file);
+PetscErrorCode MpmPointFileClose(MpmPointFile *file);
+PetscInt       MpmPointFileCount(MpmPointFile file);
+PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
+                               PetscReal **values);
+
+/* ---- imported.c ---- */
+
+/* The points of a body that come from a file, this rank's. */
+typedef struct _p_MpmImported *MpmImported;
+PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
+                                 MpmImported *imported);
+PetscErrorCode MpmImportedDestroy(MpmImported *imported);
+PetscInt       MpmImportedCount(MpmImported imported);
+/* Writes them from point `first` on, all but id and material. */
+PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
+                               PetscInt state_size, PetscInt first, MpmPoints *points);
 
 /* ---- body.c ---- */
 
@@ -146,6 +198,9 @@ PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt
                                PetscReal *points);
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
+/* The ids of a body's points, [first, end); known once the points have been made. */
+void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
+PetscBool MpmBodyIsImported(MpmBody body);
 
 /* ---- limits.c ---- */
 
@@ -298,6 +353,8 @@ typedef struct {
   PetscInt  component[MPM_MAX_BLOCK];
   PetscReal value[MPM_MAX_BLOCK];
   MpmRamp   ramp;
+  PetscBool active; /* in this stage; its ramp counts from `start` */
+  PetscReal start;
 } MpmCondition;
 
 /* The frame of a node that a condition with a normal holds; rows q_r, of which the first `held` are held (frame.c). */
@@ -431,6 +488,8 @@ typedef struct {
   PetscInt    face_axis, face_side; /* traction: the face of the points' domains it acts on */
   PetscBool   face_given;
   MpmRamp     ramp;
+  PetscBool   active; /* in this stage; its ramp counts from `start` */
+  PetscReal   start;
 } MpmLoad;
 
 /* A set of points that is followed; the field holds each point's share of the mean. */
@@ -476,8 +535,8 @@ typedef struct {
 
 /* Do any of the kernel's inputs need the weights, not only their derivatives? */
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
-/* Adds the load at `time` to the external force at the local nodes. */
-PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal time, const MpmRules *rules, const MpmSum *sum,
+/* Adds `factor` times the load to the external force at the local nodes. */
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
                             MpmParticles *particles, PetscReal force[]);
 /* Adds a body force that is a function of the initial position. */
 PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum,
@@ -661,6 +720,77 @@ PetscErrorCode MpmTerminalNote(MpmModel model, const char format[], ...) PETSC_A
 #define MPM_DURATION_TEXT 32
 void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
 
+/* ---- stage.c ---- */
+
+/* How time is cut into steps. */
+typedef struct {
+  PetscReal end, step, step_min, step_max, growth;
+  PetscBool adaptive;
+} MpmTimeControl;
+
+typedef enum { MPM_GEOSTATIC_NONE, MPM_GEOSTATIC_GRAVITY, MPM_GEOSTATIC_K0 } MpmGeostaticMethod;
+
+/* The search for a state of stress in which nothing moves. */
+typedef struct {
+  MpmGeostaticMethod method;
+  PetscReal          k0;
+  PetscReal          tolerance; /* largest displacement that remains, in heights of the material */
+  PetscInt           iterations;
+} MpmGeostatic;
+
+/*
+  One stage of a scene: which conditions and loads act, how time runs, and what happens to the bodies at its start. A
+  scene without stages is one stage without a name.
+*/
+typedef struct {
+  char          *name;
+  MpmTimeControl time;
+  PetscBool     *bcs, *loads;    /* by the model's lists: does it act? */
+  PetscBool     *removed, *adds; /* by the model's bodies */
+  PetscInt      *material;       /* by the model's bodies: of its points from here on, or -1 */
+  PetscBool      reset;          /* displacements start at zero again */
+  MpmGeostatic   geostatic;
+} MpmStage;
+
+/* ---- initial.c ---- */
+
+/*
+  States of one material with a wanted stress. Where the law's stress follows from its history alone (`remembers`), F
+  stays the identity and all six components are met; otherwise F carries the stress, in plane strain without the
+  component across the plane.
+*/
+typedef struct {
+  const MpmMaterial *material;
+  MpmKernelSet       kernel;
+  MpmFunction        law[MPM_FORM_COUNT];
+  PetscInt           dim, model_dim; /* of the kernel, and of the model */
+  PetscBool          remembers;
+} MpmInitial;
+
+#define MPM_INITIAL_STATE 64 /* most values of a history in 3D */
+PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmInitial *initial);
+/*
+  F and state with the Cauchy stress `stress` (xx, yy, zz, xy (, yz, xz); on exit the stress of that state), from the
+  history state_n on. Returns 0; 1 where the stress is outside the yield surface and the law's return has moved it; 2
+  where there is no such state.
+*/
+int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
+                   PetscReal state[]);
+
+/* ---- overburden.c ---- */
+
+/*
+  The weight above each point per area of its domain: the integral of the weight density over the vertical column above
+  the point's centre, through all domains, averaged over the domain's width. `axis` is the vertical one, `up` +1 or -1
+  along it, gravity in m/s2.
+*/
+typedef struct {
+  PetscInt  axis, up;
+  PetscReal gravity;
+} MpmVertical;
+PetscErrorCode MpmOverburden(const MpmGrid *grid, const MpmPoints *points, const MpmVertical *vertical,
+                             const PetscReal half_length[], PetscReal pressure[]);
+
 /* ---- newton.c, solver.c, step.c, model.c ---- */
 
 struct _p_MpmModel {
@@ -697,6 +827,15 @@ struct _p_MpmModel {
   PetscReal dt_wanted; /* of the next step */
   PetscBool adaptive;
   PetscInt  step, cuts, cuts_total;
+
+  /* stages */
+  PetscInt   stage_count, stage; /* how many, and the one under way */
+  MpmStage  *stages;
+  MpmParked *parked;     /* per body: points that a later stage adds */
+  PetscReal  time_start; /* of the stage under way; time_end is its end */
+  PetscReal  run_end;
+  PetscReal  load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
+  PetscBool  reference_output; /* position0 goes into the next state that is written */
 
   /* the step being solved */
   MpmPoints      points;
@@ -788,6 +927,33 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
 */
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *hopeless);
+/*
+  Stages (stage.c): their names, and the conditions and loads that only they name; then, when the scene is known, the
+  rest.
+*/
+PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmStagesDestroy(MpmModel model);
+/* Does any stage change what a point weighs per stress-free volume? */
+PetscBool MpmStagesKeepMass(const MpmModel model);
+PetscBool MpmStagesAreGeostatic(const MpmModel model);
+/* Once the points are there: finds those that carry loads, and puts those aside that later stages add. */
+PetscErrorCode MpmStagesSelect(MpmModel model);
+/* What a stage's bodies are made of from here on: stress, mass and shape stay (rematerial.c). */
+PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
+/* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
+PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
+/* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
+PetscErrorCode MpmStageResume(MpmModel model);
+/* The factor of a load at a time, 0 where it does not act. */
+PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
+/* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */
+PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
+/* For lists of blocks: with -help, a list that the scene does not give becomes one block called NAME. */
+PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
+                                 PetscInt *count, char ***names);
+/* After a step has failed: the ghost penalty on, and the same step again. */
+PetscErrorCode MpmModelSwitchGhostOn(MpmModel model, const char *why);
 /* Results (results.c). */
 PetscErrorCode MpmModelWriteOutput(MpmModel model);
 PetscErrorCode MpmModelCreateHistory(MpmModel model);

@@ -29,17 +29,18 @@ struct _p_MpmOutput {
   opened is closed, and the error is raised once, at the end.
 */
 typedef struct {
-  MPI_Comm    comm;
-  PetscInt64  points;   /* over all ranks */
-  PetscBool   together; /* do all ranks write, or rank 0 alone? */
-  PetscBool   writes;   /* does this one? */
-  PetscBool  *integer;  /* of each dataset: the same answer on all ranks */
-  PetscLayout layout;   /* rows to ranks */
-  PetscSF     sf;       /* leaves: local points; roots: this rank's block of rows */
-  void       *buffer;   /* this rank's block of one dataset */
-  hid_t       file, group, transfer;
-  PetscBool   failed;
-  char        reason[REASON_LENGTH];
+  MPI_Comm        comm;
+  PetscInt64      points;   /* over all ranks */
+  const PetscInt *id;       /* of the local points */
+  PetscBool       together; /* do all ranks write, or rank 0 alone? */
+  PetscBool       writes;   /* does this one? */
+  PetscBool      *integer;  /* of each dataset: the same answer on all ranks */
+  PetscLayout     layout;   /* rows to ranks */
+  PetscSF         sf;       /* leaves: local points; roots: this rank's block of rows */
+  void           *buffer;   /* this rank's block of one dataset */
+  hid_t           file, group, transfer;
+  PetscBool       failed;
+  char            reason[REASON_LENGTH];
 } Writer;
 
 /* ---- failures ---- */
@@ -95,36 +96,52 @@ static PetscErrorCode Agree(Writer *writer, PetscBool worked)
 
 /* ---- rows to blocks ---- */
 
-/* Are the ids 0 .. N-1, each once? Otherwise the graph cannot be built, or rows would be lost. */
-static PetscErrorCode CheckIdRange(Writer *writer, PetscInt count, const PetscInt id[])
+/*
+  Rows go by ascending id: row[i] is the number of ids below id[i], over all ranks. Ids are dealt to the ranks in blocks
+  for that, whatever holes there are between them.
+*/
+static PetscErrorCode NumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[], PetscInt row[])
 {
-  PetscBool inside = PETSC_TRUE;
+  PetscInt ends[2] = {0, 0}, size, first, below = 0,
+           *found; /* ends: the negative of the smallest id, and the largest */
+  PetscBool   once = PETSC_TRUE;
+  PetscLayout layout;
+  PetscSF     sf;
 
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < count; ++i) inside = (PetscBool)(inside && id[i] >= 0 && id[i] < writer->points);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &inside, 1, MPIU_BOOL, MPI_LAND, writer->comm));
-  PetscCheck(inside, writer->comm, PETSC_ERR_ARG_OUTOFRANGE, "an id of a point is not in 0 .. %lld",
-             (long long)(writer->points - 1));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+  for (PetscInt i = 0; i < count; ++i) {
+    ends[0] = PetscMax(ends[0], -id[i]);
+    ends[1] = PetscMax(ends[1], id[i]);
+    row[i]  = 1;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPIU_INT, MPI_MAX, comm));
+  PetscCheck(ends[0] <= 0, comm, PETSC_ERR_ARG_OUTOFRANGE, "an id of a point is negative: %lld", -(long long)ends[0]);
+  PetscCall(PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, ends[1] + 1, 1, &layout));
+  PetscCall(PetscLayoutGetLocalSize(layout, &size));
+  PetscCall(PetscSFCreate(comm, &sf));
+  PetscCall(PetscSFSetGraphLayout(sf, layout, count, NULL, PETSC_COPY_VALUES, id));
+  PetscCall(PetscCalloc1(size, &found));
+  PetscCall(PetscSFReduceBegin(sf, MPIU_INT, row, found, MPI_SUM));
+  PetscCall(PetscSFReduceEnd(sf, MPIU_INT, row, found, MPI_SUM));
+  for (PetscInt i = 0; i < size; ++i) {
+    once = (PetscBool)(once && found[i] <= 1);
+    below += found[i];
+  }
+  PetscCallMPI(MPI_Scan(&below, &first, 1, MPIU_INT, MPI_SUM, comm));
+  first -= below;
+  for (PetscInt i = 0; i < size; ++i) {
+    const PetscInt here = found[i];
 
-static PetscErrorCode CheckIdsOnce(Writer *writer, PetscInt count)
-{
-  PetscInt  rows, *ones, *found;
-  PetscBool once = PETSC_TRUE;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
-  PetscCall(PetscMalloc1(count, &ones));
-  PetscCall(PetscCalloc1(rows, &found));
-  for (PetscInt i = 0; i < count; ++i) ones[i] = 1;
-  PetscCall(PetscSFReduceBegin(writer->sf, MPIU_INT, ones, found, MPI_SUM));
-  PetscCall(PetscSFReduceEnd(writer->sf, MPIU_INT, ones, found, MPI_SUM));
-  for (PetscInt i = 0; i < rows; ++i) once = (PetscBool)(once && found[i] == 1);
-  PetscCall(PetscFree(ones));
+    found[i] = first;
+    first += here;
+  }
+  PetscCall(PetscSFBcastBegin(sf, MPIU_INT, found, row, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(sf, MPIU_INT, found, row, MPI_REPLACE));
   PetscCall(PetscFree(found));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &once, 1, MPIU_BOOL, MPI_LAND, writer->comm));
-  PetscCheck(once, writer->comm, PETSC_ERR_ARG_WRONG, "two points have the same id");
+  PetscCall(PetscSFDestroy(&sf));
+  PetscCall(PetscLayoutDestroy(&layout));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &once, 1, MPIU_BOOL, MPI_LAND, comm));
+  PetscCheck(once, comm, PETSC_ERR_ARG_WRONG, "two points have the same id");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -167,18 +184,20 @@ static PetscErrorCode ChooseWriters(Writer *writer, PetscInt64 collective, Petsc
 static PetscErrorCode WriterSetUp(Writer *writer, PetscInt64 collective, PetscInt count, const PetscInt id[],
                                   PetscInt dataset_count, const MpmDataset datasets[])
 {
-  PetscInt rows, widest = 1;
+  PetscInt rows, widest = 1, *row;
 
   PetscFunctionBeginUser;
   writer->points = count;
+  writer->id     = id;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &writer->points, 1, MPIU_INT64, MPI_SUM, writer->comm));
   PetscCheck(writer->points <= PETSC_INT_MAX, writer->comm, PETSC_ERR_SUP,
              "%lld points need a PETSc with 64-bit indices", (long long)writer->points);
   PetscCall(ChooseWriters(writer, collective, dataset_count, datasets));
-  PetscCall(CheckIdRange(writer, count, id));
   PetscCall(PetscSFCreate(writer->comm, &writer->sf));
-  PetscCall(PetscSFSetGraphLayout(writer->sf, writer->layout, count, NULL, PETSC_COPY_VALUES, id));
-  PetscCall(CheckIdsOnce(writer, count));
+  PetscCall(PetscMalloc1(count, &row));
+  PetscCall(NumberRows(writer->comm, count, id, row));
+  PetscCall(PetscSFSetGraphLayout(writer->sf, writer->layout, count, NULL, PETSC_COPY_VALUES, row));
+  PetscCall(PetscFree(row));
   PetscCall(AgreeOnKinds(writer, dataset_count, datasets));
   PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
   for (PetscInt i = 0; i < dataset_count; ++i) widest = PetscMax(widest, datasets[i].components);
@@ -363,18 +382,6 @@ static PetscErrorCode WriteDataset(Writer *writer, const char *name, PetscInt co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ids of a block are the numbers of its rows. */
-static PetscErrorCode WriteIds(Writer *writer)
-{
-  PetscInt *ids = (PetscInt *)writer->buffer, first, end;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscLayoutGetRange(writer->layout, &first, &end));
-  for (PetscInt i = first; i < end; ++i) ids[i - first] = i;
-  PetscCall(WriteDataset(writer, "id", 1, IntegerType()));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Closes what is open, the file last. */
 static PetscErrorCode CloseFile(Writer *writer)
 {
@@ -417,8 +424,9 @@ static PetscErrorCode WriterDestroy(Writer *writer)
 static PetscErrorCode WriteState(Writer *writer, const MpmStateFile *state, PetscInt dataset_count,
                                  const MpmDataset datasets[])
 {
-  H5E_auto2_t report;
-  void       *context;
+  const MpmDataset ids = {"id", 1, NULL, writer->id};
+  H5E_auto2_t      report;
+  void            *context;
 
   PetscFunctionBeginUser;
   (void)H5Eget_auto2(H5E_DEFAULT, &report, &context);
@@ -426,7 +434,8 @@ static PetscErrorCode WriteState(Writer *writer, const MpmStateFile *state, Pets
   PetscCall(OpenFile(writer, state));
   PetscCall(OpenGroup(writer, state));
   for (PetscInt i = 0; i < state->bytes_count; ++i) PetscCall(WriteBytes(writer, &state->bytes[i]));
-  PetscCall(WriteIds(writer));
+  PetscCall(GatherBlock(writer, PETSC_TRUE, &ids));
+  PetscCall(WriteDataset(writer, ids.name, 1, IntegerType()));
   for (PetscInt i = 0; i < dataset_count; ++i) {
     PetscCall(GatherBlock(writer, writer->integer[i], &datasets[i]));
     PetscCall(

@@ -48,6 +48,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   PetscCall(Register(particles, "F", dim * dim, PETSC_REAL));
   PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
   PetscCall(Register(particles, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
+  if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
   if (half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (state_size) PetscCall(Register(particles, "state", state_size, PETSC_REAL));
   if (increment) PetscCall(Register(particles, "increment", dim + dim * dim, PETSC_REAL));
@@ -87,6 +88,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   PetscCall(DMSwarmGetField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmGetField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmGetField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_mass) PetscCall(DMSwarmGetField(swarm, "mass", NULL, NULL, (void **)&points->mass));
   if (particles->has_half_length)
     PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
@@ -108,6 +110,7 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   PetscCall(DMSwarmRestoreField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmRestoreField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmRestoreField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_mass) PetscCall(DMSwarmRestoreField(swarm, "mass", NULL, NULL, (void **)&points->mass));
   if (particles->has_half_length)
     PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
@@ -165,5 +168,99 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
   PetscCall(MpmGridPartition(grid, count, x));
   PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
   *moved = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- points that come and go ---- */
+
+static size_t FieldBytes(const MpmPointField *field)
+{
+  return (size_t)field->components * (field->integer ? sizeof(PetscInt) : sizeof(PetscReal));
+}
+
+/* Copies all fields of one point between the swarm and a row of parked data. */
+static PetscErrorCode CopyRow(MpmParticles *particles, void *const fields[], PetscInt p, char *row, PetscBool out)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    const size_t bytes = FieldBytes(&particles->fields[k]);
+    char        *field = (char *)fields[k] + (size_t)p * bytes;
+
+    if (out) PetscCall(PetscMemcpy(row, field, bytes));
+    else PetscCall(PetscMemcpy(field, row, bytes));
+    row += bytes;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies `count` points, index[k] or first + k, between the swarm and parked data. */
+static PetscErrorCode CopyRows(MpmParticles *particles, PetscInt count, const PetscInt index[], PetscInt first,
+                               char *data, PetscBool out)
+{
+  void **fields;
+  size_t bytes = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(particles->field_count, &fields));
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    bytes += FieldBytes(&particles->fields[k]);
+    PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, &fields[k]));
+  }
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(CopyRow(particles, fields, index ? index[k] : first + k, data + (size_t)k * bytes, out));
+  for (PetscInt k = 0; k < particles->field_count; k++)
+    PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &fields[k]));
+  PetscCall(PetscFree(fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CountTotal(MpmParticles *particles)
+{
+  PetscInt total;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetSize(particles->swarm, &total));
+  particles->total = total;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked)
+{
+  PetscInt *id, *index, count, found = 0;
+  size_t    bytes = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(PetscMalloc1(count, &index));
+  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  for (PetscInt p = 0; p < count; p++)
+    if (id[p] >= first && id[p] < end) index[found++] = p;
+  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  if (parked) {
+    for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
+    parked->count = found;
+    PetscCall(PetscMalloc1(((size_t)found * bytes), &parked->data));
+    PetscCall(CopyRows(particles, found, index, 0, parked->data, PETSC_TRUE));
+  }
+  /* the last point takes the place of the one that goes, so from the end */
+  while (found--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[found]));
+  PetscCall(PetscFree(index));
+  PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
+{
+  PetscInt first;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &first));
+  if (parked->count) {
+    PetscCall(DMSwarmAddNPoints(particles->swarm, parked->count));
+    PetscCall(CopyRows(particles, parked->count, NULL, first, parked->data, PETSC_FALSE));
+  }
+  PetscCall(PetscFree(parked->data));
+  parked->count = 0;
+  PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

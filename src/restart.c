@@ -415,7 +415,8 @@ PetscErrorCode MpmRestartApply(MpmModel model)
 {
   MpmRestart      restart    = model->checkpoint.restart;
   const PetscBool may_rescue = model->ghost_rescue, may_be_indefinite = model->may_be_indefinite;
-  const PetscReal ghost = model->ghost, dt_nominal = model->dt_nominal;
+  const PetscReal ghost = model->ghost;
+  PetscReal       dt_nominal, start;
 
   PetscFunctionBeginUser;
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
@@ -426,8 +427,12 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   }
   model->indefinite        = (PetscBool)(model->indefinite && may_be_indefinite);
   model->may_be_indefinite = (PetscBool)(may_be_indefinite && !model->indefinite);
-  if (model->dt_nominal != dt_nominal) model->dt_wanted = dt_nominal; /* the user wants another step */
-  model->dt_nominal = dt_nominal;
+  dt_nominal               = model->dt_nominal;
+  start                    = model->time_start;
+  PetscCall(MpmStageResume(model));
+  MpmCheckInput(model->time_start == start, "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
+                model->stages[model->stage].name, restart->path, (double)start, (double)model->time_start);
+  if (model->dt_nominal != dt_nominal) model->dt_wanted = model->dt_nominal;           /* the user wants another step */
   if (!strcmp(model->checkpoint.from, "latest")) model->checkpoint.step = model->step; /* it is among the files kept */
   MpmCheckInput(model->time_end >= model->time * (1. - 1e-12),
                 "-mpm_time_end %g: the checkpoint %s stands at %g already", (double)model->time_end, restart->path,

@@ -71,7 +71,7 @@ static PetscErrorCode AddStates(MpmModel model, const MpmPoints *points, Dataset
 static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Datasets *sets)
 {
   const PetscInt dim = model->grid.dim, n = points->count;
-  PetscReal     *displacement, *stress, *volume, *mass, *F;
+  PetscReal     *displacement, *stress, *volume, *mass, *F, *half_length;
 
   PetscFunctionBeginUser;
   PetscCall(AddDataset(sets, "displacement", dim, n, &displacement));
@@ -79,6 +79,10 @@ static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Dat
   PetscCall(AddDataset(sets, "volume", 1, n, &volume));
   PetscCall(AddDataset(sets, "mass", 1, n, &mass));
   PetscCall(AddDataset(sets, "F", 9, n, &F));
+  if (MpmShapeHasDomain(model->shape)) {
+    PetscCall(AddDataset(sets, "half_length", dim, n, &half_length));
+    PetscCall(PetscArraycpy(half_length, points->half_length, n * dim));
+  }
   for (PetscInt p = 0; p < n; p++) {
     const PetscReal *f  = &points->F[p * dim * dim];
     PetscReal       *f9 = &F[9 * p];
@@ -91,7 +95,7 @@ static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Dat
     volume[p] =
       points->volume0[p] * (f9[0] * (f9[4] * f9[8] - f9[5] * f9[7]) - f9[1] * (f9[3] * f9[8] - f9[5] * f9[6]) +
                             f9[2] * (f9[3] * f9[7] - f9[4] * f9[6]));
-    mass[p] = points->volume0[p] * model->materials[points->material[p]].density;
+    mass[p] = MpmPointMass(points, model->materials, p);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -99,7 +103,7 @@ static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Dat
 PetscErrorCode MpmModelWriteOutput(MpmModel model)
 {
   const PetscInt dim  = model->grid.dim;
-  Datasets       sets = {.capacity = 12};
+  Datasets       sets = {.capacity = 13};
   MpmPoints      points;
   PetscLogDouble since;
 
@@ -111,7 +115,9 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   PetscCall(MpmParticlesGetArrays(&model->particles, &points));
   sets.set[sets.count++] = (MpmDataset){"material", 1, NULL, points.material};
   sets.set[sets.count++] = (MpmDataset){"position", dim, points.x, NULL};
-  if (!MpmOutputStarted(model->output)) sets.set[sets.count++] = (MpmDataset){"position0", dim, points.x0, NULL};
+  if (!MpmOutputStarted(model->output) || model->reference_output)
+    sets.set[sets.count++] = (MpmDataset){"position0", dim, points.x0, NULL};
+  model->reference_output = PETSC_FALSE;
   PetscCall(AddKinematics(model, &points, &sets));
   PetscCall(AddStates(model, &points, &sets));
   for (PetscInt r = 0; r < model->layout.rates; r++) {
@@ -137,8 +143,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
 {
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->grid.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
-  PetscInt                 capacity =
-    fixed + model->track_count * dim + model->bc_count * (model->layout.block + 1) + model->boundary_count * (dim + 1);
+  PetscInt                 capacity = fixed + model->track_count * dim + model->bc_count * (model->layout.block + 1) +
+                      model->boundary_count * (dim + 1) + 1;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -170,6 +176,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
+  if (model->stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -209,7 +216,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->newton;
   row[k++] = (PetscReal)model->linear;
   row[k++] = (PetscReal)model->cuts;
-  row[k++] = model->load_count ? MpmRampEvaluate(model->loads[0].ramp, model->time) : 0.;
+  row[k++] = model->load_count ? MpmModelLoadFactor(model, 0, model->time) : 0.;
   for (PetscInt b = 0; b < model->bc_count; b++) {
     const PetscReal *reaction = &model->reaction[b * model->layout.block];
 
@@ -225,6 +232,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   for (PetscInt t = 0; t < model->track_count; t++, k += model->grid.dim)
     PetscCall(MpmTrackEvaluate(&model->tracks[t], &model->particles, &row[k]));
+  if (model->stages[0].name) row[k] = (PetscReal)model->stage + 1.;
   PetscCall(MpmHistoryAppend(model->history, row));
   MpmClock(model, MPM_TIME_OUTPUT, since);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -21,7 +21,8 @@ static const struct {
         SCALAR("active_dofs_max", INT64, active_dofs_max) SCALAR("ghost", REAL, ghost)
           SCALAR("ghost_rescue", BOOL, ghost_rescue) SCALAR("indefinite", BOOL, indefinite)
             SCALAR("jacobians_last", INT, made_count_last) SCALAR("output_step", INT, output_step)
-              SCALAR("run", INT64, checkpoint.run)
+              SCALAR("run", INT64, checkpoint.run) SCALAR("stage", INT, stage) SCALAR("stage_start", REAL, time_start)
+                SCALAR("reference_output", BOOL, reference_output)
 #undef SCALAR
 };
 

@@ -99,7 +99,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     MpmContactsSetUp(&model->contacts, rules, &model->space, &model->points, &model->particles, model->time, time));
   PetscCall(PetscArrayzero(model->force, model->space.local * model->layout.block));
   for (PetscInt l = 0; l < model->load_count; l++) {
-    PetscCall(MpmLoadApply(&model->loads[l], time, rules, &model->sum, &model->particles, model->force));
+    PetscCall(MpmLoadApply(&model->loads[l], MpmModelLoadFactor(model, l, time), rules, &model->sum, &model->particles,
+                           model->force));
   }
   if (model->body_force) {
     PetscCall(MpmBodyForceApply(model->body_force, model->body_force_ctx, time, &model->sum, model->force));

@@ -66,14 +66,14 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   terminal->seconds  = MEMORY * terminal->seconds + (now - terminal->since);
   terminal->progress = MEMORY * terminal->progress + dt;
   terminal->since    = now;
-  MpmTerminalDuration(terminal->seconds / terminal->progress * PetscMax(model->time_end - model->time, 0.), left);
+  MpmTerminalDuration(terminal->seconds / terminal->progress * PetscMax(model->run_end - model->time, 0.), left);
   if (terminal->lines && terminal->lines % LINES_A_TITLE == 0) PetscCall(PrintTitles(model));
   terminal->lines++;
   PetscCall(PetscPrintf(model->comm,
                         "%7" PetscInt_FMT " %14.8g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %4" PetscInt_FMT
                         " %5.1f%% %11s\n",
                         model->step, (double)model->time, (double)dt, model->newton, model->linear, model->cuts,
-                        PetscFloorReal(1000. * model->time / model->time_end) / 10., left));
+                        PetscFloorReal(1000. * model->time / model->run_end) / 10., left));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -54,6 +54,15 @@ WALL_POINTS = {**PLANE, "mpm_boundary_wall_points_region": "box", "mpm_boundary_
                "mpm_boundary_wall_points_upper": "4,4"}
 ON_REGION = {"mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_region": "box"}
 
+STAGES = {"mpm_stages": "one,two"}
+GEOSTATIC = {**STAGES, "mpm_stage_one_type": "geostatic", "mpm_stage_one_geostatic_method": "k0",
+             "mpm_stage_one_geostatic_k0": "0.5"}
+TOP = {"mpm_bodies": "block,top", "mpm_body_top_region": "box", "mpm_body_top_lower": "0,2",
+       "mpm_body_top_upper": "2,3", "mpm_body_top_material": "soil"}
+FROM_FILE = {**NO_BOX, "mpm_body_block_region": "file", "mpm_body_block_file": "points.csv",
+             "mpm_body_block_points_per_cell": None, "mpm_loads": "weight", "mpm_load_push_type": None,
+             "mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_value": None}
+
 # name, change, what the line must contain
 CASES = [
     # names and words
@@ -140,7 +149,7 @@ CASES = [
                                      "mpm_body_block_vertices": "0,0,2,0,2"}, "-mpm_body_block_vertices"),
     ("polygon that crosses itself", {**NO_BOX, "mpm_body_block_region": "polygon",
                                      "mpm_body_block_vertices": "0,0,2,2,2,0,0,2"}, "-mpm_body_block_vertices"),
-    ("body from a file that is not there", {**NO_BOX, "mpm_body_block_region": "file"}, "-mpm_body_block_"),
+    ("body from a file that is not there", FROM_FILE, "-mpm_body_block_file"),
     # conditions
     ("condition without a block", {"mpm_bcs": "base,wall"}, "-mpm_bc_wall"),
     ("condition without components", {"mpm_bc_base_components": None}, "-mpm_bc_base_components"),
@@ -205,6 +214,48 @@ CASES = [
     ("empty ramp", {"mpm_load_push_ramp": ""}, "-mpm_load_push_ramp"),
     ("track at no place", {"mpm_track_top_at": None}, "-mpm_track_top_at"),
     ("track without a block", {"mpm_tracks": "top,toe"}, "-mpm_track_toe_at"),
+    # stages
+    ("empty list of stages", {"mpm_stages": ""}, "-mpm_stages"),
+    ("equal stages", {"mpm_stages": "one,one"}, "-mpm_stages"),
+    ("stage that is not declared", {"mpm_stages": "one", "mpm_stage_two_type": "load"}, "-mpm_stage_two_type"),
+    ("unknown type of stage", {**STAGES, "mpm_stage_two_type": "rest"}, "-mpm_stage_two_type"),
+    ("stage with an empty list", {**STAGES, "mpm_stage_two_loads": ""}, "-mpm_stage_two_loads"),
+    ("stage with a load without a block", {**STAGES, "mpm_stage_two_loads": "kick"}, "-mpm_load_kick_type"),
+    ("stage with a condition without a block", {**STAGES, "mpm_stage_two_bcs": "side"}, "-mpm_bc_side"),
+    ("stage that removes nothing known", {**STAGES, "mpm_stage_two_remove": "rock"}, "-mpm_stage_two_remove"),
+    ("stage that removes everything", {**STAGES, "mpm_stage_two_remove": "block"}, "-mpm_stage_two_remove"),
+    ("stage that removes a body again", {**STAGES, **TOP, "mpm_stage_one_remove": "top", "mpm_stage_two_remove": "top"},
+     "-mpm_stage_two_remove"),
+    ("body that comes back", {**STAGES, **TOP, "mpm_stage_one_remove": "top", "mpm_stage_two_bodies": "top"},
+     "-mpm_stage_one_remove"),
+    ("body that joins twice", {**STAGES, **TOP, "mpm_stage_one_bodies": "top", "mpm_stage_two_bodies": "top"},
+     "-mpm_stage_two_bodies"),
+    ("stage that begins with nothing", {**STAGES, "mpm_stage_two_bodies": "block"}, "no body"),
+    ("load on points that have gone", {**STAGES, **TOP, "mpm_stage_two_remove": "top", "mpm_stage_one_loads": "weight",
+                                       **ON_REGION, "mpm_load_push_lower": "0,2", "mpm_load_push_upper": "2,3"},
+     "-mpm_load_push_region"),
+    ("materials of a stage without a colon", {**STAGES, "mpm_stage_two_materials": "soil"}, "-mpm_stage_two_materials"),
+    ("materials of an unknown body", {**STAGES, "mpm_stage_two_materials": "rock:soil"}, "-mpm_stage_two_materials"),
+    ("unknown material of a stage", {**STAGES, "mpm_stage_two_materials": "block:rock"}, "-mpm_stage_two_materials"),
+    ("material of a body that has gone", {**STAGES, **TOP, "mpm_stage_one_remove": "top",
+                                          "mpm_stage_two_materials": "top:soil"}, "-mpm_stage_two_materials"),
+    ("stage without a step", {**STAGES, "mpm_time_step": None, "mpm_stage_one_time_step": "0.5"},
+     "-mpm_stage_two_time_step"),
+    ("smallest step of a stage above its step", {**STAGES, "mpm_stage_two_time_step_min": "0.7"},
+     "-mpm_stage_two_time_step_min"),
+    ("geostatic option of another stage", {**STAGES, "mpm_stage_two_geostatic_k0": "0.5"}, "-mpm_stage_two_geostatic_k0"),
+    ("k0 missing", {**GEOSTATIC, "mpm_stage_one_geostatic_k0": None}, "-mpm_stage_one_geostatic_k0"),
+    ("k0 negative", {**GEOSTATIC, "mpm_stage_one_geostatic_k0": "-0.5"}, "-mpm_stage_one_geostatic_k0"),
+    ("k0 NaN", {**GEOSTATIC, "mpm_stage_one_geostatic_k0": "nan"}, "-mpm_stage_one_geostatic_k0"),
+    ("k0 without gravity", {**GEOSTATIC, "mpm_stage_one_loads": "push"}, "-mpm_stage_one_geostatic_method"),
+    ("k0 with oblique gravity", {**GEOSTATIC, "mpm_load_weight_value": "1,-1"}, "-mpm_stage_one_geostatic_method"),
+    ("unknown geostatic method", {**GEOSTATIC, "mpm_stage_one_geostatic_method": "guess"},
+     "-mpm_stage_one_geostatic_method"),
+    ("geostatic tolerance zero", {**GEOSTATIC, "mpm_stage_one_geostatic_tolerance": "0"},
+     "-mpm_stage_one_geostatic_tolerance"),
+    ("geostatic stage that is pushed", {**GEOSTATIC, "mpm_bc_base_value": "0,0.1"}, "-mpm_bc_base_value"),
+    # points from files
+    ("body from a file without a name", {**FROM_FILE, "mpm_body_block_file": None}, "-mpm_body_block_file"),
     # time and output
     ("no step", {"mpm_time_step": None}, "-mpm_time_step"),
     ("step zero", {"mpm_time_step": "0"}, "-mpm_time_step"),
@@ -230,8 +281,28 @@ FILES = [
     ("not YAML", "\x01\x02\x03 { [ : \n", "scene.yaml"),
 ]
 
-TWO_RANKS = {"unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
-             "condition between the nodes", "normal without length", "plane through the body", "boundary for no points", "results in a folder that is not there", "broken YAML"}
+# name, text of points.csv, what the line must contain besides the option
+POINTS = [
+    ("file of points without points", "x,y,volume\n", "no point"),
+    ("empty file of points", "", "there is no x"),
+    ("points without a volume", "x,y\n1,1\n", "volume"),
+    ("points without y", "x,volume\n1,1\n", "position"),
+    ("points with a short line", "x,y,volume\n1,1,1\n1,2\n", "line 3"),
+    ("points with a long line", "x,y,volume\n1,1,1,1\n", "line 2"),
+    ("points with a word", "# remark\nx,y,volume\n1,high,1\n", "line 3, column y"),
+    ("points with NaN", "x,y,volume\n1,1,1\n1,nan,1\n", "point 1"),
+    ("points outside the grid", "x,y,volume\n1,1,1\n1,4.5,1\n", "4.5) is outside the grid"),
+    ("points without size", "x,y,volume\n1,1,0\n", "volume that is not positive"),
+    ("points with a part of the stress", "x,y,volume,stress_xx,stress_yy\n1,1,1,0,0\n", "stress_xx"),
+    ("points turned inside out", "x,y,volume,F_xx,F_xy,F_yx,F_yy\n1,1,1,-1,0,0,1\n", "determinant"),
+    ("points with an infinite stress", "x,y,volume,stress_xx,stress_yy,stress_zz,stress_xy\n1,1,1,0,-inf,0,0\n", "stress"),
+    ("points of several materials", "x,y,volume,material\n1,1,1,0\n1,2,1,1\n", "file_material"),
+]
+
+TWO_RANKS = {"points with NaN", "points with a short line", "points outside the grid", "file of points without points",
+             "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
+             "condition between the nodes", "normal without length", "plane through the body",
+             "boundary for no points", "results in a folder that is not there", "broken YAML"}
 
 
 def write_scene(folder, options):
@@ -258,7 +329,7 @@ def faults(run, expected, ranks):
         yield f"no {expected}"
     if "PETSC ERROR" in run.errors + run.output or "Caught signal" in run.errors:
         yield "traceback"
-    extra = [name for name in run.files if name != "scene.yaml"]
+    extra = [name for name in run.files if name not in ("scene.yaml", "points.csv")]
     if extra:
         yield "wrote " + ", ".join(extra)
 
@@ -286,4 +357,10 @@ with Test() as test:
             place = test.folder()
             if text is not None:
                 (place / "scene.yaml").write_text(text, encoding="utf-8")
+            refuse(test, case, place, contains, count)
+    for case, text, contains in POINTS:
+        for count in (1, 2) if case in TWO_RANKS else (1,):
+            place = test.folder()
+            write_scene(place, changed(FROM_FILE))
+            (place / "points.csv").write_text(text, encoding="utf-8")
             refuse(test, case, place, contains, count)
