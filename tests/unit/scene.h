@@ -148,7 +148,7 @@ static inline PetscErrorCode ScenePetscColoring(MpmModel model, Mat local, Vec x
   PetscFunctionBeginUser;
   PetscCall(MatDuplicate(local, MAT_DO_NOT_COPY_VALUES, &other));
   PetscCall(MatColoringCreate(other, &coloring));
-  PetscCall(MatColoringSetType(coloring, MATCOLORINGGREEDY));
+  PetscCall(MatColoringSetType(coloring, MATCOLORINGJP));
   PetscCall(MatColoringSetDistance(coloring, 2));
   PetscCall(MatColoringApply(coloring, &colors));
   PetscCall(MatColoringDestroy(&coloring));

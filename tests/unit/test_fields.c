@@ -104,12 +104,12 @@ static PetscErrorCode CreateBlock(MPI_Comm comm, PetscInt dim, const char *shape
     : dim == 2
       ? "-mpm_bcs floor,top -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0.4 -mpm_bc_floor_upper 3,0.4 "
         "-mpm_bc_floor_components x,y,concentration -mpm_bc_floor_value 0,0,0.7 -mpm_bc_floor_ramp 0:0,0.4:1 "
-        "-mpm_bc_top_region box -mpm_bc_top_lower 0,1.6 -mpm_bc_top_upper 3,1.6 -mpm_bc_top_components x,y "
+        "-mpm_bc_top_region box -mpm_bc_top_lower 0,1.6 -mpm_bc_top_upper 3,2 -mpm_bc_top_components x,y "
         "-mpm_bc_top_value 0.1,0.2 "
         "-mpm_bc_top_ramp 0:0,0.4:1 "
       : "-mpm_bcs floor,top -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0,0.4 -mpm_bc_floor_upper 2,2,0.4 "
         "-mpm_bc_floor_components x,y,z,concentration -mpm_bc_floor_value 0,0,0,0.7 -mpm_bc_floor_ramp 0:0,0.4:1 "
-        "-mpm_bc_top_region box -mpm_bc_top_lower 0,0,0.8 -mpm_bc_top_upper 2,2,0.8 -mpm_bc_top_components x,z "
+        "-mpm_bc_top_region box -mpm_bc_top_lower 0,0,0.8 -mpm_bc_top_upper 2,2,1.2 -mpm_bc_top_components x,z "
         "-mpm_bc_top_value 0.1,0.1 -mpm_bc_top_ramp 0:0,0.4:1 ",
     shape));
   PetscCall(SceneCreate(comm, &toy, options, model));
