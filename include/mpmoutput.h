@@ -68,6 +68,8 @@ typedef struct {
   PetscInt    steps, step_cuts;
   PetscInt64  newton_iterations, linear_iterations;
   PetscReal   time_total, time[MPM_TIME_COUNT];
+  PetscReal   imbalance;  /* points on the fullest rank over their mean, the most of any step */
+  PetscInt    rebalances; /* how often the partition has moved */
   PetscReal   memory_max; /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 
@@ -77,7 +79,8 @@ typedef struct {
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
    active_dofs_max, steps,
-   step_cuts, newton_iterations, linear_iterations, time_total_s, time {setup, ...}, memory_max_bytes. */
+   step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s, time {setup, ...},
+   memory_max_bytes. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 /* The table of where the time went, and the sizes, for the terminal. */
 PetscErrorCode MpmSummaryPrint(MPI_Comm comm, const MpmSummary *summary);

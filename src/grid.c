@@ -1,7 +1,15 @@
 /*
-  The background grid: a regular lattice of which only the window around the material is spread over the ranks.
+  The background grid: a regular lattice, cut among the ranks by planes between its nodes.
+
+  Cuts nest: the first divides the lattice among two halves of the ranks, the next ones divide each part again, across
+  whichever axis balances its points best (Berger and Bokhari 1987, doi:10.1109/TC.1987.1676942). So the parts are
+  boxes, of any number of ranks, and follow the points also where a product of cuts per axis could not: along a slope,
+  for instance.
 */
 #include "mpmimpl.h"
+
+/* What a point beside a cut costs, in points. */
+#define BESIDE_CUT 0.25
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim)
 {
@@ -39,18 +47,10 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GridResetWindow(MpmGrid *grid)
-{
-  PetscFunctionBeginUser;
-  PetscCall(DMDestroy(&grid->da));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(grid->proc_of[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmGridDestroy(MpmGrid *grid)
 {
   PetscFunctionBeginUser;
-  PetscCall(GridResetWindow(grid));
+  PetscCall(PetscFree(grid->cuts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,34 +64,69 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
   }
 }
 
+/*
+  The part below a cut goes to the lower half of its ranks. Cuts stand in preorder: right behind one those of the part
+  below, then those above, one less than there are ranks in each.
+*/
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
 {
-  PetscInt proc[MPM_MAX_DIM] = {0, 0, 0};
+  const MpmCut *cut   = grid->cuts;
+  PetscMPIInt   first = 0, ranks = grid->size;
 
-  for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscInt i = node[a] - grid->window_lower[a];
+  while (ranks > 1) {
+    const PetscMPIInt below = ranks / 2;
 
-    proc[a] = grid->proc_of[a][PetscMin(PetscMax(i, 0), grid->window_nodes[a] - 1)];
+    if (node[cut->axis] < cut->node) {
+      cut++;
+      ranks = below;
+    } else {
+      cut += below;
+      first += below;
+      ranks -= below;
+    }
   }
-  return (PetscMPIInt)((proc[2] * grid->procs[1] + proc[1]) * grid->procs[0] + proc[0]);
+  return first;
+}
+
+static PetscInt BoxOwners(const MpmCut *cut, PetscMPIInt first, PetscMPIInt ranks, const PetscInt lower[],
+                          const PetscInt upper[], PetscMPIInt owner[])
+{
+  const PetscMPIInt below = ranks / 2;
+  PetscInt          count = 0;
+
+  if (ranks == 1) {
+    owner[0] = first;
+    return 1;
+  }
+  if (lower[cut->axis] < cut->node) count += BoxOwners(cut + 1, first, below, lower, upper, owner);
+  if (upper[cut->axis] >= cut->node)
+    count += BoxOwners(cut + below, first + below, ranks - below, lower, upper, owner + count);
+  return count;
+}
+
+PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[])
+{
+  return BoxOwners(grid->cuts, 0, grid->size, lower, upper, owner);
 }
 
 /* ---- partition ---- */
 
-/* How the window is cut: `procs` ranks an axis, rank coordinate k owning window nodes [begin[k], begin[k+1]). */
+/* A part of the lattice that is yet to be cut: a box of cells, upper ones excluded. */
 typedef struct {
-  PetscInt  procs[MPM_MAX_DIM];
-  PetscInt *begin[MPM_MAX_DIM];
-} Cut;
+  PetscMPIInt ranks;
+  PetscInt    cut; /* into the grid's cuts */
+  PetscInt    lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscInt    histogram[MPM_MAX_DIM]; /* where its points per layer of cells start, on each axis */
+} Part;
 
-/* The window: the cells that hold points and the nodes around them, with a margin to move in. */
-static PetscErrorCode GridFindWindow(MpmGrid *grid, PetscInt count, const PetscReal x[])
+/* The box of all cells with points. */
+static PetscErrorCode FindBox(const MpmGrid *grid, PetscInt count, const PetscReal x[], Part *box)
 {
   PetscInt bound[2 * MPM_MAX_DIM]; /* minima and negated maxima */
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    bound[a]               = grid->cells[a];
+    bound[a]               = grid->cells[a] - 1;
     bound[MPM_MAX_DIM + a] = 0;
   }
   for (PetscInt p = 0; p < count; p++) {
@@ -105,170 +140,143 @@ static PetscErrorCode GridFindWindow(MpmGrid *grid, PetscInt count, const PetscR
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bound, 2 * MPM_MAX_DIM, MPIU_INT, MPI_MIN, grid->comm));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt lower = bound[a], upper = -bound[MPM_MAX_DIM + a] + 1;
-    const PetscInt margin = 3 + (upper - lower) / 10;
-
-    grid->window_lower[a] = a < grid->dim ? PetscMax(lower - margin, 0) : 0;
-    grid->window_nodes[a] =
-      a < grid->dim ? PetscMin(upper + margin, grid->nodes[a] - 1) - grid->window_lower[a] + 1 : 1;
-    /* every rank needs a node, even where there is little material */
-    while (a < grid->dim && grid->window_nodes[a] < PetscMin(grid->nodes[a], (PetscInt)grid->size)) {
-      if (grid->window_lower[a] > 0) grid->window_lower[a]--;
-      grid->window_nodes[a] = PetscMin(grid->window_nodes[a] + 1, grid->nodes[a] - grid->window_lower[a]);
-    }
+    box->lower[a] = bound[a];
+    box->upper[a] = PetscMax(-bound[MPM_MAX_DIM + a], bound[a]) + 1;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points per cell layer of the window along one axis, over all ranks. */
-static PetscErrorCode GridHistogram(const MpmGrid *grid, PetscInt axis, PetscInt count, const PetscReal x[],
-                                    PetscInt64 **histogram)
+/* Points per layer of cells, for every part and axis; `part` tells which part each point is in. */
+static PetscErrorCode Histograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt part[],
+                                 PetscInt part_count, Part parts[], PetscInt64 **histogram)
 {
+  PetscInt size = 0;
+
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(grid->window_nodes[axis], histogram));
+  for (PetscInt k = 0; k < part_count; k++) {
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      parts[k].histogram[a] = size;
+      size += parts[k].upper[a] - parts[k].lower[a];
+    }
+  }
+  PetscCall(PetscCalloc1(size, histogram));
   for (PetscInt p = 0; p < count; p++) {
     PetscInt cell[MPM_MAX_DIM];
 
+    if (part[p] < 0) continue;
     MpmGridFindCell(grid, &x[p * grid->dim], cell);
-    (*histogram)[cell[axis] - grid->window_lower[axis]]++;
+    for (PetscInt a = 0; a < grid->dim; a++)
+      (*histogram)[parts[part[p]].histogram[a] + cell[a] - parts[part[p]].lower[a]]++;
   }
-  PetscCall(
-    MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)grid->window_nodes[axis], MPIU_INT64, MPI_SUM, grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  Splits one axis so that every part holds about as many points, and at least one node. Returns the points at the cuts.
+  Chooses the plane at which the fuller side has fewest points for a rank; what lies beside the plane counts as well, for
+  it is what ranks have to tell each other. Raises `most` to the points on a rank where a side is one rank's alone.
 */
-static PetscInt64 SplitAxis(PetscInt nodes, const PetscInt64 histogram[], PetscInt procs, PetscInt begin[])
+static void ChooseCut(PetscInt dim, const Part *part, const PetscInt64 histogram[], MpmCut *cut, PetscInt64 *most)
 {
-  PetscInt64 total = 0, sum = 0, at_cuts = 0;
-  PetscInt   i = 0;
+  const PetscMPIInt ranks = part->ranks, below = ranks / 2;
+  PetscReal         best  = PETSC_MAX_REAL;
+  PetscInt64        total = 0, chosen;
 
-  for (PetscInt k = 0; k < nodes; k++) total += histogram[k];
-  begin[0] = 0;
-  for (PetscInt part = 1; part < procs; part++) {
-    const PetscReal target = (PetscReal)total * (PetscReal)part / (PetscReal)procs;
-    const PetscInt  lower = begin[part - 1] + 1, upper = nodes - (procs - part);
+  for (PetscInt i = 0; i < part->upper[0] - part->lower[0]; i++) total += histogram[part->histogram[0] + i];
+  chosen    = total;
+  cut->axis = 0;
+  cut->node = part->upper[0]; /* in a single cell there is nothing to share */
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt64 *layer = &histogram[part->histogram[a]];
+    PetscInt64        sum   = 0;
 
-    while (i < upper && (i < lower || (PetscReal)sum + 0.5 * (PetscReal)histogram[i] < target)) sum += histogram[i++];
-    begin[part] = i;
-    if (i > 0) at_cuts += PetscMin(histogram[i - 1], histogram[PetscMin(i, nodes - 1)]);
-  }
-  begin[procs] = nodes;
-  return at_cuts;
-}
+    for (PetscInt i = 1; i < part->upper[a] - part->lower[a]; i++) {
+      PetscReal cost;
 
-/* The cost of a cut: points on the fullest rank, and something for the points beside its faces. */
-static PetscErrorCode CutCost(MpmGrid *grid, const Cut *cut, PetscInt64 at_cuts, PetscInt count, const PetscReal x[],
-                              PetscReal *cost)
-{
-  PetscInt64 *load, most = 0;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(grid->size, &load));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    grid->procs[a] = cut->procs[a];
-    for (PetscInt k = 0; k < cut->procs[a]; k++)
-      for (PetscInt i = cut->begin[a][k]; i < cut->begin[a][k + 1]; i++) grid->proc_of[a][i] = k;
-  }
-  for (PetscInt p = 0; p < count; p++) {
-    PetscInt cell[MPM_MAX_DIM];
-
-    MpmGridFindCell(grid, &x[p * grid->dim], cell);
-    load[MpmGridNodeOwner(grid, cell)]++;
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, load, grid->size, MPIU_INT64, MPI_SUM, grid->comm));
-  for (PetscMPIInt r = 0; r < grid->size; r++) most = PetscMax(most, load[r]);
-  *cost = (PetscReal)most + 0.25 * (PetscReal)at_cuts / (PetscReal)grid->size;
-  PetscCall(PetscFree(load));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode GridCreateDMDA(MpmGrid *grid, const Cut *cut)
-{
-  const DMBoundaryType none = DM_BOUNDARY_NONE;
-  PetscInt            *range[MPM_MAX_DIM];
-
-  PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    PetscCall(PetscMalloc1(cut->procs[a], &range[a]));
-    for (PetscInt k = 0; k < cut->procs[a]; k++) {
-      range[a][k] = cut->begin[a][k + 1] - cut->begin[a][k];
-      for (PetscInt i = cut->begin[a][k]; i < cut->begin[a][k + 1]; i++) grid->proc_of[a][i] = k;
-    }
-    grid->procs[a] = cut->procs[a];
-  }
-  /* ghost exchange follows the active nodes, not the window: no stencil width is needed here */
-  if (grid->dim == 2) {
-    PetscCall(DMDACreate2d(grid->comm, none, none, DMDA_STENCIL_BOX, grid->window_nodes[0], grid->window_nodes[1],
-                           cut->procs[0], cut->procs[1], 1, 0, range[0], range[1], &grid->da));
-  } else {
-    PetscCall(DMDACreate3d(grid->comm, none, none, none, DMDA_STENCIL_BOX, grid->window_nodes[0], grid->window_nodes[1],
-                           grid->window_nodes[2], cut->procs[0], cut->procs[1], cut->procs[2], 1, 0, range[0], range[1],
-                           range[2], &grid->da));
-  }
-  PetscCall(DMSetUp(grid->da));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(range[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Tries every way to factor the ranks over the axes and keeps the cheapest. */
-static PetscErrorCode GridChooseCut(MpmGrid *grid, PetscInt64 *const histogram[], PetscInt count, const PetscReal x[],
-                                    Cut *best)
-{
-  PetscReal best_cost = PETSC_MAX_REAL;
-  Cut       trial;
-
-  PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscMalloc1((grid->size + 1), &trial.begin[a]));
-  for (PetscInt n = 1; n <= grid->size; n++) {
-    for (PetscInt m = 1; m <= grid->size / n; m++) {
-      PetscInt64 at_cuts = 0;
-      PetscReal  cost    = 0.;
-      PetscBool  fits    = PETSC_TRUE;
-
-      if (grid->size % (m * n)) continue;
-      trial.procs[0] = m;
-      trial.procs[1] = n;
-      trial.procs[2] = grid->size / (m * n);
-      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) fits = (PetscBool)(fits && trial.procs[a] <= grid->window_nodes[a]);
-      if (!fits) continue;
-      for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-        at_cuts += SplitAxis(grid->window_nodes[a], histogram[a], trial.procs[a], trial.begin[a]);
-      PetscCall(CutCost(grid, &trial, at_cuts, count, x, &cost));
-      if (cost < best_cost) {
-        best_cost = cost;
-        for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-          best->procs[a] = trial.procs[a];
-          PetscCall(PetscArraycpy(best->begin[a], trial.begin[a], trial.procs[a] + 1));
-        }
-      }
+      sum += layer[i - 1];
+      cost = PetscMax((PetscReal)sum / below, (PetscReal)(total - sum) / (ranks - below)) +
+             BESIDE_CUT * (PetscReal)PetscMin(layer[i - 1], layer[i]) / ranks;
+      if (cost >= best) continue;
+      best      = cost;
+      chosen    = sum;
+      cut->axis = a;
+      cut->node = part->lower[a] + i;
     }
   }
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(trial.begin[a]));
-  MpmCheckInput(best_cost < PETSC_MAX_REAL, "-mpm_grid_cells: the grid has too few nodes for %d ranks", grid->size);
+  if (below == 1) *most = PetscMax(*most, chosen);
+  if (ranks - below == 1) *most = PetscMax(*most, total - chosen);
+}
+
+/* The two sides of a cut that more than one rank shares become parts of the next level; returns how many there are. */
+static PetscInt Divide(const Part *part, const MpmCut *cut, Part next[], PetscInt index[2], PetscInt first)
+{
+  const PetscMPIInt below = part->ranks / 2, ranks[2] = {below, part->ranks - below};
+  PetscInt          made = 0;
+
+  for (PetscInt side = 0; side < 2; side++) {
+    index[side] = ranks[side] > 1 ? first + made : -1;
+    if (ranks[side] == 1) continue;
+    next[made]       = *part;
+    next[made].ranks = ranks[side];
+    next[made].cut   = part->cut + (side ? below : 1);
+    if (side) next[made].lower[cut->axis] = PetscMin(cut->node, part->upper[cut->axis] - 1);
+    else next[made].upper[cut->axis] = cut->node;
+    made++;
+  }
+  return made;
+}
+
+/* All cuts, level by level; `most` becomes the points on the fullest rank. */
+static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscReal x[], MpmCut cuts[], PetscInt64 *most)
+{
+  Part    *parts, *next;
+  PetscInt part_count = 1, *part, (*index)[2];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(grid->size, &parts, grid->size, &next, grid->size, &index));
+  PetscCall(PetscCalloc1(count, &part));
+  parts[0] = (Part){.ranks = grid->size};
+  PetscCall(FindBox(grid, count, x, &parts[0]));
+  while (part_count) {
+    PetscInt64 *histogram;
+    PetscInt    made = 0;
+
+    PetscCall(Histograms(grid, count, x, part, part_count, parts, &histogram));
+    for (PetscInt k = 0; k < part_count; k++) {
+      MpmCut *cut = &cuts[parts[k].cut];
+
+      ChooseCut(grid->dim, &parts[k], histogram, cut, most);
+      made += Divide(&parts[k], cut, &next[made], index[k], made);
+    }
+    PetscCall(PetscFree(histogram));
+    for (PetscInt p = 0; p < count && made; p++) {
+      PetscInt      cell[MPM_MAX_DIM];
+      const MpmCut *cut = part[p] < 0 ? NULL : &cuts[parts[part[p]].cut];
+
+      if (!cut) continue;
+      MpmGridFindCell(grid, &x[p * grid->dim], cell);
+      part[p] = index[part[p]][cell[cut->axis] >= cut->node];
+    }
+    PetscCall(PetscArraycpy(parts, next, made));
+    part_count = made;
+  }
+  PetscCall(PetscFree(part));
+  PetscCall(PetscFree3(parts, next, index));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[])
+PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken)
 {
-  PetscInt64 *histogram[MPM_MAX_DIM];
-  Cut         cut;
+  PetscInt64 most = 0;
+  MpmCut    *cuts;
 
   PetscFunctionBeginUser;
-  PetscCall(GridResetWindow(grid));
-  PetscCall(GridFindWindow(grid, count, x));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    PetscCall(PetscCalloc1(grid->window_nodes[a], &grid->proc_of[a]));
-    PetscCall(PetscMalloc1((grid->size + 1), &cut.begin[a]));
-    PetscCall(GridHistogram(grid, a, count, x, &histogram[a]));
-  }
-  PetscCall(GridChooseCut(grid, histogram, count, x, &cut));
-  PetscCall(GridCreateDMDA(grid, &cut));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    PetscCall(PetscFree(cut.begin[a]));
-    PetscCall(PetscFree(histogram[a]));
-  }
+  PetscCall(PetscCalloc1(grid->size, &cuts));
+  if (grid->size > 1) PetscCall(CutAll(grid, count, x, cuts, &most));
+  *taken = (PetscBool)(!grid->cuts || (PetscReal)most <= worth);
+  if (*taken) {
+    PetscCall(PetscFree(grid->cuts));
+    grid->cuts = cuts;
+  } else PetscCall(PetscFree(cuts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -305,9 +305,10 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt  state_size = 0, extra = 0;
-  PetscBool half_length = MpmShapeHasDomain(model->shape), moved;
-  char    **fields;
+  PetscInt    state_size = 0, extra = 0;
+  PetscBool   half_length = MpmShapeHasDomain(model->shape);
+  const char *why;
+  char      **fields;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->load_count + model->track_count), &fields));
@@ -322,8 +323,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
                                fields, &model->particles));
   PetscCall(PetscFree(fields));
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
-  PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));
-  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, &why));
+  MpmCheckInput(!why, "-mpm_bodies: %s", why);
   for (PetscInt l = 0; l < model->load_count; l++)
     PetscCall(MpmLoadSelect(&model->loads[l], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)
@@ -436,14 +437,14 @@ static PetscErrorCode SwitchGhostOn(MpmModel model, const char *why)
 static PetscErrorCode Advance(MpmModel model, PetscReal *wanted, PetscReal *dt, const char **why)
 {
   PetscReal      next;
-  PetscBool      moved, hopeless, again = PETSC_FALSE;
+  PetscBool      hopeless, again = PETSC_FALSE;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_FALSE, &moved));
-  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, why));
   MpmClock(model, MPM_TIME_MIGRATE, since);
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   model->cuts = 0;
   for (;;) {
     next = NextTime(model, *wanted, dt);
@@ -492,7 +493,7 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
     }
   }
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
-  if (model->output_every && written != model->step) PetscCall(MpmModelWriteOutput(model));
+  if (model->output_every && written != model->step && !model->particles.gone) PetscCall(MpmModelWriteOutput(model));
   if (why) {
     *status = MPM_EXIT_GAVEUP;
     PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n",

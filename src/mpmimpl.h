@@ -14,10 +14,14 @@
 
 /* ---- grid.c ---- */
 
+/* A plane between nodes: those of the lattice with a smaller index on the axis are below it. */
+typedef struct {
+  PetscInt axis, node;
+} MpmCut;
+
 /*
-  The background grid: a regular lattice of cells. Only a window of it, the part around the material, is spread over the
-  ranks as a DMDA; what lies outside the window belongs to the rank at the window's nearest edge and costs nothing.
-  Ownership ranges follow the points.
+  The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested cuts, which
+  follow the points.
 */
 typedef struct {
   MPI_Comm    comm;
@@ -26,18 +30,20 @@ typedef struct {
   PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
   PetscInt    cells[MPM_MAX_DIM]; /* 1 on unused axes */
   PetscInt    nodes[MPM_MAX_DIM]; /* 1 on unused axes */
-  DM          da;                 /* the window */
-  PetscInt    window_lower[MPM_MAX_DIM], window_nodes[MPM_MAX_DIM];
-  PetscInt    procs[MPM_MAX_DIM];
-  PetscInt   *proc_of[MPM_MAX_DIM]; /* process coordinate of each node of the window, per axis */
+  MpmCut     *cuts;               /* size - 1 of them; NULL before the first partition */
 } MpmGrid;
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim);
 PetscErrorCode MpmGridDestroy(MpmGrid *grid);
-/* Chooses window and ownership ranges for these points (dim coordinates each) and makes the DMDA anew. */
-PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[]);
+/*
+  Cuts the lattice anew for these points (dim coordinates each). The cuts are taken when they are the first ones, or when
+  the fullest rank would hold at most `worth` points.
+*/
+PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken);
 /* The rank that owns a node, given its index on each axis; any node has an owner. */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
+/* The ranks that own nodes of a box, both corners included, ascending; returns how many. Room for grid->size. */
+PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
 
@@ -110,6 +116,10 @@ typedef struct {
   PetscInt   dim, stress_size, state_size, rates;
   PetscBool  has_half_length, has_increment;
   PetscInt64 total;
+  PetscReal  imbalance; /* points on the fullest rank over their mean, the most so far */
+  PetscInt   rebalances;
+  char       lost[192]; /* tells of a point that is lost; empty while all are there */
+  PetscBool  gone;      /* it is not merely in a wrong place */
 } MpmParticles;
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
@@ -118,10 +128,18 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
-/* Sends every point to the rank that owns its cell, however far; does nothing on one rank. */
+/*
+  Sends every point to the rank that owns its cell, however far. Points are counted before and after; one that is missing
+  or not in the grid is told of in particles->lost, the same text on all ranks.
+*/
 PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
-/* Moves the partition when the fullest rank holds too many points; `moved` tells. */
+/*
+  Moves the partition, not the points, when the fullest rank holds too many and another partition has a good part fewer,
+  or `always`; `moved` tells.
+*/
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
+/* Both: points at their ranks, ranks about equally full. `why` is NULL, or tells of a lost point. */
+PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, const char **why);
 
 /* ---- body.c ---- */
 

@@ -222,7 +222,9 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .steps             = model->step,
                             .step_cuts         = model->cuts_total,
                             .newton_iterations = model->newton_total,
-                            .linear_iterations = model->linear_total};
+                            .linear_iterations = model->linear_total,
+                            .imbalance         = model->particles.imbalance,
+                            .rebalances        = model->particles.rebalances};
   char           path[PETSC_MAX_PATH_LEN];
   struct rusage  usage;
   PetscLogDouble now;
