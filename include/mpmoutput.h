@@ -9,14 +9,27 @@
 typedef struct _p_MpmOutput  *MpmOutput;
 typedef struct _p_MpmHistory *MpmHistory;
 
-/* One dataset: `count` rows on this rank (given to MpmOutputWrite) of `components` numbers each. Exactly one of the
-   pointers is set; on a rank without rows it may be NULL too. */
+/*
+  One dataset: `count` rows on this rank (given to MpmOutputWrite) of `components` numbers each. They stand in `real` or
+  `integer`, or `fill` makes them when they are written, so that not all datasets need memory at once. On a rank without
+  rows the arrays may be NULL. Six reals are a symmetric tensor: xx, yy, zz, xy, yz, xz.
+*/
 typedef struct {
   const char      *name;
   PetscInt         components;
   const PetscReal *real;
   const PetscInt  *integer;
+  PetscErrorCode (*fill)(const void *ctx, PetscReal values[]);
+  const void *ctx;
 } MpmDataset;
+
+/* Rows of one kind, as MpmOutputWrite takes them. */
+typedef struct {
+  PetscInt          count;
+  const PetscInt   *id;
+  PetscInt          dataset_count;
+  const MpmDataset *datasets;
+} MpmTable;
 
 /*
   MpmOutputCreate - the writer of <prefix>.h5 and <prefix>.xdmf; creates no file yet
@@ -29,14 +42,32 @@ typedef struct {
 . datasets - what is written besides id; a dataset called position must be among them (XDMF geometry, 2 or 3 components)
 - dataset_count
 
-  Collective. The first call truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
+  MpmOutputWriteGrid - append the groups /grid/<step, six digits>/nodes and /cells, likewise
+
+  Input Parameters:
++ nodes - with a dataset called position
+- cells - with a dataset of integers called nodes: the ids of each cell's 4 or 8 nodes, in XDMF's order
+
+  The index then holds the grid as a second collection, and <prefix>_grid.xdmf holds it alone, for programs that read
+  one mesh a file.
+
+  Collective. The first write truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
   the file.
+
+  XDMF wants symmetric tensors in another order, xx, xy, xz, yy, yz, zz. It is given virtual datasets of that order, in
+  the group /tensors, which take no room: they refer to the columns of the real ones.
 */
 PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output);
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
                               PetscInt dataset_count, const MpmDataset datasets[]);
+PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal time, const MpmTable *nodes,
+                                  const MpmTable *cells);
+/* Reals in single precision. */
+PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single);
 /* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */
 PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
+/* No rank hands more bytes than this (1 GiB unless told) to HDF5 at once: MPI-IO fails at 2 GiB. */
+PetscErrorCode MpmOutputSetSlab(MpmOutput output, PetscInt64 bytes);
 PetscErrorCode MpmOutputDestroy(MpmOutput *output);
 
 /* The CSV writer: header at once, then one row a call, flushed; rank 0 writes. All values with 17 significant digits,

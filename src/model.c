@@ -73,6 +73,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmNamesDestroy(model->bc_count, &model->bc_names));
   PetscCall(MpmNamesDestroy(model->load_count, &model->load_names));
   PetscCall(MpmNamesDestroy(model->track_count, &model->track_names));
+  PetscCall(MpmNamesDestroy(model->output_field_count, &model->output_fields));
   PetscCall(PetscFree(model->title));
   PetscCall(PetscFree(model->prefix));
   PetscCall(MpmRecordDestroy(&model->record));
@@ -226,7 +227,6 @@ static PetscErrorCode CheckPrefix(MpmModel model)
 static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
 {
   const MpmOptions block = {options->comm, "mpm_output_", options->record};
-  PetscBool        grid  = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   model->output_every = 1;
@@ -235,8 +235,7 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscCall(CheckPrefix(model));
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->output_every, NULL));
-  PetscCall(MpmOptionsBool(&block, "grid", "write the grid too", &grid, NULL));
-  MpmCheckInput(!grid, "-mpm_output_grid true: grid output is not available in this version");
+  PetscCall(MpmOutputSetFromOptions(model, &block));
   PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->quiet, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -509,6 +509,7 @@ struct _p_MpmModel {
   MpmSum         sum;
   MpmMean        mean;
   PetscReal     *u, *residual, *force; /* local nodes */
+  PetscBool      committed;            /* do these three tell of the last step that has become the state? */
   PetscReal      diagonal;             /* of held unknowns: a typical stiffness */
   char           mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
@@ -538,7 +539,9 @@ struct _p_MpmModel {
 
   /* results */
   PetscInt   output_every;
-  PetscBool  output_points;
+  PetscBool  output_grid, output_single;
+  PetscInt   output_field_count; /* 0: all */
+  char     **output_fields;
   MpmOutput  output;
   MpmHistory history;
   PetscReal *history_row;
@@ -587,7 +590,15 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
 */
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *hopeless);
+/* The space of the points where they are now, without a step. */
+PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
+/* The points' fields that the scene asks for (fields.c): do they exist? Into the output. */
+PetscErrorCode MpmFieldsCheck(MpmModel model);
+PetscErrorCode MpmFieldsWrite(MpmModel model);
+/* Active nodes and cells into the output (lattice.c). */
+PetscErrorCode MpmLatticeWrite(MpmModel model);
 /* Results (results.c). */
+PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
 PetscErrorCode MpmModelWriteOutput(MpmModel model);
 PetscErrorCode MpmModelCreateHistory(MpmModel model);
 PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
