@@ -4,12 +4,13 @@
   Cuts nest: the first divides the lattice among two halves of the ranks, the next ones divide each part again, across
   whichever axis balances its points best (Berger and Bokhari 1987, doi:10.1109/TC.1987.1676942). So the parts are
   boxes, of any number of ranks, and follow the points also where a product of cuts per axis could not: along a slope,
-  for instance.
+  for instance. Where a layer of cells holds too much for that, the cut passes through it with a step.
 */
 #include "mpmimpl.h"
 
-/* What a point beside a cut costs, in points. */
+/* What a point beside a cut costs, in points; from which excess of the fuller side on a cut has a step. */
 #define BESIDE_CUT 0.25
+#define STEP_FROM  1.02
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim)
 {
@@ -64,6 +65,11 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
   }
 }
 
+static inline PetscBool IsBelow(const MpmCut *cut, const PetscInt node[])
+{
+  return (PetscBool)(node[cut->axis] < cut->node || (node[cut->axis] == cut->node && node[cut->row_axis] < cut->row));
+}
+
 /*
   The part below a cut goes to the lower half of its ranks. Cuts stand in preorder: right behind one those of the part
   below, then those above, one less than there are ranks in each.
@@ -76,7 +82,7 @@ PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
   while (ranks > 1) {
     const PetscMPIInt below = ranks / 2;
 
-    if (node[cut->axis] < cut->node) {
+    if (IsBelow(cut, node)) {
       cut++;
       ranks = below;
     } else {
@@ -98,9 +104,8 @@ static PetscInt BoxOwners(const MpmCut *cut, PetscMPIInt first, PetscMPIInt rank
     owner[0] = first;
     return 1;
   }
-  if (lower[cut->axis] < cut->node) count += BoxOwners(cut + 1, first, below, lower, upper, owner);
-  if (upper[cut->axis] >= cut->node)
-    count += BoxOwners(cut + below, first + below, ranks - below, lower, upper, owner + count);
+  if (IsBelow(cut, lower)) count += BoxOwners(cut + 1, first, below, lower, upper, owner);
+  if (!IsBelow(cut, upper)) count += BoxOwners(cut + below, first + below, ranks - below, lower, upper, owner + count);
   return count;
 }
 
@@ -111,12 +116,14 @@ PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const Pet
 
 /* ---- partition ---- */
 
-/* A part of the lattice that is yet to be cut: a box of cells, upper ones excluded. */
+/* A part of the lattice that is yet to be cut: a box of cells, upper ones excluded, but for what steps take from it. */
 typedef struct {
   PetscMPIInt ranks;
   PetscInt    cut; /* into the grid's cuts */
   PetscInt    lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscInt    histogram[MPM_MAX_DIM]; /* where its points per layer of cells start, on each axis */
+  PetscInt    rows;                   /* where the points per row of the layer at its cut start; -1: no step */
+  PetscInt64  total, below;           /* points in it; below the cut */
 } Part;
 
 /* The box of all cells with points. */
@@ -172,20 +179,26 @@ static PetscErrorCode Histograms(const MpmGrid *grid, PetscInt count, const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Points for a rank on the fuller side. */
+static PetscReal FullerSide(const Part *part, PetscInt64 below)
+{
+  const PetscMPIInt ranks = part->ranks / 2;
+
+  return PetscMax((PetscReal)below / ranks, (PetscReal)(part->total - below) / (part->ranks - ranks));
+}
+
 /*
   Chooses the plane at which the fuller side has fewest points for a rank; what lies beside the plane counts as well, for
-  it is what ranks have to tell each other. Raises `most` to the points on a rank where a side is one rank's alone.
+  it is what ranks have to tell each other.
 */
-static void ChooseCut(PetscInt dim, const Part *part, const PetscInt64 histogram[], MpmCut *cut, PetscInt64 *most)
+static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
 {
-  const PetscMPIInt ranks = part->ranks, below = ranks / 2;
-  PetscReal         best  = PETSC_MAX_REAL;
-  PetscInt64        total = 0, chosen;
+  PetscReal best = PETSC_MAX_REAL;
 
-  for (PetscInt i = 0; i < part->upper[0] - part->lower[0]; i++) total += histogram[part->histogram[0] + i];
-  chosen    = total;
-  cut->axis = 0;
-  cut->node = part->upper[0]; /* in a single cell there is nothing to share */
+  part->total = 0;
+  for (PetscInt i = 0; i < part->upper[0] - part->lower[0]; i++) part->total += histogram[part->histogram[0] + i];
+  part->below = part->total;
+  *cut        = (MpmCut){0, part->upper[0], 0, 0}; /* in a single cell there is nothing to share */
   for (PetscInt a = 0; a < dim; a++) {
     const PetscInt64 *layer = &histogram[part->histogram[a]];
     PetscInt64        sum   = 0;
@@ -194,17 +207,83 @@ static void ChooseCut(PetscInt dim, const Part *part, const PetscInt64 histogram
       PetscReal cost;
 
       sum += layer[i - 1];
-      cost = PetscMax((PetscReal)sum / below, (PetscReal)(total - sum) / (ranks - below)) +
-             BESIDE_CUT * (PetscReal)PetscMin(layer[i - 1], layer[i]) / ranks;
+      cost = FullerSide(part, sum) + BESIDE_CUT * (PetscReal)PetscMin(layer[i - 1], layer[i]) / part->ranks;
       if (cost >= best) continue;
-      best      = cost;
-      chosen    = sum;
-      cut->axis = a;
-      cut->node = part->lower[a] + i;
+      best        = cost;
+      part->below = sum;
+      *cut        = (MpmCut){a, part->lower[a] + i, a, 0};
     }
   }
-  if (below == 1) *most = PetscMax(*most, chosen);
-  if (ranks - below == 1) *most = PetscMax(*most, total - chosen);
+}
+
+/*
+  Where the plane leaves one side too full: the layer that the middle of the points lies in, on the axis on which it holds
+  fewest. Rows are those of the longest other axis. PETSC_FALSE where the plane will do.
+*/
+static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
+{
+  const PetscReal target = (PetscReal)part->total * (part->ranks / 2) / part->ranks;
+  PetscInt64      fewest = PETSC_INT_MAX;
+
+  if (FullerSide(part, part->below) * part->ranks <= STEP_FROM * (PetscReal)part->total) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt64 *layer = &histogram[part->histogram[a]];
+    PetscInt64        sum   = 0;
+    PetscInt          i = 0, other = a ? 0 : 1;
+
+    while (i < part->upper[a] - part->lower[a] - 1 && (PetscReal)(sum + layer[i]) <= target) sum += layer[i++];
+    if (layer[i] >= fewest) continue;
+    fewest      = layer[i];
+    part->below = sum;
+    for (PetscInt b = 0; b < dim; b++)
+      if (b != a && part->upper[b] - part->lower[b] > part->upper[other] - part->lower[other]) other = b;
+    *cut = (MpmCut){a, part->lower[a] + i, other, part->lower[other]};
+  }
+  return PETSC_TRUE;
+}
+
+/* Points per row of the layers that cuts pass through; NULL where there are none. */
+static PetscErrorCode RowHistograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt in[],
+                                    PetscInt part_count, Part parts[], const MpmCut cuts[], PetscInt64 **histogram)
+{
+  PetscInt size = 0;
+
+  PetscFunctionBeginUser;
+  *histogram = NULL;
+  for (PetscInt k = 0; k < part_count; k++) {
+    const PetscInt a = cuts[parts[k].cut].row_axis;
+
+    if (parts[k].rows < 0) continue;
+    parts[k].rows = size;
+    size += parts[k].upper[a] - parts[k].lower[a];
+  }
+  if (!size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(size, histogram));
+  for (PetscInt p = 0; p < count; p++) {
+    const Part   *part = in[p] < 0 ? NULL : &parts[in[p]];
+    const MpmCut *cut  = part ? &cuts[part->cut] : NULL;
+    PetscInt      cell[MPM_MAX_DIM];
+
+    if (!part || part->rows < 0) continue;
+    MpmGridFindCell(grid, &x[p * grid->dim], cell);
+    if (cell[cut->axis] == cut->node) (*histogram)[part->rows + cell[cut->row_axis] - part->lower[cut->row_axis]]++;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Chooses the row at which the layer is divided. */
+static void ChooseRow(Part *part, const PetscInt64 histogram[], MpmCut *cut)
+{
+  const PetscInt lower = part->lower[cut->row_axis], upper = part->upper[cut->row_axis];
+  PetscInt64     sum = part->below;
+
+  for (PetscInt i = lower; i < upper; i++) {
+    sum += histogram[part->rows + i - lower];
+    if (FullerSide(part, sum) >= FullerSide(part, part->below)) continue;
+    part->below = sum;
+    cut->row    = i + 1;
+  }
 }
 
 /* The two sides of a cut that more than one rank shares become parts of the next level; returns how many there are. */
@@ -220,10 +299,18 @@ static PetscInt Divide(const Part *part, const MpmCut *cut, Part next[], PetscIn
     next[made].ranks = ranks[side];
     next[made].cut   = part->cut + (side ? below : 1);
     if (side) next[made].lower[cut->axis] = PetscMin(cut->node, part->upper[cut->axis] - 1);
-    else next[made].upper[cut->axis] = cut->node;
+    else next[made].upper[cut->axis] = PetscMin(cut->node + (part->rows >= 0), part->upper[cut->axis]);
     made++;
   }
   return made;
+}
+
+/* Points on the fuller of those sides that are one rank's alone. */
+static PetscInt64 FullestRank(const Part *part)
+{
+  const PetscInt64 below = part->ranks / 2 == 1 ? part->below : 0;
+
+  return PetscMax(below, part->ranks - part->ranks / 2 == 1 ? part->total - part->below : 0);
 }
 
 /* All cuts, level by level; `most` becomes the points on the fullest rank. */
@@ -238,24 +325,32 @@ static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscRea
   parts[0] = (Part){.ranks = grid->size};
   PetscCall(FindBox(grid, count, x, &parts[0]));
   while (part_count) {
-    PetscInt64 *histogram;
+    PetscInt64 *histogram, *row_histogram;
     PetscInt    made = 0;
 
     PetscCall(Histograms(grid, count, x, part, part_count, parts, &histogram));
     for (PetscInt k = 0; k < part_count; k++) {
       MpmCut *cut = &cuts[parts[k].cut];
 
-      ChooseCut(grid->dim, &parts[k], histogram, cut, most);
+      ChoosePlane(grid->dim, &parts[k], histogram, cut);
+      parts[k].rows = ChooseLayer(grid->dim, &parts[k], histogram, cut) ? 0 : -1;
+    }
+    PetscCall(RowHistograms(grid, count, x, part, part_count, parts, cuts, &row_histogram));
+    for (PetscInt k = 0; k < part_count; k++) {
+      MpmCut *cut = &cuts[parts[k].cut];
+
+      if (parts[k].rows >= 0) ChooseRow(&parts[k], row_histogram, cut);
+      *most = PetscMax(*most, FullestRank(&parts[k]));
       made += Divide(&parts[k], cut, &next[made], index[k], made);
     }
     PetscCall(PetscFree(histogram));
+    PetscCall(PetscFree(row_histogram));
     for (PetscInt p = 0; p < count && made; p++) {
-      PetscInt      cell[MPM_MAX_DIM];
-      const MpmCut *cut = part[p] < 0 ? NULL : &cuts[parts[part[p]].cut];
+      PetscInt cell[MPM_MAX_DIM];
 
-      if (!cut) continue;
+      if (part[p] < 0) continue;
       MpmGridFindCell(grid, &x[p * grid->dim], cell);
-      part[p] = index[part[p]][cell[cut->axis] >= cut->node];
+      part[p] = index[part[p]][!IsBelow(&cuts[parts[part[p]].cut], cell)];
     }
     PetscCall(PetscArraycpy(parts, next, made));
     part_count = made;

@@ -14,9 +14,13 @@
 
 /* ---- grid.c ---- */
 
-/* A plane between nodes: those of the lattice with a smaller index on the axis are below it. */
+/*
+  A plane between nodes: those of the lattice with a smaller index on the axis are below it. Of the layer of nodes right
+  above it, those below `row` on another axis are below the cut, too.
+*/
 typedef struct {
   PetscInt axis, node;
+  PetscInt row_axis, row;
 } MpmCut;
 
 /*
