@@ -8,6 +8,9 @@
 */
 #include "mpmimpl.h"
 
+/* Points on the fullest rank over their mean from which on to look for other cuts: one look costs some hundredth of a
+   step's work on the points (scripts/bench.py balance). */
+#define BALANCE 1.05
 /* What a point beside a cut costs, in points; from which excess of the fuller side on a cut has a step. */
 #define BESIDE_CUT 0.25
 #define STEP_FROM  1.02
@@ -32,6 +35,10 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscCall(MpmOptionsReals(&block, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->upper, NULL));
   PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 999999999, MPM_REQUIRED, dim, grid->cells, NULL));
   PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
+  grid->balance = BALANCE;
+  PetscCall(MpmOptionsReal(&block, "balance", "-",
+                           "the points are shared out anew when the fullest rank holds so many times their mean",
+                           (MpmRange){1., PETSC_INFINITY, PETSC_FALSE}, MPM_OPTIONAL, &grid->balance, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a],
                   "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],

@@ -34,6 +34,7 @@ typedef struct {
   PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
   PetscInt    cells[MPM_MAX_DIM]; /* 1 on unused axes */
   PetscInt    nodes[MPM_MAX_DIM]; /* 1 on unused axes */
+  PetscReal   balance;            /* when to look for other cuts: points on the fullest rank over their mean */
   MpmCut     *cuts;               /* size - 1 of them; NULL before the first partition */
 } MpmGrid;
 
@@ -46,7 +47,10 @@ PetscErrorCode MpmGridDestroy(MpmGrid *grid);
 PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken);
 /* The rank that owns a node, given its index on each axis; any node has an owner. */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
-/* The ranks that own nodes of a box, both corners included, ascending; returns how many. Room for grid->size. */
+/*
+  The ranks that own nodes of a box, both corners included, ascending, and few others beside steps in the cuts; returns
+  how many. Room for grid->size.
+*/
 PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);

@@ -7,12 +7,8 @@
 */
 #include "mpmimpl.h"
 
-/*
-  Look for a better partition when the fullest rank holds this much more than the mean, and take one that lowers it by at
-  least the second number. To look costs some hundredth of a step's work on the points: see scripts/bench.py balance.
-*/
-#define IMBALANCE_LIMIT 1.05
-#define IMBALANCE_GAIN  1.02
+/* Other cuts are taken when the fullest rank then holds this much less. */
+#define BALANCE_GAIN 1.02
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
                                   PetscBool increment, PetscInt extra_count, char *const extra[],
@@ -271,9 +267,9 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   most = (PetscReal)count;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, grid->comm));
-  if (!always && most * grid->size <= IMBALANCE_LIMIT * (PetscReal)particles->total) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!always && most * grid->size <= grid->balance * (PetscReal)particles->total) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
-  PetscCall(MpmGridPartition(grid, count, x, always ? PETSC_MAX_REAL : most / IMBALANCE_GAIN, moved));
+  PetscCall(MpmGridPartition(grid, count, x, always ? PETSC_MAX_REAL : most / BALANCE_GAIN, moved));
   PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
   if (*moved && !always) particles->rebalances++;
   PetscFunctionReturn(PETSC_SUCCESS);
