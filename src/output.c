@@ -44,6 +44,7 @@ typedef struct {
   PetscLayout layout;  /* rows to ranks */
   PetscSF     sf;      /* leaves: local points; roots: this rank's block of rows */
   void       *buffer;  /* this rank's block of one dataset */
+  PetscReal  *made;    /* where this rank's points' values of one are made */
   hid_t       file, group, transfer;
   PetscBool   failed;
   char        reason[REASON_LENGTH];
@@ -171,7 +172,7 @@ static PetscErrorCode ChooseWriters(Writer *writer, PetscInt64 collective, Petsc
 static PetscErrorCode WriterSetUp(Writer *writer, PetscInt64 collective, PetscInt count, const PetscInt id[],
                                   PetscInt dataset_count, const MpmDataset datasets[])
 {
-  PetscInt rows, widest = 1;
+  PetscInt rows, widest = 1, widest_made = 0;
 
   PetscFunctionBeginUser;
   writer->points = count;
@@ -185,7 +186,11 @@ static PetscErrorCode WriterSetUp(Writer *writer, PetscInt64 collective, PetscIn
   PetscCall(CheckIdsOnce(writer, count));
   PetscCall(AgreeOnKinds(writer, dataset_count, datasets));
   PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
-  for (PetscInt i = 0; i < dataset_count; ++i) widest = PetscMax(widest, datasets[i].components);
+  for (PetscInt i = 0; i < dataset_count; ++i) {
+    widest = PetscMax(widest, datasets[i].components);
+    if (datasets[i].fill) widest_made = PetscMax(widest_made, datasets[i].components);
+  }
+  PetscCall(PetscMalloc1(((size_t)count * (size_t)widest_made + 1), &writer->made));
   PetscCall(
     PetscMalloc((size_t)(rows + 1) * (size_t)widest * PetscMax(sizeof(PetscReal), sizeof(PetscInt)), &writer->buffer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -197,16 +202,11 @@ static PetscErrorCode GatherBlock(Writer *writer, PetscBool integer, const MpmDa
   const void  *rows = integer ? (const void *)dataset->integer : (const void *)dataset->real;
   MPI_Datatype unit = integer ? MPIU_INT : MPIU_REAL;
   PetscMPIInt  components;
-  PetscReal   *made = NULL;
 
   PetscFunctionBeginUser;
   if (dataset->fill) {
-    PetscInt count;
-
-    PetscCall(PetscSFGetGraph(writer->sf, NULL, &count, NULL, NULL));
-    PetscCall(PetscMalloc1(((size_t)count * (size_t)dataset->components + 1), &made));
-    PetscCall(dataset->fill(dataset->ctx, made));
-    rows = made;
+    PetscCall(dataset->fill(dataset->ctx, writer->made));
+    rows = writer->made;
   }
   PetscCall(PetscMPIIntCast(dataset->components, &components));
   if (components > 1) {
@@ -216,7 +216,6 @@ static PetscErrorCode GatherBlock(Writer *writer, PetscBool integer, const MpmDa
   PetscCall(PetscSFReduceBegin(writer->sf, unit, rows, writer->buffer, MPI_REPLACE));
   PetscCall(PetscSFReduceEnd(writer->sf, unit, rows, writer->buffer, MPI_REPLACE));
   if (components > 1) PetscCallMPI(MPI_Type_free(&unit));
-  PetscCall(PetscFree(made));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -458,6 +457,7 @@ static PetscErrorCode WriterDestroy(Writer *writer)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(writer->buffer));
+  PetscCall(PetscFree(writer->made));
   PetscCall(PetscFree(writer->integer));
   PetscCall(PetscSFDestroy(&writer->sf));
   PetscCall(PetscLayoutDestroy(&writer->layout));
