@@ -10,13 +10,18 @@
 typedef struct _p_MpmOutput  *MpmOutput;
 typedef struct _p_MpmHistory *MpmHistory;
 
-/* One dataset: `count` rows on this rank (given to MpmOutputWrite) of `components` numbers each. Exactly one of the
-   pointers is set; on a rank without rows it may be NULL too. */
+/*
+  One dataset: `count` rows on this rank (given to MpmOutputWrite) of `components` numbers each. They stand in `real` or
+  `integer`, or `fill` makes them when they are written, so that not all datasets need memory at once. On a rank without
+  rows the arrays may be NULL. Six reals are a symmetric tensor: xx, yy, zz, xy, yz, xz.
+*/
 typedef struct {
   const char      *name;
   PetscInt         components;
   const PetscReal *real;
   const PetscInt  *integer;
+  PetscErrorCode (*fill)(const void *ctx, PetscReal values[]);
+  const void *ctx;
 } MpmDataset;
 
 /* A number at a group; exactly one of the pointers is set. */
@@ -43,6 +48,9 @@ typedef struct {
   const MpmAttribute *attributes;
   PetscInt            bytes_count;
   const MpmBytes     *bytes;
+  PetscBool           single;  /* reals in single precision */
+  PetscBool           tensors; /* with views of symmetric tensors as XDMF orders them */
+  PetscInt64          slab;    /* most bytes a rank hands to HDF5 at once; 0: 1 GiB */
 } MpmStateFile;
 
 /*
@@ -53,6 +61,14 @@ typedef struct {
 */
 PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt count, const PetscInt id[],
                              PetscInt dataset_count, const MpmDataset datasets[]);
+
+/* Rows of one kind, as MpmOutputWrite takes them. */
+typedef struct {
+  PetscInt          count;
+  const PetscInt   *id;
+  PetscInt          dataset_count;
+  const MpmDataset *datasets;
+} MpmTable;
 
 /*
   MpmOutputCreate - the writer of <prefix>.h5 and <prefix>.xdmf; creates no file yet
@@ -65,21 +81,40 @@ PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt 
 . datasets - what is written besides id; a dataset called position must be among them (XDMF geometry, 2 or 3 components)
 - dataset_count
 
-  Collective. The first call truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
+  MpmOutputWriteGrid - append the groups /grid/<step, six digits>/nodes and /cells, likewise
+
+  Input Parameters:
++ nodes - with a dataset called position
+- cells - with a dataset of integers called nodes: the ids of each cell's 4 or 8 nodes, in XDMF's order
+
+  The index then holds the grid as a second collection, and <prefix>_grid.xdmf holds it alone, for programs that read
+  one mesh a file.
+
+  Collective. The first write truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
   the file.
+
+  XDMF wants symmetric tensors in another order, xx, xy, xz, yy, yz, zz. It is given virtual datasets of that order, in
+  the group /tensors, which take no room: they refer to the columns of the real ones.
 */
 PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output);
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
                               PetscInt dataset_count, const MpmDataset datasets[]);
+PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal time, const MpmTable *nodes,
+                                  const MpmTable *cells);
+/* Reals in single precision. */
+PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single);
 /* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */
 PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
 /* Does the results file exist? */
 PetscBool MpmOutputStarted(MpmOutput output);
-/* Lends the names of the files and the index so far, which rank 0 holds. */
-PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const char **xdmf_path,
-                                 const MpmTextFile **index);
-/* Further states go to the results file that is there; `index` (rank 0) is the index up to now. Collective. */
-PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index);
+/* Lends the name of the HDF5 file, and the indices of points and grids so far, which rank 0 holds. */
+PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const MpmTextFile **index,
+                                 const MpmTextFile **grid_index);
+/* Further states go to the results file that is there; the indices (rank 0) are those up to now, or NULL. Collective. */
+PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index, const char *grid_index);
+
+/* No rank hands more bytes than this (1 GiB unless told) to HDF5 at once: MPI-IO fails at 2 GiB. */
+PetscErrorCode MpmOutputSetSlab(MpmOutput output, PetscInt64 bytes);
 PetscErrorCode MpmOutputDestroy(MpmOutput *output);
 
 /*
@@ -135,6 +170,8 @@ typedef struct {
   PetscInt    steps, step_cuts;
   PetscInt64  newton_iterations, linear_iterations;
   PetscReal   time_total, time[MPM_TIME_COUNT];
+  PetscReal   imbalance;  /* points on the fullest rank over their mean, the most of any step */
+  PetscInt    rebalances; /* how often the partition has moved */
   PetscReal   memory_max; /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 
@@ -144,7 +181,8 @@ typedef struct {
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
    active_dofs_max, steps,
-   step_cuts, newton_iterations, linear_iterations, time_total_s, time {setup, ...}, memory_max_bytes. */
+   step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s, time {setup, ...},
+   memory_max_bytes. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 /* The table of where the time went, and the sizes, for the terminal. */
 PetscErrorCode MpmSummaryPrint(MPI_Comm comm, const MpmSummary *summary);

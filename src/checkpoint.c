@@ -135,9 +135,9 @@ PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *option
 
 /* What goes beside the points, and the files' places. */
 typedef struct {
-  MpmTextFile scene, partition, results, index, history;
+  MpmTextFile scene, partition, results, index, grid_index, history;
   PetscInt    count;
-  MpmBytes    bytes[5];
+  MpmBytes    bytes[6];
 } Beside;
 
 static PetscErrorCode AddBytes(MpmModel model, const char *name, const MpmTextFile *text, Beside *beside)
@@ -160,12 +160,13 @@ static PetscErrorCode MarkResults(MpmModel model, Beside *beside)
   PetscCall(MpmTextFileAppend(&beside->history, "%lld %lld\n", (long long)place.length, (long long)place.hash));
   if (!MpmOutputStarted(model->output)) PetscFunctionReturn(PETSC_SUCCESS);
   {
-    const char        *h5, *xdmf;
-    const MpmTextFile *index;
+    const char        *h5;
+    const MpmTextFile *index, *grid_index;
 
-    PetscCall(MpmOutputGetFiles(model->output, &h5, &xdmf, &index));
+    PetscCall(MpmOutputGetFiles(model->output, &h5, &index, &grid_index));
     PetscCall(MpmMarkSet(model->comm, h5, &beside->results));
-    if (!model->rank) PetscCall(MpmTextFileAppend(&beside->index, "%s", index->data));
+    if (!model->rank && index->length) PetscCall(MpmTextFileAppend(&beside->index, "%s", index->data));
+    if (!model->rank && grid_index->length) PetscCall(MpmTextFileAppend(&beside->grid_index, "%s", grid_index->data));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -187,6 +188,7 @@ static PetscErrorCode BesideSetUp(MpmModel model, Beside *beside)
   PetscCall(AddBytes(model, "history", &beside->history, beside));
   PetscCall(AddBytes(model, "results", &beside->results, beside));
   PetscCall(AddBytes(model, "results_index", &beside->index, beside));
+  PetscCall(AddBytes(model, "results_grid_index", &beside->grid_index, beside));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,6 +199,7 @@ static PetscErrorCode BesideDestroy(Beside *beside)
   PetscCall(MpmTextFileDestroy(&beside->partition));
   PetscCall(MpmTextFileDestroy(&beside->results));
   PetscCall(MpmTextFileDestroy(&beside->index));
+  PetscCall(MpmTextFileDestroy(&beside->grid_index));
   PetscCall(MpmTextFileDestroy(&beside->history));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -224,8 +227,8 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
     place[p]         = model->rank;
     place[count + p] = p;
   }
-  set[fields - 1] = (MpmDataset){"rank", 1, NULL, place};
-  set[fields]     = (MpmDataset){"place", 1, NULL, place + count};
+  set[fields - 1] = (MpmDataset){.name = "rank", .components = 1, .real = NULL, .integer = place};
+  set[fields]     = (MpmDataset){.name = "place", .components = 1, .real = NULL, .integer = place + count};
   *failed         = MpmStateWrite(model->comm, state, count, (const PetscInt *)array[0], fields + 1, set);
   for (PetscInt k = 0; k < fields; k++)
     PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &array[k]));

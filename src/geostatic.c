@@ -388,13 +388,12 @@ static PetscErrorCode PrintRest(MpmModel model, const Rest *rest, PetscInt solve
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
 {
   PetscInt  solved;
-  PetscBool moved;
   MpmPoints points;
   Rest      rest;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_FALSE, &moved));
-  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(&model->particles, &points));
   PetscCall(RestCreate(model, &points, &rest));
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));

@@ -147,18 +147,13 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
 /* The ranks that own a cell within two of this one: `rank` has room for grid->size. */
 static PetscInt RanksAround(const MpmGrid *grid, const PetscInt cell[], PetscMPIInt rank[])
 {
-  PetscInt lower[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, proc[MPM_MAX_DIM], ranks = 0;
+  PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscInt last  = grid->window_nodes[a] - 1;
-    const PetscInt below = cell[a] - 2 - grid->window_lower[a], above = cell[a] + 2 - grid->window_lower[a];
-
-    lower[a] = grid->proc_of[a][PetscMin(PetscMax(below, 0), last)];
-    count[a] = grid->proc_of[a][PetscMin(PetscMax(above, 0), last)] - lower[a] + 1;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = cell[a] - 2;
+    upper[a] = cell[a] + 2;
   }
-  FOR_BOX(lower, count, proc)
-  rank[ranks++] = (PetscMPIInt)((proc[2] * grid->procs[1] + proc[1]) * grid->procs[0] + proc[0]);
-  return ranks;
+  return MpmGridBoxOwners(grid, lower, upper, rank);
 }
 
 /* Tells every rank the marks of cells that it owns or that lie within two cells of its own. */

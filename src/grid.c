@@ -1,7 +1,19 @@
 /*
-  The background grid: a regular lattice of which only the window around the material is spread over the ranks.
+  The background grid: a regular lattice, cut among the ranks by planes between its nodes.
+
+  Cuts nest: the first divides the lattice among two halves of the ranks, the next ones divide each part again, across
+  whichever axis balances its points best (Berger and Bokhari 1987, doi:10.1109/TC.1987.1676942). So the parts are
+  boxes, of any number of ranks, and follow the points also where a product of cuts per axis could not: along a slope,
+  for instance. Where a layer of cells holds too much for that, the cut passes through it with a step.
 */
 #include "mpmimpl.h"
+
+/* Points on the fullest rank over their mean from which on to look for other cuts: one look costs some hundredth of a
+   step's work on the points (scripts/bench.py balance). */
+#define BALANCE 1.05
+/* What a point beside a cut costs, in points; from which excess of the fuller side on a cut has a step. */
+#define BESIDE_CUT 0.25
+#define STEP_FROM  1.02
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim)
 {
@@ -23,6 +35,10 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscCall(MpmOptionsReals(&block, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->upper, NULL));
   PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 999999999, MPM_REQUIRED, dim, grid->cells, NULL));
   PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
+  grid->balance = BALANCE;
+  PetscCall(MpmOptionsReal(&block, "balance", "-",
+                           "the points are shared out anew when the fullest rank holds so many times their mean",
+                           (MpmRange){1., PETSC_INFINITY, PETSC_FALSE}, MPM_OPTIONAL, &grid->balance, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a],
                   "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],
@@ -39,18 +55,10 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GridResetWindow(MpmGrid *grid)
-{
-  PetscFunctionBeginUser;
-  PetscCall(DMDestroy(&grid->da));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(grid->proc_of[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmGridDestroy(MpmGrid *grid)
 {
   PetscFunctionBeginUser;
-  PetscCall(GridResetWindow(grid));
+  PetscCall(PetscFree(grid->cuts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,34 +72,75 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
   }
 }
 
+static inline PetscBool IsBelow(const MpmCut *cut, const PetscInt node[])
+{
+  return (PetscBool)(node[cut->axis] < cut->node || (node[cut->axis] == cut->node && node[cut->row_axis] < cut->row));
+}
+
+/*
+  The part below a cut goes to the lower half of its ranks. Cuts stand in preorder: right behind one those of the part
+  below, then those above, one less than there are ranks in each.
+*/
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
 {
-  PetscInt proc[MPM_MAX_DIM] = {0, 0, 0};
+  const MpmCut *cut   = grid->cuts;
+  PetscMPIInt   first = 0, ranks = grid->size;
 
-  for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscInt i = node[a] - grid->window_lower[a];
+  while (ranks > 1) {
+    const PetscMPIInt below = ranks / 2;
 
-    proc[a] = grid->proc_of[a][PetscMin(PetscMax(i, 0), grid->window_nodes[a] - 1)];
+    if (IsBelow(cut, node)) {
+      cut++;
+      ranks = below;
+    } else {
+      cut += below;
+      first += below;
+      ranks -= below;
+    }
   }
-  return (PetscMPIInt)((proc[2] * grid->procs[1] + proc[1]) * grid->procs[0] + proc[0]);
+  return first;
+}
+
+static PetscInt BoxOwners(const MpmCut *cut, PetscMPIInt first, PetscMPIInt ranks, const PetscInt lower[],
+                          const PetscInt upper[], PetscMPIInt owner[])
+{
+  const PetscMPIInt below = ranks / 2;
+  PetscInt          count = 0;
+
+  if (ranks == 1) {
+    owner[0] = first;
+    return 1;
+  }
+  if (IsBelow(cut, lower)) count += BoxOwners(cut + 1, first, below, lower, upper, owner);
+  if (!IsBelow(cut, upper)) count += BoxOwners(cut + below, first + below, ranks - below, lower, upper, owner + count);
+  return count;
+}
+
+PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[])
+{
+  return BoxOwners(grid->cuts, 0, grid->size, lower, upper, owner);
 }
 
 /* ---- partition ---- */
 
-/* How the window is cut: `procs` ranks an axis, rank coordinate k owning window nodes [begin[k], begin[k+1]). */
+/* A part of the lattice that is yet to be cut: a box of cells, upper ones excluded, but for what steps take from it. */
 typedef struct {
-  PetscInt  procs[MPM_MAX_DIM];
-  PetscInt *begin[MPM_MAX_DIM];
-} Cut;
+  PetscMPIInt ranks;
+  PetscInt    cut; /* into the grid's cuts */
+  PetscInt    lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscInt    histogram[MPM_MAX_DIM]; /* where its points per layer of cells start, on each axis */
+  PetscInt    rows;                   /* where the points per row of the layer at its cut start; -1: no step */
+  PetscInt64  total, below;           /* points in it; below the cut */
+} Part;
 
-/* The window: the cells that hold points and the nodes around them, with a margin to move in. */
-static PetscErrorCode GridFindWindow(MpmGrid *grid, PetscInt count, const PetscReal x[])
+/* The box of all cells with points. */
+static PetscErrorCode FindBox(const MpmGrid *grid, PetscInt count, const PetscReal x[], Part *box)
 {
   PetscInt bound[2 * MPM_MAX_DIM]; /* minima and negated maxima */
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    bound[a]               = grid->cells[a];
+    bound[a]               = grid->cells[a] - 1;
     bound[MPM_MAX_DIM + a] = 0;
   }
   for (PetscInt p = 0; p < count; p++) {
@@ -105,171 +154,232 @@ static PetscErrorCode GridFindWindow(MpmGrid *grid, PetscInt count, const PetscR
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bound, 2 * MPM_MAX_DIM, MPIU_INT, MPI_MIN, grid->comm));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt lower = bound[a], upper = -bound[MPM_MAX_DIM + a] + 1;
-    const PetscInt margin = 3 + (upper - lower) / 10;
-
-    grid->window_lower[a] = a < grid->dim ? PetscMax(lower - margin, 0) : 0;
-    grid->window_nodes[a] =
-      a < grid->dim ? PetscMin(upper + margin, grid->nodes[a] - 1) - grid->window_lower[a] + 1 : 1;
-    /* every rank needs a node, even where there is little material */
-    while (a < grid->dim && grid->window_nodes[a] < PetscMin(grid->nodes[a], (PetscInt)grid->size)) {
-      if (grid->window_lower[a] > 0) grid->window_lower[a]--;
-      grid->window_nodes[a] = PetscMin(grid->window_nodes[a] + 1, grid->nodes[a] - grid->window_lower[a]);
-    }
+    box->lower[a] = bound[a];
+    box->upper[a] = PetscMax(-bound[MPM_MAX_DIM + a], bound[a]) + 1;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points per cell layer of the window along one axis, over all ranks. */
-static PetscErrorCode GridHistogram(const MpmGrid *grid, PetscInt axis, PetscInt count, const PetscReal x[],
-                                    PetscInt64 **histogram)
+/* Points per layer of cells, for every part and axis; `part` tells which part each point is in. */
+static PetscErrorCode Histograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt part[],
+                                 PetscInt part_count, Part parts[], PetscInt64 **histogram)
 {
+  PetscInt size = 0;
+
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(grid->window_nodes[axis], histogram));
+  for (PetscInt k = 0; k < part_count; k++) {
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      parts[k].histogram[a] = size;
+      size += parts[k].upper[a] - parts[k].lower[a];
+    }
+  }
+  PetscCall(PetscCalloc1(size, histogram));
   for (PetscInt p = 0; p < count; p++) {
     PetscInt cell[MPM_MAX_DIM];
 
+    if (part[p] < 0) continue;
     MpmGridFindCell(grid, &x[p * grid->dim], cell);
-    (*histogram)[cell[axis] - grid->window_lower[axis]]++;
+    for (PetscInt a = 0; a < grid->dim; a++)
+      (*histogram)[parts[part[p]].histogram[a] + cell[a] - parts[part[p]].lower[a]]++;
   }
-  PetscCall(
-    MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)grid->window_nodes[axis], MPIU_INT64, MPI_SUM, grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points for a rank on the fuller side. */
+static PetscReal FullerSide(const Part *part, PetscInt64 below)
+{
+  const PetscMPIInt ranks = part->ranks / 2;
+
+  return PetscMax((PetscReal)below / ranks, (PetscReal)(part->total - below) / (part->ranks - ranks));
 }
 
 /*
-  Splits one axis so that every part holds about as many points, and at least one node. Returns the points at the cuts.
+  Chooses the plane at which the fuller side has fewest points for a rank; what lies beside the plane counts as well, for
+  it is what ranks have to tell each other.
 */
-static PetscInt64 SplitAxis(PetscInt nodes, const PetscInt64 histogram[], PetscInt procs, PetscInt begin[])
+static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
 {
-  PetscInt64 total = 0, sum = 0, at_cuts = 0;
-  PetscInt   i = 0;
+  PetscReal best = PETSC_MAX_REAL;
 
-  for (PetscInt k = 0; k < nodes; k++) total += histogram[k];
-  begin[0] = 0;
-  for (PetscInt part = 1; part < procs; part++) {
-    const PetscReal target = (PetscReal)total * (PetscReal)part / (PetscReal)procs;
-    const PetscInt  lower = begin[part - 1] + 1, upper = nodes - (procs - part);
+  part->total = 0;
+  for (PetscInt i = 0; i < part->upper[0] - part->lower[0]; i++) part->total += histogram[part->histogram[0] + i];
+  part->below = part->total;
+  *cut        = (MpmCut){0, part->upper[0], 0, 0}; /* in a single cell there is nothing to share */
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt64 *layer = &histogram[part->histogram[a]];
+    PetscInt64        sum   = 0;
 
-    while (i < upper && (i < lower || (PetscReal)sum + 0.5 * (PetscReal)histogram[i] < target)) sum += histogram[i++];
-    begin[part] = i;
-    if (i > 0) at_cuts += PetscMin(histogram[i - 1], histogram[PetscMin(i, nodes - 1)]);
+    for (PetscInt i = 1; i < part->upper[a] - part->lower[a]; i++) {
+      PetscReal cost;
+
+      sum += layer[i - 1];
+      cost = FullerSide(part, sum) + BESIDE_CUT * (PetscReal)PetscMin(layer[i - 1], layer[i]) / part->ranks;
+      if (cost >= best) continue;
+      best        = cost;
+      part->below = sum;
+      *cut        = (MpmCut){a, part->lower[a] + i, a, 0};
+    }
   }
-  begin[procs] = nodes;
-  return at_cuts;
 }
 
-/* The cost of a cut: points on the fullest rank, and something for the points beside its faces. */
-static PetscErrorCode CutCost(MpmGrid *grid, const Cut *cut, PetscInt64 at_cuts, PetscInt count, const PetscReal x[],
-                              PetscReal *cost)
+/*
+  Where the plane leaves one side too full: the layer that the middle of the points lies in, on the axis on which it holds
+  fewest. Rows are those of the longest other axis. PETSC_FALSE where the plane will do.
+*/
+static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
 {
-  PetscInt64 *load, most = 0;
+  const PetscReal target = (PetscReal)part->total * (part->ranks / 2) / part->ranks;
+  PetscInt64      fewest = PETSC_INT_MAX;
+
+  if (FullerSide(part, part->below) * part->ranks <= STEP_FROM * (PetscReal)part->total) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt64 *layer = &histogram[part->histogram[a]];
+    PetscInt64        sum   = 0;
+    PetscInt          i = 0, other = a ? 0 : 1;
+
+    while (i < part->upper[a] - part->lower[a] - 1 && (PetscReal)(sum + layer[i]) <= target) sum += layer[i++];
+    if (layer[i] >= fewest) continue;
+    fewest      = layer[i];
+    part->below = sum;
+    for (PetscInt b = 0; b < dim; b++)
+      if (b != a && part->upper[b] - part->lower[b] > part->upper[other] - part->lower[other]) other = b;
+    *cut = (MpmCut){a, part->lower[a] + i, other, part->lower[other]};
+  }
+  return PETSC_TRUE;
+}
+
+/* Points per row of the layers that cuts pass through; NULL where there are none. */
+static PetscErrorCode RowHistograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt in[],
+                                    PetscInt part_count, Part parts[], const MpmCut cuts[], PetscInt64 **histogram)
+{
+  PetscInt size = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(grid->size, &load));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    grid->procs[a] = cut->procs[a];
-    for (PetscInt k = 0; k < cut->procs[a]; k++)
-      for (PetscInt i = cut->begin[a][k]; i < cut->begin[a][k + 1]; i++) grid->proc_of[a][i] = k;
+  *histogram = NULL;
+  for (PetscInt k = 0; k < part_count; k++) {
+    const PetscInt a = cuts[parts[k].cut].row_axis;
+
+    if (parts[k].rows < 0) continue;
+    parts[k].rows = size;
+    size += parts[k].upper[a] - parts[k].lower[a];
   }
+  if (!size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(size, histogram));
   for (PetscInt p = 0; p < count; p++) {
-    PetscInt cell[MPM_MAX_DIM];
+    const Part   *part = in[p] < 0 ? NULL : &parts[in[p]];
+    const MpmCut *cut  = part ? &cuts[part->cut] : NULL;
+    PetscInt      cell[MPM_MAX_DIM];
 
+    if (!part || part->rows < 0) continue;
     MpmGridFindCell(grid, &x[p * grid->dim], cell);
-    load[MpmGridNodeOwner(grid, cell)]++;
+    if (cell[cut->axis] == cut->node) (*histogram)[part->rows + cell[cut->row_axis] - part->lower[cut->row_axis]]++;
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, load, grid->size, MPIU_INT64, MPI_SUM, grid->comm));
-  for (PetscMPIInt r = 0; r < grid->size; r++) most = PetscMax(most, load[r]);
-  *cost = (PetscReal)most + 0.25 * (PetscReal)at_cuts / (PetscReal)grid->size;
-  PetscCall(PetscFree(load));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GridCreateDMDA(MpmGrid *grid, const Cut *cut)
+/* Chooses the row at which the layer is divided. */
+static void ChooseRow(Part *part, const PetscInt64 histogram[], MpmCut *cut)
 {
-  const DMBoundaryType none = DM_BOUNDARY_NONE;
-  PetscInt            *range[MPM_MAX_DIM];
+  const PetscInt lower = part->lower[cut->row_axis], upper = part->upper[cut->row_axis];
+  PetscInt64     sum = part->below;
+
+  for (PetscInt i = lower; i < upper; i++) {
+    sum += histogram[part->rows + i - lower];
+    if (FullerSide(part, sum) >= FullerSide(part, part->below)) continue;
+    part->below = sum;
+    cut->row    = i + 1;
+  }
+}
+
+/* The two sides of a cut that more than one rank shares become parts of the next level; returns how many there are. */
+static PetscInt Divide(const Part *part, const MpmCut *cut, Part next[], PetscInt index[2], PetscInt first)
+{
+  const PetscMPIInt below = part->ranks / 2, ranks[2] = {below, part->ranks - below};
+  PetscInt          made = 0;
+
+  for (PetscInt side = 0; side < 2; side++) {
+    index[side] = ranks[side] > 1 ? first + made : -1;
+    if (ranks[side] == 1) continue;
+    next[made]       = *part;
+    next[made].ranks = ranks[side];
+    next[made].cut   = part->cut + (side ? below : 1);
+    if (side) next[made].lower[cut->axis] = PetscMin(cut->node, part->upper[cut->axis] - 1);
+    else next[made].upper[cut->axis] = PetscMin(cut->node + (part->rows >= 0), part->upper[cut->axis]);
+    made++;
+  }
+  return made;
+}
+
+/* Points on the fuller of those sides that are one rank's alone. */
+static PetscInt64 FullestRank(const Part *part)
+{
+  const PetscInt64 below = part->ranks / 2 == 1 ? part->below : 0;
+
+  return PetscMax(below, part->ranks - part->ranks / 2 == 1 ? part->total - part->below : 0);
+}
+
+/* All cuts, level by level; `most` becomes the points on the fullest rank. */
+static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscReal x[], MpmCut cuts[], PetscInt64 *most)
+{
+  Part    *parts, *next;
+  PetscInt part_count = 1, *part, (*index)[2];
 
   PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    PetscCall(PetscMalloc1(cut->procs[a], &range[a]));
-    for (PetscInt k = 0; k < cut->procs[a]; k++) {
-      range[a][k] = cut->begin[a][k + 1] - cut->begin[a][k];
-      for (PetscInt i = cut->begin[a][k]; i < cut->begin[a][k + 1]; i++) grid->proc_of[a][i] = k;
+  PetscCall(PetscMalloc3(grid->size, &parts, grid->size, &next, grid->size, &index));
+  PetscCall(PetscCalloc1(count, &part));
+  parts[0] = (Part){.ranks = grid->size};
+  PetscCall(FindBox(grid, count, x, &parts[0]));
+  while (part_count) {
+    PetscInt64 *histogram, *row_histogram;
+    PetscInt    made = 0;
+
+    PetscCall(Histograms(grid, count, x, part, part_count, parts, &histogram));
+    for (PetscInt k = 0; k < part_count; k++) {
+      MpmCut *cut = &cuts[parts[k].cut];
+
+      ChoosePlane(grid->dim, &parts[k], histogram, cut);
+      parts[k].rows = ChooseLayer(grid->dim, &parts[k], histogram, cut) ? 0 : -1;
     }
-    grid->procs[a] = cut->procs[a];
-  }
-  /* ghost exchange follows the active nodes, not the window: no stencil width is needed here */
-  if (grid->dim == 2) {
-    PetscCall(DMDACreate2d(grid->comm, none, none, DMDA_STENCIL_BOX, grid->window_nodes[0], grid->window_nodes[1],
-                           cut->procs[0], cut->procs[1], 1, 0, range[0], range[1], &grid->da));
-  } else {
-    PetscCall(DMDACreate3d(grid->comm, none, none, none, DMDA_STENCIL_BOX, grid->window_nodes[0], grid->window_nodes[1],
-                           grid->window_nodes[2], cut->procs[0], cut->procs[1], cut->procs[2], 1, 0, range[0], range[1],
-                           range[2], &grid->da));
-  }
-  PetscCall(DMSetUp(grid->da));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(range[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+    PetscCall(RowHistograms(grid, count, x, part, part_count, parts, cuts, &row_histogram));
+    for (PetscInt k = 0; k < part_count; k++) {
+      MpmCut *cut = &cuts[parts[k].cut];
 
-/* Tries every way to factor the ranks over the axes and keeps the cheapest. */
-static PetscErrorCode GridChooseCut(MpmGrid *grid, PetscInt64 *const histogram[], PetscInt count, const PetscReal x[],
-                                    Cut *best)
-{
-  PetscReal best_cost = PETSC_MAX_REAL;
-  Cut       trial;
-
-  PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscMalloc1((grid->size + 1), &trial.begin[a]));
-  for (PetscInt n = 1; n <= grid->size; n++) {
-    for (PetscInt m = 1; m <= grid->size / n; m++) {
-      PetscInt64 at_cuts = 0;
-      PetscReal  cost    = 0.;
-      PetscBool  fits    = PETSC_TRUE;
-
-      if (grid->size % (m * n)) continue;
-      trial.procs[0] = m;
-      trial.procs[1] = n;
-      trial.procs[2] = grid->size / (m * n);
-      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) fits = (PetscBool)(fits && trial.procs[a] <= grid->window_nodes[a]);
-      if (!fits) continue;
-      for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-        at_cuts += SplitAxis(grid->window_nodes[a], histogram[a], trial.procs[a], trial.begin[a]);
-      PetscCall(CutCost(grid, &trial, at_cuts, count, x, &cost));
-      if (cost < best_cost) {
-        best_cost = cost;
-        for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-          best->procs[a] = trial.procs[a];
-          PetscCall(PetscArraycpy(best->begin[a], trial.begin[a], trial.procs[a] + 1));
-        }
-      }
+      if (parts[k].rows >= 0) ChooseRow(&parts[k], row_histogram, cut);
+      *most = PetscMax(*most, FullestRank(&parts[k]));
+      made += Divide(&parts[k], cut, &next[made], index[k], made);
     }
+    PetscCall(PetscFree(histogram));
+    PetscCall(PetscFree(row_histogram));
+    for (PetscInt p = 0; p < count && made; p++) {
+      PetscInt cell[MPM_MAX_DIM];
+
+      if (part[p] < 0) continue;
+      MpmGridFindCell(grid, &x[p * grid->dim], cell);
+      part[p] = index[part[p]][!IsBelow(&cuts[parts[part[p]].cut], cell)];
+    }
+    PetscCall(PetscArraycpy(parts, next, made));
+    part_count = made;
   }
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(trial.begin[a]));
-  MpmCheckInput(best_cost < PETSC_MAX_REAL, "-mpm_grid_cells: the grid has too few nodes for %d ranks", grid->size);
+  PetscCall(PetscFree(part));
+  PetscCall(PetscFree3(parts, next, index));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[])
+PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken)
 {
-  PetscInt64 *histogram[MPM_MAX_DIM];
-  Cut         cut;
+  PetscInt64 most = 0;
+  MpmCut    *cuts;
 
   PetscFunctionBeginUser;
-  PetscCall(GridResetWindow(grid));
-  PetscCall(GridFindWindow(grid, count, x));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    PetscCall(PetscCalloc1(grid->window_nodes[a], &grid->proc_of[a]));
-    PetscCall(PetscMalloc1((grid->size + 1), &cut.begin[a]));
-    PetscCall(GridHistogram(grid, a, count, x, &histogram[a]));
-  }
-  PetscCall(GridChooseCut(grid, histogram, count, x, &cut));
-  PetscCall(GridCreateDMDA(grid, &cut));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    PetscCall(PetscFree(cut.begin[a]));
-    PetscCall(PetscFree(histogram[a]));
-  }
+  PetscCall(PetscCalloc1(grid->size, &cuts));
+  if (grid->size > 1) PetscCall(CutAll(grid, count, x, cuts, &most));
+  *taken = (PetscBool)(!grid->cuts || (PetscReal)most <= worth);
+  if (*taken) {
+    PetscCall(PetscFree(grid->cuts));
+    grid->cuts = cuts;
+  } else PetscCall(PetscFree(cuts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -277,47 +387,30 @@ PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x
 
 PetscErrorCode MpmGridGetCut(const MpmGrid *grid, PetscInt *count, PetscInt **numbers)
 {
-  PetscInt *number;
-
   PetscFunctionBeginUser;
-  *count = 3 * MPM_MAX_DIM;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) *count += grid->window_nodes[a];
+  *count = 4 * (grid->size - 1);
   PetscCall(PetscMalloc1(*count, numbers));
-  number = *numbers;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    *number++ = grid->window_lower[a];
-    *number++ = grid->window_nodes[a];
-    *number++ = grid->procs[a];
+  for (PetscInt k = 0; k < grid->size - 1; k++) {
+    const MpmCut *cut = &grid->cuts[k];
+
+    (*numbers)[4 * k]     = cut->axis;
+    (*numbers)[4 * k + 1] = cut->node;
+    (*numbers)[4 * k + 2] = cut->row_axis;
+    (*numbers)[4 * k + 3] = cut->row;
   }
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    for (PetscInt i = 0; i < grid->window_nodes[a]; i++) *number++ = grid->proc_of[a][i];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmGridSetCut(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set)
 {
-  const PetscInt *number = &numbers[3 * MPM_MAX_DIM];
-  PetscInt        needed = 3 * MPM_MAX_DIM, ranks = 1;
-  Cut             cut;
-
   PetscFunctionBeginUser;
-  *set = PETSC_FALSE;
-  for (PetscInt a = 0; a < MPM_MAX_DIM && count >= 3 * MPM_MAX_DIM; a++) {
-    needed += numbers[3 * a + 1];
-    ranks *= numbers[3 * a + 2];
+  *set = (PetscBool)(count == 4 * (grid->size - 1));
+  if (!*set) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(grid->cuts));
+  PetscCall(PetscMalloc1(grid->size, &grid->cuts));
+  for (PetscInt k = 0; k < grid->size - 1; k++) {
+    grid->cuts[k] = (MpmCut){
+      .axis = numbers[4 * k], .node = numbers[4 * k + 1], .row_axis = numbers[4 * k + 2], .row = numbers[4 * k + 3]};
   }
-  if (count != needed || ranks != grid->size) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(GridResetWindow(grid));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    grid->window_lower[a] = numbers[3 * a];
-    grid->window_nodes[a] = numbers[3 * a + 1];
-    cut.procs[a]          = numbers[3 * a + 2];
-    PetscCall(PetscCalloc1(grid->window_nodes[a], &grid->proc_of[a]));
-    PetscCall(PetscCalloc1((cut.procs[a] + 1), &cut.begin[a]));
-    for (PetscInt i = 0; i < grid->window_nodes[a]; i++) cut.begin[a][*number++ + 1] = i + 1;
-  }
-  PetscCall(GridCreateDMDA(grid, &cut));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(cut.begin[a]));
-  *set = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

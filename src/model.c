@@ -80,6 +80,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmNamesDestroy(model->boundary_count, &model->boundary_names));
   PetscCall(MpmNamesDestroy(model->load_count, &model->load_names));
   PetscCall(MpmNamesDestroy(model->track_count, &model->track_names));
+  PetscCall(MpmNamesDestroy(model->output_field_count, &model->output_fields));
   PetscCall(PetscFree(model->title));
   PetscCall(PetscFree(model->prefix));
   PetscCall(MpmRecordDestroy(&model->record));
@@ -198,7 +199,6 @@ static PetscErrorCode CheckPrefix(MpmModel model)
 static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
 {
   const MpmOptions block = {options->comm, "mpm_output_", options->record};
-  PetscBool        grid  = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   model->output_every = 1;
@@ -207,8 +207,7 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscCall(CheckPrefix(model));
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->output_every, NULL));
-  PetscCall(MpmOptionsBool(&block, "grid", "write the grid too", &grid, NULL));
-  MpmCheckInput(!grid, "-mpm_output_grid true: grid output is not available in this version");
+  PetscCall(MpmOutputSetFromOptions(model, &block));
   PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->quiet, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -296,9 +295,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0;
   PetscBool half_length =
-              (PetscBool)(MpmShapeHasDomain(model->shape) || model->boundary_count || MpmStagesAreGeostatic(model)),
-            moved;
-  char **fields;
+    (PetscBool)(MpmShapeHasDomain(model->shape) || model->boundary_count || MpmStagesAreGeostatic(model));
+  const char *why;
+  char      **fields;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->load_count + model->track_count + model->boundary_count * MPM_MAX_DIM), &fields));
@@ -325,8 +324,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
-  PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_TRUE, &moved));
-  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, &why));
+  MpmCheckInput(!why, "-mpm_bodies: %s", why);
   for (PetscInt k = 0; k < model->boundary_count; k++)
     PetscCall(MpmBoundaryCheck(&model->boundaries[k], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)
@@ -404,14 +403,14 @@ PetscErrorCode MpmModelSwitchGhostOn(MpmModel model, const char *why)
 static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
 {
   PetscReal      next;
-  PetscBool      moved, hopeless, again = PETSC_FALSE;
+  PetscBool      hopeless, again = PETSC_FALSE;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_FALSE, &moved));
-  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
+  PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, why));
   MpmClock(model, MPM_TIME_MIGRATE, since);
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   model->cuts = 0;
   for (;;) {
     next = NextTime(model, model->dt_wanted, dt);
@@ -493,8 +492,9 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
     PetscCall(RunStage(model, &stop, &why));
   }
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
-  if (why) PetscCall(MpmCheckpointWrite(model));
-  if (!stop && model->output_every && model->output_step != model->step) PetscCall(MpmModelWriteOutput(model));
+  if (why && !model->particles.gone) PetscCall(MpmCheckpointWrite(model));
+  if (!stop && model->output_every && model->output_step != model->step && !model->particles.gone)
+    PetscCall(MpmModelWriteOutput(model));
   if (why) {
     *status = MPM_EXIT_GAVEUP;
     PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n",

@@ -22,9 +22,17 @@ static inline PetscReal MpmDeterminant(PetscInt dim, const PetscReal A[])
 /* ---- grid.c ---- */
 
 /*
-  The background grid: a regular lattice of cells. Only a window of it, the part around the material, is spread over the
-  ranks as a DMDA; what lies outside the window belongs to the rank at the window's nearest edge and costs nothing.
-  Ownership ranges follow the points.
+  A plane between nodes: those of the lattice with a smaller index on the axis are below it. Of the layer of nodes right
+  above it, those below `row` on another axis are below the cut, too.
+*/
+typedef struct {
+  PetscInt axis, node;
+  PetscInt row_axis, row;
+} MpmCut;
+
+/*
+  The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested cuts, which
+  follow the points.
 */
 typedef struct {
   MPI_Comm    comm;
@@ -33,21 +41,27 @@ typedef struct {
   PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
   PetscInt    cells[MPM_MAX_DIM]; /* 1 on unused axes */
   PetscInt    nodes[MPM_MAX_DIM]; /* 1 on unused axes */
-  DM          da;                 /* the window */
-  PetscInt    window_lower[MPM_MAX_DIM], window_nodes[MPM_MAX_DIM];
-  PetscInt    procs[MPM_MAX_DIM];
-  PetscInt   *proc_of[MPM_MAX_DIM]; /* process coordinate of each node of the window, per axis */
+  PetscReal   balance;            /* when to look for other cuts: points on the fullest rank over their mean */
+  MpmCut     *cuts;               /* size - 1 of them; NULL before the first partition */
 } MpmGrid;
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim);
 PetscErrorCode MpmGridDestroy(MpmGrid *grid);
-/* Chooses window and ownership ranges for these points (dim coordinates each) and makes the DMDA anew. */
-PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[]);
-/* Window and ownership ranges as numbers (free them), and back where they are for as many ranks as there are. */
+/*
+  Cuts the lattice anew for these points (dim coordinates each). The cuts are taken when they are the first ones, or when
+  the fullest rank would hold at most `worth` points.
+*/
+PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken);
+/* The cuts as numbers (free them), and back where they are for as many ranks as there are. */
 PetscErrorCode MpmGridGetCut(const MpmGrid *grid, PetscInt *count, PetscInt **numbers);
 PetscErrorCode MpmGridSetCut(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set);
 /* The rank that owns a node, given its index on each axis; any node has an owner. */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
+/*
+  The ranks that own nodes of a box, both corners included, ascending, and few others beside steps in the cuts; returns
+  how many. Room for grid->size.
+*/
+PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
 
@@ -132,6 +146,10 @@ typedef struct {
   PetscBool      has_half_length, has_increment;
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
+  PetscReal      imbalance; /* points on the fullest rank over their mean, the most so far */
+  PetscInt       rebalances;
+  char           lost[192]; /* tells of a point that is lost; empty while all are there */
+  PetscBool      gone;      /* it is not merely in a wrong place */
 } MpmParticles;
 
 /* Points that are not there yet, or no longer: all their fields, one point after the other. */
@@ -146,7 +164,10 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
-/* Sends every point to the rank that owns its cell, however far; does nothing on one rank. */
+/*
+  Sends every point to the rank that owns its cell, however far. Points are counted before and after; one that is missing
+  or not in the grid is told of in particles->lost, the same text on all ranks.
+*/
 PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
@@ -157,8 +178,13 @@ static inline PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial 
 {
   return points->mass ? points->mass[p] : points->volume0[p] * materials[points->material[p]].density;
 }
-/* Moves the partition when the fullest rank holds too many points; `moved` tells. */
+/*
+  Moves the partition, not the points, when the fullest rank holds too many and another partition has a good part fewer,
+  or `always`; `moved` tells.
+*/
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
+/* Both: points at their ranks, ranks about equally full. `why` is NULL, or tells of a lost point. */
+PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, const char **why);
 
 /* ---- pointfile.c ---- */
 
@@ -846,6 +872,7 @@ struct _p_MpmModel {
   MpmMean        mean;
   MpmContacts    contacts;
   PetscReal     *u, *residual, *force; /* local nodes */
+  PetscBool      committed;            /* do these three tell of the last step that has become the state? */
   PetscReal      diagonal;             /* of held unknowns: a typical stiffness */
   char           mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
@@ -876,6 +903,9 @@ struct _p_MpmModel {
   /* results */
   PetscInt   output_every;
   PetscInt   output_step; /* of the last written state */
+  PetscBool  output_grid, output_single;
+  PetscInt   output_field_count; /* 0: all */
+  char     **output_fields;
   MpmOutput  output;
   MpmHistory history;
   PetscReal *history_row;
@@ -954,7 +984,15 @@ PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, co
                                  PetscInt *count, char ***names);
 /* After a step has failed: the ghost penalty on, and the same step again. */
 PetscErrorCode MpmModelSwitchGhostOn(MpmModel model, const char *why);
+/* The space of the points where they are now, without a step. */
+PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
+/* The points' fields that the scene asks for (fields.c): do they exist? Into the output. */
+PetscErrorCode MpmFieldsCheck(MpmModel model);
+PetscErrorCode MpmFieldsWrite(MpmModel model);
+/* Active nodes and cells into the output (lattice.c). */
+PetscErrorCode MpmLatticeWrite(MpmModel model);
 /* Results (results.c). */
+PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
 PetscErrorCode MpmModelWriteOutput(MpmModel model);
 PetscErrorCode MpmModelCreateHistory(MpmModel model);
 PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);

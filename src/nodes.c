@@ -292,10 +292,12 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One MPI unit holds the values of a node. */
+/* One MPI unit holds the values of a node; PETSc does not sum contiguous types of one. */
 static PetscErrorCode BlockUnit(PetscInt block, MPI_Datatype *unit)
 {
   PetscFunctionBeginUser;
+  *unit = MPIU_REAL;
+  if (block == 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Type_contiguous((PetscMPIInt)block, MPIU_REAL, unit));
   PetscCallMPI(MPI_Type_commit(unit));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -310,7 +312,7 @@ PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal
   PetscCall(BlockUnit(block, &unit));
   PetscCall(PetscSFBcastBegin(space->sf, unit, local, local, MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(space->sf, unit, local, local, MPI_REPLACE));
-  PetscCallMPI(MPI_Type_free(&unit));
+  if (block > 1) PetscCallMPI(MPI_Type_free(&unit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,6 +325,6 @@ PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscR
   PetscCall(BlockUnit(block, &unit));
   PetscCall(PetscSFReduceBegin(space->sf, unit, local, local, MPIU_SUM));
   PetscCall(PetscSFReduceEnd(space->sf, unit, local, local, MPIU_SUM));
-  PetscCallMPI(MPI_Type_free(&unit));
+  if (block > 1) PetscCallMPI(MPI_Type_free(&unit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,14 +15,19 @@
 
 struct _p_MpmOutput {
   MPI_Comm    comm;
-  char       *h5_path, *xdmf_path;
-  MpmTextFile grids;      /* rank 0: the index so far */
+  char       *h5_path, *xdmf_path, *grid_path;
+  MpmTextFile grids;      /* rank 0: the index of points so far */
+  MpmTextFile lattices;   /* and of the background grid */
   PetscBool   started;    /* do the files exist? */
+  PetscBool   single;     /* reals in single precision? */
   PetscInt64  collective; /* bytes from which on all ranks write */
+  PetscInt64  slab;       /* most bytes that go to HDF5 at once */
 };
 
 #define REASON_LENGTH    256
+#define NAME_LENGTH      512 /* of a dataset with its groups */
 #define COLLECTIVE_BYTES (64 << 20)
+#define SLAB_BYTES       (1 << 30)
 
 /*
   One write under way. A failure anywhere is agreed upon by all ranks and sticks: what follows is skipped, everything
@@ -38,7 +43,9 @@ typedef struct {
   PetscLayout     layout;   /* rows to ranks */
   PetscSF         sf;       /* leaves: local points; roots: this rank's block of rows */
   void           *buffer;   /* this rank's block of one dataset */
+  PetscReal      *made;     /* where this rank's points' values of one are made */
   hid_t           file, group, transfer;
+  PetscInt64      slab;
   PetscBool       failed;
   char            reason[REASON_LENGTH];
 } Writer;
@@ -184,7 +191,7 @@ static PetscErrorCode ChooseWriters(Writer *writer, PetscInt64 collective, Petsc
 static PetscErrorCode WriterSetUp(Writer *writer, PetscInt64 collective, PetscInt count, const PetscInt id[],
                                   PetscInt dataset_count, const MpmDataset datasets[])
 {
-  PetscInt rows, widest = 1, *row;
+  PetscInt rows, widest = 1, widest_made = 0, *row;
 
   PetscFunctionBeginUser;
   writer->points = count;
@@ -200,7 +207,11 @@ static PetscErrorCode WriterSetUp(Writer *writer, PetscInt64 collective, PetscIn
   PetscCall(PetscFree(row));
   PetscCall(AgreeOnKinds(writer, dataset_count, datasets));
   PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
-  for (PetscInt i = 0; i < dataset_count; ++i) widest = PetscMax(widest, datasets[i].components);
+  for (PetscInt i = 0; i < dataset_count; ++i) {
+    widest = PetscMax(widest, datasets[i].components);
+    if (datasets[i].fill) widest_made = PetscMax(widest_made, datasets[i].components);
+  }
+  PetscCall(PetscMalloc1(((size_t)count * (size_t)widest_made + 1), &writer->made));
   PetscCall(
     PetscMalloc((size_t)(rows + 1) * (size_t)widest * PetscMax(sizeof(PetscReal), sizeof(PetscInt)), &writer->buffer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,6 +225,10 @@ static PetscErrorCode GatherBlock(Writer *writer, PetscBool integer, const MpmDa
   PetscMPIInt  components;
 
   PetscFunctionBeginUser;
+  if (dataset->fill) {
+    PetscCall(dataset->fill(dataset->ctx, writer->made));
+    rows = writer->made;
+  }
   PetscCall(PetscMPIIntCast(dataset->components, &components));
   if (components > 1) {
     PetscCallMPI(MPI_Type_contiguous(components, unit, &unit));
@@ -222,6 +237,22 @@ static PetscErrorCode GatherBlock(Writer *writer, PetscBool integer, const MpmDa
   PetscCall(PetscSFReduceBegin(writer->sf, unit, rows, writer->buffer, MPI_REPLACE));
   PetscCall(PetscSFReduceEnd(writer->sf, unit, rows, writer->buffer, MPI_REPLACE));
   if (components > 1) PetscCallMPI(MPI_Type_free(&unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The buffer's reals become floats in place: HDF5 itself would convert them in small pieces, and not collectively. */
+static PetscErrorCode NarrowBlock(Writer *writer, PetscInt components)
+{
+  const PetscReal *from = (const PetscReal *)writer->buffer;
+  PetscInt         rows;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
+  for (size_t i = 0; i < (size_t)rows * (size_t)components; ++i) {
+    const float value = (float)from[i];
+
+    memcpy((char *)writer->buffer + i * sizeof(value), &value, sizeof(value));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -322,13 +353,18 @@ static PetscErrorCode WriteBytes(Writer *writer, const MpmBytes *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the buffer as this rank's slab of a dataset that exists; false when it could not. */
-static PetscBool WriteSlab(Writer *writer, hid_t dataset, hid_t type, int rank, hsize_t first, const hsize_t extent[2])
+/*
+  Writes some rows of the buffer, from row `skip` of it, to row `first` of a dataset that exists; false when it could
+  not.
+*/
+static PetscBool WriteSlab(Writer *writer, hid_t dataset, hid_t type, size_t skip, hsize_t first,
+                           const hsize_t extent[2])
 {
-  hid_t     space = H5Dget_space(dataset), memory = H5Screate_simple(rank, extent, NULL);
-  hsize_t   start[2] = {first, 0};
-  herr_t    status;
-  PetscBool worked;
+  hid_t       space = H5Dget_space(dataset), memory = H5Screate_simple(2, extent, NULL);
+  hsize_t     start[2] = {first, 0};
+  const char *from     = (const char *)writer->buffer + skip * (size_t)extent[1] * H5Tget_size(type);
+  herr_t      status;
+  PetscBool   worked;
 
   if (extent[0]) {
     status = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, extent, NULL);
@@ -336,16 +372,21 @@ static PetscBool WriteSlab(Writer *writer, hid_t dataset, hid_t type, int rank, 
     (void)H5Sselect_none(memory);
     status = H5Sselect_none(space);
   }
-  if (status >= 0) status = H5Dwrite(dataset, type, memory, space, writer->transfer, writer->buffer);
+  if (status >= 0) status = H5Dwrite(dataset, type, memory, space, writer->transfer, from);
   worked = Worked(writer, (PetscBool)(status >= 0));
   (void)H5Sclose(memory);
   if (space >= 0) (void)H5Sclose(space);
   return worked;
 }
 
-static hid_t RealType(void)
+static size_t RealSize(PetscBool single)
 {
-  return sizeof(PetscReal) == sizeof(double) ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
+  return single ? sizeof(float) : sizeof(PetscReal);
+}
+
+static hid_t RealType(PetscBool single)
+{
+  return RealSize(single) == sizeof(double) ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
 }
 
 static hid_t IntegerType(void)
@@ -353,31 +394,76 @@ static hid_t IntegerType(void)
   return sizeof(PetscInt) == sizeof(long long) ? H5T_NATIVE_LLONG : H5T_NATIVE_INT;
 }
 
+/* The buffer, this rank's block, slab by slab; as many slabs on every rank. */
+static PetscErrorCode WriteBlock(Writer *writer, hid_t dataset, hid_t type, PetscInt components)
+{
+  const PetscInt64 wide = (PetscInt64)components * (PetscInt64)H5Tget_size(type);
+  const PetscInt   most = (PetscInt)PetscMin(PetscMax(writer->slab / wide, 1), PETSC_INT_MAX);
+  const PetscInt  *ranges;
+  PetscInt         rows, first;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
+  PetscCall(PetscLayoutGetRange(writer->layout, &first, NULL));
+  PetscCall(PetscLayoutGetRanges(writer->layout, &ranges)); /* rank 0 has most rows */
+  for (PetscInt64 done = 0; done < ranges[1] && !writer->failed; done += most) {
+    const PetscInt skip      = (PetscInt)PetscMin(done, rows);
+    const hsize_t  extent[2] = {(hsize_t)PetscMin(most, rows - skip), (hsize_t)components};
+
+    PetscCall(Agree(writer, WriteSlab(writer, dataset, type, (size_t)skip, (hsize_t)(first + skip), extent)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The virtual dataset /tensors/<group>/<name>: columns of a symmetric tensor in XDMF's order; false when it failed. */
+static PetscBool WriteTensor(Writer *writer, const char *group, const char *name, hid_t type)
+{
+  static const hsize_t column[] = {0, 3, 5, 1, 4, 2}; /* of ours, for each of XDMF's */
+  char                 source[NAME_LENGTH], path[NAME_LENGTH + sizeof(MPM_XDMF_TENSORS)];
+  const hsize_t        extent[2] = {(hsize_t)writer->points, 6}, block[2] = {extent[0], 1};
+  hid_t                from = H5Screate_simple(2, extent, NULL), to = H5Screate_simple(2, extent, NULL), dataset;
+  hid_t                creation = H5Pcreate(H5P_DATASET_CREATE), links = H5Pcreate(H5P_LINK_CREATE);
+  herr_t               status = 0;
+  PetscBool            worked;
+
+  snprintf(source, sizeof(source), "%s/%s", group, name);
+  snprintf(path, sizeof(path), MPM_XDMF_TENSORS "%s", source);
+  (void)H5Pset_create_intermediate_group(links, 1);
+  for (hsize_t k = 0; k < 6 && extent[0] && status >= 0; ++k) {
+    const hsize_t start[2] = {0, k}, ours[2] = {0, column[k]};
+
+    (void)H5Sselect_hyperslab(to, H5S_SELECT_SET, start, NULL, block, NULL);
+    (void)H5Sselect_hyperslab(from, H5S_SELECT_SET, ours, NULL, block, NULL);
+    status = H5Pset_virtual(creation, to, ".", source, from);
+  }
+  (void)H5Sselect_all(to);
+  dataset = H5Dcreate2(writer->file, path, type, to, links, creation, H5P_DEFAULT);
+  worked  = Worked(writer, (PetscBool)(status >= 0 && dataset >= 0));
+  if (dataset >= 0) (void)H5Dclose(dataset);
+  (void)H5Pclose(links);
+  (void)H5Pclose(creation);
+  (void)H5Sclose(to);
+  (void)H5Sclose(from);
+  return worked;
+}
+
 /* One dataset out of the buffer: (points) or (points x components) numbers, in the machine's own types, so that
    nothing is converted. */
 static PetscErrorCode WriteDataset(Writer *writer, const char *name, PetscInt components, hid_t type)
 {
-  PetscInt rows, first;
-  hsize_t  extent[2], block[2];
-  hid_t    space, creation, dataset;
-  int      rank = components > 1 ? 2 : 1;
+  const hsize_t extent[2] = {(hsize_t)writer->points, (hsize_t)components};
+  hid_t         space, creation, dataset;
 
   PetscFunctionBeginUser;
   if (!writer->writes || writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLayoutGetLocalSize(writer->layout, &rows));
-  PetscCall(PetscLayoutGetRange(writer->layout, &first, NULL));
-  extent[0] = (hsize_t)writer->points;
-  block[0]  = (hsize_t)rows;
-  extent[1] = block[1] = (hsize_t)components;
-  space                = H5Screate_simple(rank, extent, NULL);
-  creation             = H5Pcreate(H5P_DATASET_CREATE);
+  space    = H5Screate_simple(components > 1 ? 2 : 1, extent, NULL);
+  creation = H5Pcreate(H5P_DATASET_CREATE);
   (void)H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER); /* every row is written */
   dataset = H5Dcreate2(writer->group, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
   PetscCall(Agree(writer, (PetscBool)(dataset >= 0)));
   (void)H5Pclose(creation);
   (void)H5Sclose(space);
-  if (!writer->failed && writer->points)
-    PetscCall(Agree(writer, WriteSlab(writer, dataset, type, rank, (hsize_t)first, block)));
+  if (!writer->failed && writer->points) PetscCall(WriteBlock(writer, dataset, type, components));
   if (dataset >= 0) (void)H5Dclose(dataset);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -414,6 +500,7 @@ static PetscErrorCode WriterDestroy(Writer *writer)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(writer->buffer));
+  PetscCall(PetscFree(writer->made));
   PetscCall(PetscFree(writer->integer));
   PetscCall(PetscSFDestroy(&writer->sf));
   PetscCall(PetscLayoutDestroy(&writer->layout));
@@ -424,22 +511,28 @@ static PetscErrorCode WriterDestroy(Writer *writer)
 static PetscErrorCode WriteState(Writer *writer, const MpmStateFile *state, PetscInt dataset_count,
                                  const MpmDataset datasets[])
 {
-  const MpmDataset ids = {"id", 1, NULL, writer->id};
+  const MpmDataset ids = {.name = "id", .components = 1, .integer = writer->id};
   H5E_auto2_t      report;
   void            *context;
 
   PetscFunctionBeginUser;
   (void)H5Eget_auto2(H5E_DEFAULT, &report, &context);
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  writer->slab = state->slab ? state->slab : SLAB_BYTES;
   PetscCall(OpenFile(writer, state));
   PetscCall(OpenGroup(writer, state));
   for (PetscInt i = 0; i < state->bytes_count; ++i) PetscCall(WriteBytes(writer, &state->bytes[i]));
   PetscCall(GatherBlock(writer, PETSC_TRUE, &ids));
   PetscCall(WriteDataset(writer, ids.name, 1, IntegerType()));
   for (PetscInt i = 0; i < dataset_count; ++i) {
+    const PetscInt components = datasets[i].components;
+    const hid_t    type       = writer->integer[i] ? IntegerType() : RealType(state->single);
+
     PetscCall(GatherBlock(writer, writer->integer[i], &datasets[i]));
-    PetscCall(
-      WriteDataset(writer, datasets[i].name, datasets[i].components, writer->integer[i] ? IntegerType() : RealType()));
+    if (state->single && !writer->integer[i]) PetscCall(NarrowBlock(writer, components));
+    PetscCall(WriteDataset(writer, datasets[i].name, components, type));
+    if (state->tensors && components == 6 && !writer->integer[i] && writer->writes && !writer->failed)
+      PetscCall(Agree(writer, WriteTensor(writer, state->group, datasets[i].name, type)));
   }
   PetscCall(CloseFile(writer));
   PetscCall(ShareFailure(writer));
@@ -466,8 +559,10 @@ PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *out
   PetscCall(PetscNew(output));
   (*output)->comm       = comm;
   (*output)->collective = COLLECTIVE_BYTES;
+  (*output)->slab       = SLAB_BYTES;
   PetscCall(CreatePath(prefix, ".h5", &(*output)->h5_path));
   PetscCall(CreatePath(prefix, ".xdmf", &(*output)->xdmf_path));
+  PetscCall(CreatePath(prefix, "_grid.xdmf", &(*output)->grid_path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -478,61 +573,128 @@ PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOutputSetSlab(MpmOutput output, PetscInt64 bytes)
+{
+  PetscFunctionBeginUser;
+  output->slab = bytes;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single)
+{
+  PetscFunctionBeginUser;
+  output->single = single;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOutputDestroy(MpmOutput *output)
 {
   PetscFunctionBeginUser;
   if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextFileDestroy(&(*output)->grids));
+  PetscCall(MpmTextFileDestroy(&(*output)->lattices));
+  PetscCall(PetscFree((*output)->grid_path));
   PetscCall(PetscFree((*output)->h5_path));
   PetscCall(PetscFree((*output)->xdmf_path));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CheckDatasets(MPI_Comm comm, PetscInt dataset_count, const MpmDataset datasets[])
+/* Is a dataset of this name there, of one of two numbers of components? */
+static PetscErrorCode CheckDatasets(MPI_Comm comm, PetscInt dataset_count, const MpmDataset datasets[],
+                                    const char *name, PetscInt one, PetscInt other)
 {
   PetscBool found = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < dataset_count; ++i) {
-    PetscBool position;
     PetscCheck(datasets[i].components > 0, comm, PETSC_ERR_ARG_OUTOFRANGE, "dataset %s has no components",
                datasets[i].name);
-    PetscCall(PetscStrcmp(datasets[i].name, "position", &position));
-    if (!position) continue;
-    PetscCheck(datasets[i].components == 2 || datasets[i].components == 3, comm, PETSC_ERR_ARG_OUTOFRANGE,
-               "dataset position has %" PetscInt_FMT " components, not 2 or 3", datasets[i].components);
+    if (strcmp(datasets[i].name, name)) continue;
+    PetscCheck(datasets[i].components == one || datasets[i].components == other, comm, PETSC_ERR_ARG_OUTOFRANGE,
+               "dataset %s has %" PetscInt_FMT " components, not %" PetscInt_FMT " or %" PetscInt_FMT, name,
+               datasets[i].components, one, other);
     found = PETSC_TRUE;
   }
-  PetscCheck(found, comm, PETSC_ERR_ARG_WRONG, "there is no dataset called position");
+  PetscCheck(found, comm, PETSC_ERR_ARG_WRONG, "there is no dataset called %s", name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The state into the index, on rank 0; then the index anew. */
-static PetscErrorCode WriteIndex(MpmOutput output, const Writer *writer, const char *group, PetscReal time,
-                                 PetscInt dataset_count, const MpmDataset datasets[])
+/* Nothing is open yet. */
+static Writer NoWriter(MPI_Comm comm)
 {
-  PetscMPIInt  rank;
-  const char  *slash = strrchr(output->h5_path, '/');
-  MpmXdmfState state = {.file          = slash ? slash + 1 : output->h5_path,
-                        .group         = group,
-                        .time          = time,
-                        .points        = writer->points,
-                        .dataset_count = dataset_count,
-                        .datasets      = datasets,
-                        .integer       = writer->integer};
+  return (Writer){.comm = comm, .file = H5I_INVALID_HID, .group = H5I_INVALID_HID, .transfer = H5I_INVALID_HID};
+}
+
+/* Rows as a group of the file. The writer is the caller's to destroy, whatever happens. */
+static PetscErrorCode WriteTable(MpmOutput output, const char *group, PetscInt step, PetscReal time,
+                                 const MpmTable *table, Writer *writer)
+{
+  const PetscInt64   number       = step;
+  const MpmAttribute attributes[] = {{"time", &time, NULL}, {"step", NULL, &number}};
+  const MpmStateFile state        = {.path            = output->h5_path,
+                                     .group           = group,
+                                     .append          = output->started,
+                                     .collective      = output->collective,
+                                     .attribute_count = 2,
+                                     .attributes      = attributes,
+                                     .single          = output->single,
+                                     .tensors         = PETSC_TRUE,
+                                     .slab            = output->slab};
 
   PetscFunctionBeginUser;
+  *writer = NoWriter(output->comm);
+  PetscCall(WriterSetUp(writer, output->collective, table->count, table->id, table->dataset_count, table->datasets));
+  PetscCall(WriteState(writer, &state, table->dataset_count, table->datasets));
+  output->started = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static MpmXdmfTable Indexed(const Writer *writer, const MpmTable *table)
+{
+  return (MpmXdmfTable){writer->points, table->dataset_count, table->datasets, writer->integer};
+}
+
+static const char *FileName(const char *path)
+{
+  const char *slash = strrchr(path, '/');
+
+  return slash ? slash + 1 : path;
+}
+
+/* The files of the index; `grid`: the grid's own too. */
+static PetscErrorCode WriteIndices(MpmOutput output, PetscBool grid)
+{
+  const char *const        names[] = {"grids", "states"};
+  const MpmTextFile *const texts[] = {&output->lattices, &output->grids};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmXdmfWrite(output->comm, output->xdmf_path, 2, names, texts));
+  if (grid) PetscCall(MpmXdmfWrite(output->comm, output->grid_path, 1, names, texts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The state goes into one of the two indices, on rank 0; then the files are written anew. The points come last: some
+  programs read the last collection of a file, and no other.
+*/
+static PetscErrorCode WriteIndex(MpmOutput output, MpmXdmfState *state, MpmTextFile *index)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBeginUser;
+  state->file      = FileName(output->h5_path);
+  state->real_size = RealSize(output->single);
   PetscCallMPI(MPI_Comm_rank(output->comm, &rank));
-  if (rank == 0) PetscCall(MpmXdmfAppend(&output->grids, &state));
-  PetscCall(MpmXdmfWrite(output->comm, output->xdmf_path, &output->grids));
+  if (rank == 0) PetscCall(MpmXdmfAppend(index, state));
+  PetscCall(WriteIndices(output, (PetscBool)(index == &output->lattices)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt count, const PetscInt id[],
                              PetscInt dataset_count, const MpmDataset datasets[])
 {
-  Writer writer = {.comm = comm, .file = H5I_INVALID_HID, .group = H5I_INVALID_HID, .transfer = H5I_INVALID_HID};
+  Writer         writer = NoWriter(comm);
   PetscErrorCode failure;
 
   PetscFunctionBeginUser;
@@ -546,22 +708,50 @@ PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt 
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
                               PetscInt dataset_count, const MpmDataset datasets[])
 {
-  Writer writer = {
-    .comm = output->comm, .file = H5I_INVALID_HID, .group = H5I_INVALID_HID, .transfer = H5I_INVALID_HID};
-  const PetscInt64   number       = step;
-  const MpmAttribute attributes[] = {{"time", &time, NULL}, {"step", NULL, &number}};
-  char               group[32];
-  const MpmStateFile state = {output->h5_path, group, output->started, 0, output->collective, 2, attributes, 0, NULL};
-  PetscErrorCode     failure;
+  const MpmTable points = {count, id, dataset_count, datasets};
+  Writer         writer;
+  char           group[64];
+  PetscErrorCode failure;
 
   PetscFunctionBeginUser;
-  PetscCall(CheckDatasets(output->comm, dataset_count, datasets));
+  PetscCall(CheckDatasets(output->comm, dataset_count, datasets, "position", 2, 3));
   PetscCall(PetscSNPrintf(group, sizeof(group), "/points/%06" PetscInt_FMT, step));
-  failure = WriterSetUp(&writer, output->collective, count, id, dataset_count, datasets);
-  if (!failure) failure = WriteState(&writer, &state, dataset_count, datasets);
-  if (!failure) output->started = PETSC_TRUE;
-  if (!failure) failure = WriteIndex(output, &writer, group, time, dataset_count, datasets);
+  failure = WriteTable(output, group, step, time, &points, &writer);
+  if (!failure) {
+    MpmXdmfState state = {.group = group, .time = time, .nodes = Indexed(&writer, &points)};
+
+    failure = WriteIndex(output, &state, &output->grids);
+  }
   PetscCall(WriterDestroy(&writer));
+  PetscCall(failure);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal time, const MpmTable *nodes,
+                                  const MpmTable *cells)
+{
+  Writer         node_writer, cell_writer = {0};
+  char           group[64], cell_group[64];
+  PetscErrorCode failure;
+
+  PetscFunctionBeginUser;
+  PetscCall(CheckDatasets(output->comm, nodes->dataset_count, nodes->datasets, "position", 2, 3));
+  PetscCall(CheckDatasets(output->comm, cells->dataset_count, cells->datasets, "nodes", 4, 8));
+  PetscCall(PetscSNPrintf(group, sizeof(group), "/grid/%06" PetscInt_FMT "/nodes", step));
+  PetscCall(PetscSNPrintf(cell_group, sizeof(cell_group), "/grid/%06" PetscInt_FMT "/cells", step));
+  failure = WriteTable(output, group, step, time, nodes, &node_writer);
+  if (!failure) failure = WriteTable(output, cell_group, step, time, cells, &cell_writer);
+  if (!failure) {
+    MpmXdmfState state = {.group      = group,
+                          .cell_group = cell_group,
+                          .time       = time,
+                          .nodes      = Indexed(&node_writer, nodes),
+                          .cells      = Indexed(&cell_writer, cells)};
+
+    failure = WriteIndex(output, &state, &output->lattices);
+  }
+  PetscCall(WriterDestroy(&node_writer));
+  PetscCall(WriterDestroy(&cell_writer));
   PetscCall(failure);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -573,21 +763,25 @@ PetscBool MpmOutputStarted(MpmOutput output)
   return (PetscBool)(output && output->started);
 }
 
-PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const char **xdmf_path,
-                                 const MpmTextFile **index)
+PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const MpmTextFile **index,
+                                 const MpmTextFile **grid_index)
 {
   PetscFunctionBeginUser;
-  *h5_path   = output->h5_path;
-  *xdmf_path = output->xdmf_path;
-  *index     = &output->grids;
+  *h5_path    = output->h5_path;
+  *index      = &output->grids;
+  *grid_index = &output->lattices;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index)
+PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index, const char *grid_index)
 {
+  PetscBool grid = (PetscBool)(grid_index && *grid_index);
+
   PetscFunctionBeginUser;
   output->started = PETSC_TRUE;
+  PetscCallMPI(MPI_Bcast(&grid, 1, MPIU_BOOL, 0, output->comm));
   if (index) PetscCall(MpmTextFileAppend(&output->grids, "%s", index));
-  PetscCall(MpmXdmfWrite(output->comm, output->xdmf_path, &output->grids));
+  if (grid_index) PetscCall(MpmTextFileAppend(&output->lattices, "%s", grid_index));
+  PetscCall(WriteIndices(output, grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,7 +15,7 @@ struct _p_MpmRestart {
   PetscBool   together; /* do all ranks read the points, or rank 0 alone? */
   PetscInt    points;
   MpmScalars  scalars;
-  MpmTextFile scene, partition, results, index, history; /* results and index: rank 0 */
+  MpmTextFile scene, partition, history, results, index, grid_index; /* the last three: rank 0 */
 };
 
 PetscErrorCode MpmRestartDestroy(MpmRestart *handle)
@@ -30,6 +30,7 @@ PetscErrorCode MpmRestartDestroy(MpmRestart *handle)
   PetscCall(MpmTextFileDestroy(&restart->partition));
   PetscCall(MpmTextFileDestroy(&restart->results));
   PetscCall(MpmTextFileDestroy(&restart->index));
+  PetscCall(MpmTextFileDestroy(&restart->grid_index));
   PetscCall(MpmTextFileDestroy(&restart->history));
   PetscCall(PetscFree(*handle));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -155,6 +156,7 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
   PetscCall(ReadBytes(model, group, "history", PETSC_TRUE, &restart->history));
   PetscCall(ReadBytes(model, group, "results", PETSC_FALSE, &restart->results));
   PetscCall(ReadBytes(model, group, "results_index", PETSC_FALSE, &restart->index));
+  PetscCall(ReadBytes(model, group, "results_grid_index", PETSC_FALSE, &restart->grid_index));
   if (group >= 0) (void)H5Gclose(group);
   if (file >= 0) (void)H5Fclose(file);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -459,15 +461,15 @@ PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *c
 PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply)
 {
   MpmRestart         restart = model->checkpoint.restart;
-  const char        *h5, *xdmf, *why;
-  const MpmTextFile *index;
+  const char        *h5, *why;
+  const MpmTextFile *index, *grid_index;
   PetscBool          there;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOutputGetFiles(model->output, &h5, &xdmf, &index));
+  PetscCall(MpmOutputGetFiles(model->output, &h5, &index, &grid_index));
   PetscCall(MpmMarkReturn(model->comm, h5, &restart->results, apply, &there, &why));
   MpmCheckInput(!why, "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
                 restart->path, h5, why);
-  if (there && apply) PetscCall(MpmOutputContinue(model->output, restart->index.data));
+  if (there && apply) PetscCall(MpmOutputContinue(model->output, restart->index.data, restart->grid_index.data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

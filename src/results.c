@@ -11,127 +11,33 @@ static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- points ---- */
+/* ---- states ---- */
 
-/* Arrays that are made for one output and freed after it. */
-typedef struct {
-  PetscInt    count, capacity;
-  MpmDataset *set;
-  PetscReal **made; /* NULL where the array belongs to the particles */
-} Datasets;
-
-static PetscErrorCode AddDataset(Datasets *sets, const char *name, PetscInt components, PetscInt rows, PetscReal **made)
+PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
 {
-  PetscFunctionBeginUser;
-  PetscCheck(sets->count < sets->capacity, PETSC_COMM_SELF, PETSC_ERR_PLIB, "too many datasets");
-  PetscCall(PetscCalloc1((rows * components + 1), made));
-  sets->made[sets->count]  = *made;
-  sets->set[sets->count++] = (MpmDataset){name, components, *made, NULL};
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Symmetric tensors are written with six components: xx, yy, zz, xy, yz, xz. */
-static void CopySym(PetscInt dim, const PetscReal from[], PetscReal to[])
-{
-  for (PetscInt c = 0; c < (dim == 2 ? 4 : 6); c++) to[c] = from[c];
-}
-
-/* Every history variable by its name; zero where a point's law has no such variable. */
-static PetscErrorCode AddStates(MpmModel model, const MpmPoints *points, Datasets *sets)
-{
-  const PetscInt dim = model->grid.dim;
+  static const char *const words[]   = {"double", "single", NULL};
+  PetscInt                 precision = 0;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->material_count; m++) {
-    const MpmLawInfo *info  = &model->materials[m].info;
-    PetscInt          first = 0;
-
-    for (size_t v = 0; v < info->state_count; v++) {
-      const PetscInt own        = MpmStateComponents(&info->states[v], dim),
-                     components = info->states[v].kind == MPM_STATE_SYM ? 6 : 1;
-      PetscReal *made           = NULL;
-
-      for (PetscInt k = 0; k < sets->count; k++)
-        if (!strcmp(sets->set[k].name, info->states[v].name)) made = sets->made[k];
-      if (!made) PetscCall(AddDataset(sets, info->states[v].name, components, points->count, &made));
-      for (PetscInt p = 0; p < points->count; p++) {
-        const PetscReal *state = &points->state[p * model->particles.state_size + first];
-
-        if (points->material[p] != m) continue;
-        if (components == 6) CopySym(dim, state, &made[6 * p]);
-        else made[p] = state[0];
-      }
-      first += own;
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Displacement, stress, F, volume and mass of every point. */
-static PetscErrorCode AddKinematics(MpmModel model, const MpmPoints *points, Datasets *sets)
-{
-  const PetscInt dim = model->grid.dim, n = points->count;
-  PetscReal     *displacement, *stress, *volume, *mass, *F, *half_length;
-
-  PetscFunctionBeginUser;
-  PetscCall(AddDataset(sets, "displacement", dim, n, &displacement));
-  PetscCall(AddDataset(sets, "stress", 6, n, &stress));
-  PetscCall(AddDataset(sets, "volume", 1, n, &volume));
-  PetscCall(AddDataset(sets, "mass", 1, n, &mass));
-  PetscCall(AddDataset(sets, "F", 9, n, &F));
-  if (MpmShapeHasDomain(model->shape)) {
-    PetscCall(AddDataset(sets, "half_length", dim, n, &half_length));
-    PetscCall(PetscArraycpy(half_length, points->half_length, n * dim));
-  }
-  for (PetscInt p = 0; p < n; p++) {
-    const PetscReal *f  = &points->F[p * dim * dim];
-    PetscReal       *f9 = &F[9 * p];
-
-    for (PetscInt a = 0; a < dim; a++) displacement[p * dim + a] = points->x[p * dim + a] - points->x0[p * dim + a];
-    CopySym(dim, &points->stress[p * model->particles.stress_size], &stress[6 * p]);
-    f9[8] = 1.;
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt b = 0; b < dim; b++) f9[3 * a + b] = f[a * dim + b];
-    volume[p] =
-      points->volume0[p] * (f9[0] * (f9[4] * f9[8] - f9[5] * f9[7]) - f9[1] * (f9[3] * f9[8] - f9[5] * f9[6]) +
-                            f9[2] * (f9[3] * f9[7] - f9[4] * f9[6]));
-    mass[p] = MpmPointMass(points, model->materials, p);
-  }
+  PetscCall(MpmOptionsBool(block, "grid", "write the grid too: its active nodes and cells", &model->output_grid, NULL));
+  PetscCall(MpmOptionsWord(block, "precision", "of the reals that are written", words, MPM_OPTIONAL, &precision, NULL));
+  model->output_single = (PetscBool)(precision == 1);
+  PetscCall(MpmOptionsNames(block, "fields",
+                            "fields of the points that are written besides id and position; default: all", MPM_OPTIONAL,
+                            &model->output_field_count, &model->output_fields));
+  if (!MpmOptionsHelp()) PetscCall(MpmFieldsCheck(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmModelWriteOutput(MpmModel model)
 {
-  const PetscInt dim  = model->grid.dim;
-  Datasets       sets = {.capacity = 13};
-  MpmPoints      points;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  for (PetscInt m = 0; m < model->material_count; m++) sets.capacity += (PetscInt)model->materials[m].info.state_count;
-  for (PetscInt r = 0; r < model->layout.rates; r++) sets.capacity++;
-  PetscCall(PetscCalloc2(sets.capacity, &sets.set, sets.capacity, &sets.made));
-  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
-  sets.set[sets.count++] = (MpmDataset){"material", 1, NULL, points.material};
-  sets.set[sets.count++] = (MpmDataset){"position", dim, points.x, NULL};
-  if (!MpmOutputStarted(model->output) || model->reference_output)
-    sets.set[sets.count++] = (MpmDataset){"position0", dim, points.x0, NULL};
-  model->reference_output = PETSC_FALSE;
-  PetscCall(AddKinematics(model, &points, &sets));
-  PetscCall(AddStates(model, &points, &sets));
-  for (PetscInt r = 0; r < model->layout.rates; r++) {
-    PetscReal *value;
-
-    PetscCall(
-      AddDataset(&sets, model->layout.component_name[model->layout.rate_component[r]], 1, points.count, &value));
-    for (PetscInt p = 0; p < points.count; p++) value[p] = points.value[p * model->layout.rates + r];
-  }
-  PetscCall(MpmOutputWrite(model->output, model->step, model->time, points.count, points.id, sets.count, sets.set));
+  PetscCall(MpmFieldsWrite(model));
+  if (model->output_grid) PetscCall(MpmLatticeWrite(model));
   model->output_step = model->step;
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
-  for (PetscInt k = 0; k < sets.count; k++) PetscCall(PetscFree(sets.made[k]));
-  PetscCall(PetscFree2(sets.set, sets.made));
   MpmClock(model, MPM_TIME_OUTPUT, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -255,7 +161,9 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .steps             = model->step,
                             .step_cuts         = model->cuts_total,
                             .newton_iterations = model->newton_total,
-                            .linear_iterations = model->linear_total};
+                            .linear_iterations = model->linear_total,
+                            .imbalance         = model->particles.imbalance,
+                            .rebalances        = model->particles.rebalances};
   char           path[PETSC_MAX_PATH_LEN];
   struct rusage  usage;
   PetscLogDouble now;

@@ -76,6 +76,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   const PetscInt bs = model->layout.block;
 
   PetscFunctionBeginUser;
+  model->committed = PETSC_FALSE;
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   PetscCall(MpmParticlesGetArrays(&model->particles, &model->points));
   PetscCall(MpmSpaceSetUp(&model->space, rules, &model->points, why));
@@ -86,6 +87,17 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscCall(PetscFree2(model->mean.value, model->mean.flux));
   PetscCall(PetscMalloc2(model->space.cell_count, &model->mean.value, model->space.cell_count, &model->mean.flux));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
+{
+  const MpmRules rules = Rules(model);
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  PetscCall(PrepareSpace(model, &rules, why));
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -322,7 +334,8 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(Commit(model));
-  model->dt_last = dt;
+  model->dt_last   = dt;
+  model->committed = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

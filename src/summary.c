@@ -89,6 +89,10 @@ static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const 
   PetscCall(AppendCount(text, "step_cuts", summary->step_cuts));
   PetscCall(AppendCount(text, "newton_iterations", summary->newton_iterations));
   PetscCall(AppendCount(text, "linear_iterations", summary->linear_iterations));
+  PetscCall(MpmTextFileAppend(text, "  \"imbalance\": "));
+  PetscCall(AppendNumber(text, summary->imbalance));
+  PetscCall(MpmTextFileAppend(text, ",\n"));
+  PetscCall(AppendCount(text, "rebalances", summary->rebalances));
   PetscCall(MpmTextFileAppend(text, "  \"time_total_s\": "));
   PetscCall(AppendNumber(text, summary->time_total));
   PetscCall(MpmTextFileAppend(text, ",\n  \"time\": {"));

@@ -1,6 +1,7 @@
 /*
   The XDMF index (XDMF 2 and 3 as ParaView and VisIt read it).
 */
+#include <string.h>
 #include "mpmxdmf.h"
 
 /* Text inside an attribute's quotes. */
@@ -17,29 +18,28 @@ static PetscErrorCode AppendEscaped(MpmTextFile *text, const char *value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AppendDataItem(MpmTextFile *grids, const MpmXdmfState *state, PetscInt i)
+static PetscErrorCode AppendDataItem(MpmTextFile *grids, const MpmXdmfState *state, const MpmXdmfTable *table,
+                                     PetscInt i)
 {
-  const MpmDataset *dataset   = &state->datasets[i];
-  size_t            precision = state->integer[i] ? sizeof(PetscInt) : sizeof(PetscReal);
+  const MpmDataset *dataset   = &table->datasets[i];
+  size_t            precision = table->integer[i] ? sizeof(PetscInt) : state->real_size;
+  PetscBool         tensor    = (PetscBool)(!table->integer[i] && dataset->components == 6);
 
   PetscFunctionBeginUser;
   PetscCall(
     MpmTextFileAppend(grids, "          <DataItem Format=\"HDF\" NumberType=\"%s\" Precision=\"%zu\" Dimensions=\"%lld",
-                      state->integer[i] ? "Int" : "Float", precision, (long long)state->points));
+                      table->integer[i] ? "Int" : "Float", precision, (long long)table->rows));
   if (dataset->components > 1) PetscCall(MpmTextFileAppend(grids, " %lld", (long long)dataset->components));
   PetscCall(MpmTextFileAppend(grids, "\">"));
   PetscCall(AppendEscaped(grids, state->file));
-  PetscCall(MpmTextFileAppend(grids, ":%s/", state->group));
+  PetscCall(MpmTextFileAppend(grids, ":%s%s/", tensor ? MPM_XDMF_TENSORS : "",
+                              table == &state->cells ? state->cell_group : state->group));
   PetscCall(AppendEscaped(grids, dataset->name));
   PetscCall(MpmTextFileAppend(grids, "</DataItem>\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Six components are xx, yy, zz, xy, yz, xz, which is not the order that XDMF's Tensor6 implies; a reader that rotates
-  or diagonalises would be wrong without a word. Matrix promises nothing. Nine row-major components are what Tensor
-  means.
-*/
+/* Two components are a vector in the plane; readers add the third. Nine are row-major. */
 static const char *AttributeType(PetscInt components)
 {
   switch (components) {
@@ -48,6 +48,8 @@ static const char *AttributeType(PetscInt components)
   case 2:
   case 3:
     return "Vector";
+  case 6:
+    return "Tensor6";
   case 9:
     return "Tensor";
   default:
@@ -55,59 +57,92 @@ static const char *AttributeType(PetscInt components)
   }
 }
 
-static PetscErrorCode AppendAttribute(MpmTextFile *grids, const MpmXdmfState *state, PetscInt i)
+static PetscErrorCode AppendAttribute(MpmTextFile *grids, const MpmXdmfState *state, const MpmXdmfTable *table,
+                                      PetscInt i)
 {
-  const MpmDataset *dataset = &state->datasets[i];
+  const MpmDataset *dataset = &table->datasets[i];
 
   PetscFunctionBeginUser;
   PetscCall(MpmTextFileAppend(grids, "        <Attribute Name=\""));
   PetscCall(AppendEscaped(grids, dataset->name));
-  PetscCall(MpmTextFileAppend(grids, "\" AttributeType=\"%s\" Center=\"Node\">\n", AttributeType(dataset->components)));
-  PetscCall(AppendDataItem(grids, state, i));
+  PetscCall(MpmTextFileAppend(grids, "\" AttributeType=\"%s\" Center=\"%s\">\n", AttributeType(dataset->components),
+                              table == &state->nodes ? "Node" : "Cell"));
+  PetscCall(AppendDataItem(grids, state, table, i));
   PetscCall(MpmTextFileAppend(grids, "        </Attribute>\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A cell of its own for each point, whose node is its id; or the grid's cells. */
+static PetscErrorCode AppendTopology(MpmTextFile *grids, const MpmXdmfState *state)
+{
+  const MpmDataset   own     = {.name = "id", .components = 1};
+  const PetscBool    integer = PETSC_TRUE;
+  const MpmXdmfTable ids     = {state->nodes.rows, 1, &own, &integer};
+
+  PetscFunctionBeginUser;
+  if (!state->cells.dataset_count) {
+    PetscCall(MpmTextFileAppend(
+      grids, "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%lld\" NodesPerElement=\"1\">\n",
+      (long long)state->nodes.rows));
+    PetscCall(AppendDataItem(grids, state, &ids, 0));
+  } else {
+    for (PetscInt i = 0; i < state->cells.dataset_count; i++) {
+      const MpmDataset *dataset = &state->cells.datasets[i];
+
+      if (strcmp(dataset->name, "nodes")) continue;
+      PetscCall(MpmTextFileAppend(grids, "        <Topology TopologyType=\"%s\" NumberOfElements=\"%lld\">\n",
+                                  dataset->components == 4 ? "Quadrilateral" : "Hexahedron",
+                                  (long long)state->cells.rows));
+      PetscCall(AppendDataItem(grids, state, &state->cells, i));
+    }
+  }
+  PetscCall(MpmTextFileAppend(grids, "        </Topology>\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmXdmfAppend(MpmTextFile *grids, const MpmXdmfState *state)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmTextFileAppend(grids,
-                              "      <Grid Name=\"points\" GridType=\"Uniform\">\n        <Time Value=\"%.17g\"/>\n",
-                              (double)state->time));
-  PetscCall(MpmTextFileAppend(
-    grids, "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%lld\" NodesPerElement=\"1\"/>\n",
-    (long long)state->points));
-  for (PetscInt i = 0; i < state->dataset_count; ++i) {
-    const MpmDataset *dataset = &state->datasets[i];
-    PetscBool         geometry;
-    PetscCall(PetscStrcmp(dataset->name, "position", &geometry));
-    if (geometry) {
-      PetscCall(
-        MpmTextFileAppend(grids, "        <Geometry GeometryType=\"%s\">\n", dataset->components == 2 ? "XY" : "XYZ"));
-      PetscCall(AppendDataItem(grids, state, i));
-      PetscCall(MpmTextFileAppend(grids, "        </Geometry>\n"));
-    } else {
-      PetscCall(AppendAttribute(grids, state, i));
+  PetscCall(MpmTextFileAppend(grids, "      <Grid Name=\"%s\" GridType=\"Uniform\">\n        <Time Value=\"%.17g\"/>\n",
+                              state->cells.dataset_count ? "grid" : "points", (double)state->time));
+  PetscCall(AppendTopology(grids, state));
+  for (PetscInt i = 0; i < state->nodes.dataset_count; ++i) {
+    const MpmDataset *dataset = &state->nodes.datasets[i];
+
+    if (strcmp(dataset->name, "position")) {
+      PetscCall(AppendAttribute(grids, state, &state->nodes, i));
+      continue;
     }
+    PetscCall(
+      MpmTextFileAppend(grids, "        <Geometry GeometryType=\"%s\">\n", dataset->components == 2 ? "XY" : "XYZ"));
+    PetscCall(AppendDataItem(grids, state, &state->nodes, i));
+    PetscCall(MpmTextFileAppend(grids, "        </Geometry>\n"));
+  }
+  for (PetscInt i = 0; i < state->cells.dataset_count; ++i) {
+    if (strcmp(state->cells.datasets[i].name, "nodes")) PetscCall(AppendAttribute(grids, state, &state->cells, i));
   }
   PetscCall(MpmTextFileAppend(grids, "      </Grid>\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmXdmfWrite(MPI_Comm comm, const char *path, const MpmTextFile *grids)
+PetscErrorCode MpmXdmfWrite(MPI_Comm comm, const char *path, PetscInt count, const char *const names[],
+                            const MpmTextFile *const grids[])
 {
-  MpmTextFile        head = MPM_TEXT_FILE_EMPTY, foot = MPM_TEXT_FILE_EMPTY;
-  const MpmTextFile *texts[] = {&head, grids, &foot};
+  MpmTextFile        text  = MPM_TEXT_FILE_EMPTY;
+  const MpmTextFile *whole = &text;
   PetscErrorCode     written;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmTextFileAppend(&head,
-                              "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
-                              "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n"));
-  PetscCall(MpmTextFileAppend(&foot, "    </Grid>\n  </Domain>\n</Xdmf>\n"));
-  written = MpmTextFileWrite(comm, path, 3, texts);
-  PetscCall(MpmTextFileDestroy(&head));
-  PetscCall(MpmTextFileDestroy(&foot));
+  PetscCall(MpmTextFileAppend(&text, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"));
+  for (PetscInt i = 0; i < count; i++) {
+    if (!grids[i]->length) continue;
+    PetscCall(MpmTextFileAppend(
+      &text, "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n%s    </Grid>\n", names[i],
+      grids[i]->data));
+  }
+  PetscCall(MpmTextFileAppend(&text, "  </Domain>\n</Xdmf>\n"));
+  written = MpmTextFileWrite(comm, path, 1, &whole);
+  PetscCall(MpmTextFileDestroy(&text));
   PetscCall(written);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,7 +19,9 @@
 static char        directory[PATH_LENGTH];
 static PetscMPIInt my_rank, rank_count;
 static PetscInt64  collective_bytes = 0; /* 0: all ranks write, whatever the size */
-static char        message[1024];        /* of the last error that was raised */
+static PetscInt64  slab_bytes       = 1 << 30;
+static PetscBool   single_precision = PETSC_FALSE;
+static char        message[1024]; /* of the last error that was raised */
 
 /* ------------------------------------------------------------------------------------------------------------
    helpers */
@@ -117,10 +119,21 @@ static void StateDestroy(State *state)
   CALL(PetscFree6(state->id, state->material, state->position, state->stress, state->F, state->volume));
 }
 
+/* Volumes are made when they are written. */
+static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
+{
+  const State *state = (const State *)ctx;
+
+  for (PetscInt row = 0; row < state->count; ++row) values[row] = state->volume[row];
+  return PETSC_SUCCESS;
+}
+
 #define STATE_DATASETS(state, dim) \
   { \
-    {"material", 1, NULL, (state).material}, {"position", dim, (state).position, NULL}, \
-      {"stress", 6, (state).stress, NULL}, {"F", 9, (state).F, NULL}, {"volume", 1, (state).volume, NULL}, \
+    {.name = "material", .components = 1, .integer = (state).material}, \
+      {.name = "position", .components = dim, .real = (state).position}, \
+      {.name = "stress", .components = 6, .real = (state).stress}, {.name = "F", .components = 9, .real = (state).F}, \
+      {.name = "volume", .components = 1, .fill = FillVolume, .ctx = &(state)}, \
   }
 #define STATE_DATASET_COUNT 5
 
@@ -129,6 +142,8 @@ static PetscErrorCode CreateOutput(const char *prefix, MpmOutput *output)
   PetscFunctionBeginUser;
   PetscCall(MpmOutputCreate(PETSC_COMM_WORLD, prefix, output));
   PetscCall(MpmOutputSetCollective(*output, collective_bytes));
+  PetscCall(MpmOutputSetSlab(*output, slab_bytes));
+  PetscCall(MpmOutputSetSingle(*output, single_precision));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -167,12 +182,18 @@ static double *ReadDataset(hid_t group, const char *name, PetscInt points, Petsc
   return values;
 }
 
+/* A real as the file holds it. */
+static double Written(PetscReal value)
+{
+  return single_precision ? (double)(float)value : (double)value;
+}
+
 static void CheckReals(hid_t group, const char *name, PetscInt step, PetscInt points, PetscInt components)
 {
   double *values = ReadDataset(group, name, points, components);
   for (PetscInt id = 0; id < points; ++id)
     for (PetscInt c = 0; c < components; ++c)
-      ck_assert_msg(values[components * id + c] == (double)RealOf(step, id, c), "%s[%d,%d]", name, (int)id, (int)c);
+      ck_assert_msg(values[components * id + c] == Written(RealOf(step, id, c)), "%s[%d,%d]", name, (int)id, (int)c);
   free(values);
 }
 
@@ -181,6 +202,21 @@ static void CheckIntegers(hid_t group, const char *name, PetscInt factor, PetscI
   double *values = ReadDataset(group, name, points, 1);
   for (PetscInt id = 0; id < points; ++id)
     ck_assert_msg(values[id] == (double)(factor * id + offset), "%s[%d]", name, (int)id);
+  free(values);
+}
+
+/* The same stress in XDMF's order: xx, xy, xz, yy, yz, zz out of xx, yy, zz, xy, yz, xz. */
+static void CheckTensors(hid_t file, PetscInt step, PetscInt points)
+{
+  static const PetscInt column[] = {0, 3, 5, 1, 4, 2};
+  char                  name[64];
+  double               *values;
+
+  snprintf(name, sizeof(name), "/tensors/points/%06d/stress", (int)step);
+  values = ReadDataset(file, name, points, 6);
+  for (PetscInt id = 0; id < points; ++id)
+    for (PetscInt c = 0; c < 6; ++c)
+      ck_assert_msg(values[6 * id + c] == Written(RealOf(step, id, column[c])), "tensor [%d,%d]", (int)id, (int)c);
   free(values);
 }
 
@@ -213,6 +249,7 @@ static void CheckState(const char *path, PetscInt step, PetscInt points, PetscIn
   CheckReals(group, "F", step, points, 9);
   CheckReals(group, "volume", step, points, 1);
   H5Gclose(group);
+  CheckTensors(file, step, points);
   H5Fclose(file);
   MPI_Barrier(PETSC_COMM_WORLD); /* nobody writes while somebody reads */
 }
@@ -237,6 +274,128 @@ START_TEST(test_rows_follow_their_ids)
   CheckState(PathOf(name), 50, points, dim);
   CALL(MpmOutputDestroy(&output));
   ck_assert_ptr_null(output);
+}
+END_TEST
+
+/* Slabs of a row or a few, the last one shorter, ranks with fewer rows than others. */
+START_TEST(test_slabs)
+{
+  const PetscInt64 whole = slab_bytes;
+
+  for (PetscInt64 bytes = 8; bytes < 1000; bytes = 3 * bytes + 1) {
+    MpmOutput output;
+
+    slab_bytes = bytes;
+    CALL(CreateOutput(PathOf("slabs"), &output));
+    CALL(WriteState(output, 7, 23, 3));
+    CheckState(PathOf("slabs.h5"), 7, 23, 3);
+    CALL(MpmOutputDestroy(&output));
+  }
+  slab_bytes = whole;
+}
+END_TEST
+
+START_TEST(test_single_precision)
+{
+  MpmOutput output;
+  hid_t     file, dataset, type;
+  char     *text;
+
+  single_precision = PETSC_TRUE;
+  CALL(CreateOutput(PathOf("single"), &output));
+  CALL(WriteState(output, 1, 500, 3));
+  CALL(MpmOutputDestroy(&output));
+  CheckState(PathOf("single.h5"), 1, 500, 3);
+  single_precision = PETSC_FALSE;
+  file             = H5Fopen(PathOf("single.h5"), H5F_ACC_RDONLY, H5P_DEFAULT);
+  dataset          = H5Dopen2(file, "/points/000001/F", H5P_DEFAULT);
+  type             = H5Dget_type(dataset);
+  ck_assert_uint_eq(H5Tget_size(type), sizeof(float));
+  ck_assert_uint_eq(H5Dget_storage_size(dataset), 500 * 9 * sizeof(float));
+  H5Tclose(type);
+  H5Dclose(dataset);
+  /* the other order of a tensor's components takes no room */
+  dataset = H5Dopen2(file, "/tensors/points/000001/stress", H5P_DEFAULT);
+  ck_assert_uint_eq(H5Dget_storage_size(dataset), 0);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  text = ReadFile(PathOf("single.xdmf"));
+  ck_assert_int_eq(CountOf(text, "NumberType=\"Float\" Precision=\"4\""), 4);
+  free(text);
+}
+END_TEST
+
+/* A row of cells along x, dealt like points: nodes 2i and 2i + 1 lie below and above each other. */
+static PetscErrorCode WriteGrid(MpmOutput output, PetscInt step, PetscInt columns)
+{
+  PetscInt      *id, *cell_id, *corners, nodes = 0, cells = 0;
+  PetscReal     *position;
+  PetscErrorCode code;
+
+  CALL(PetscMalloc4((size_t)(2 * columns), &id, (size_t)(4 * columns), &position, (size_t)columns, &cell_id,
+                    (size_t)(4 * columns), &corners));
+  for (PetscInt i = 0; i < 2 * columns; ++i) {
+    if (HolderOf(i, 5) != my_rank) continue;
+    id[nodes]               = i;
+    position[2 * nodes]     = (PetscReal)(i / 2);
+    position[2 * nodes + 1] = (PetscReal)(i % 2);
+    nodes++;
+  }
+  for (PetscInt i = 0; i + 1 < columns; ++i) {
+    const PetscInt around[] = {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1};
+
+    if (HolderOf(i, 6) != my_rank) continue;
+    cell_id[cells] = i;
+    for (PetscInt c = 0; c < 4; ++c) corners[4 * cells + c] = around[c];
+    cells++;
+  }
+  {
+    const MpmDataset sets[]     = {{.name = "position", .components = 2, .real = position}};
+    const MpmDataset cell_set   = {.name = "nodes", .components = 4, .integer = corners};
+    const MpmTable   node_table = {nodes, id, 1, sets}, cell_table = {cells, cell_id, 1, &cell_set};
+
+    code = MpmOutputWriteGrid(output, step, 0.1 * (PetscReal)step, &node_table, &cell_table);
+  }
+  CALL(PetscFree4(id, position, cell_id, corners));
+  return code;
+}
+
+START_TEST(test_grid)
+{
+  MpmOutput output;
+  hid_t     file;
+  double   *values;
+  char     *text;
+
+  CALL(CreateOutput(PathOf("lattice"), &output));
+  CALL(WriteState(output, 0, 10, 2));
+  CALL(WriteGrid(output, 0, 4));
+  CALL(WriteState(output, 5, 10, 2));
+  CALL(WriteGrid(output, 5, 6));
+  CALL(MpmOutputDestroy(&output));
+  CheckState(PathOf("lattice.h5"), 5, 10, 2);
+  file   = H5Fopen(PathOf("lattice.h5"), H5F_ACC_RDONLY, H5P_DEFAULT);
+  values = ReadDataset(file, "/grid/000005/nodes/position", 12, 2);
+  for (PetscInt i = 0; i < 12; ++i) ck_assert(values[2 * i] == (double)(i / 2) && values[2 * i + 1] == (double)(i % 2));
+  free(values);
+  values = ReadDataset(file, "/grid/000005/cells/nodes", 5, 4);
+  for (PetscInt i = 0; i < 5; ++i) {
+    ck_assert(values[4 * i] == 2. * i && values[4 * i + 1] == 2. * i + 2.);
+    ck_assert(values[4 * i + 2] == 2. * i + 3. && values[4 * i + 3] == 2. * i + 1.);
+  }
+  free(values);
+  H5Fclose(file);
+  text = ReadFile(PathOf("lattice.xdmf"));
+  ck_assert_int_eq(CountOf(text, "CollectionType=\"Temporal\""), 2);
+  ck_assert_int_eq(CountOf(text, "<Time Value=\"0.5\"/>"), 2);
+  ck_assert_ptr_nonnull(strstr(text, "TopologyType=\"Quadrilateral\" NumberOfElements=\"5\""));
+  ck_assert_ptr_nonnull(strstr(text, "Dimensions=\"5 4\">lattice.h5:/grid/000005/cells/nodes<"));
+  ck_assert_msg(strstr(text, "Polyvertex") > strstr(text, "Quadrilateral"), "the points must come last");
+  free(text);
+  text = ReadFile(PathOf("lattice_grid.xdmf"));
+  ck_assert_int_eq(CountOf(text, "CollectionType=\"Temporal\""), 1);
+  ck_assert_int_eq(CountOf(text, "TopologyType"), 2);
+  free(text);
 }
 END_TEST
 
@@ -285,8 +444,9 @@ START_TEST(test_index_lists_every_state)
   ck_assert_int_eq(CountOf(text, "NumberOfElements=\"20\""), 3);
   ck_assert_int_eq(CountOf(text, "GeometryType=\"XY\""), 1);
   ck_assert_int_eq(CountOf(text, "GeometryType=\"XYZ\""), 2);
-  ck_assert_int_eq(CountOf(text, "Dimensions=\"20 6\">index.h5:/points/000010/stress<"), 1);
-  ck_assert_int_eq(CountOf(text, "Name=\"stress\" AttributeType=\"Matrix\""), 3);
+  ck_assert_int_eq(CountOf(text, "Dimensions=\"20 6\">index.h5:/tensors/points/000010/stress<"), 1);
+  ck_assert_int_eq(CountOf(text, "Dimensions=\"20\">index.h5:/points/000010/id<"), 1);
+  ck_assert_int_eq(CountOf(text, "Name=\"stress\" AttributeType=\"Tensor6\""), 3);
   ck_assert_int_eq(CountOf(text, "Name=\"F\" AttributeType=\"Tensor\""), 3);
   ck_assert_int_eq(CountOf(text, "Name=\"volume\" AttributeType=\"Scalar\""), 3);
   ck_assert_int_eq(CountOf(text, "<Grid"), CountOf(text, "</Grid>"));
@@ -302,8 +462,8 @@ START_TEST(test_bad_rows_are_refused)
   PetscInt  id[2]       = {0, 0};
   PetscInt  count       = my_rank == 0 ? 2 : 0;
 
-  const MpmDataset good[] = {{"position", 2, position, NULL}};
-  const MpmDataset lost[] = {{"stress", 2, position, NULL}};
+  const MpmDataset good[] = {{.name = "position", .components = 2, .real = position}};
+  const MpmDataset lost[] = {{.name = "stress", .components = 2, .real = position}};
   MpmOutput        output;
 
   CALL(CreateOutput(PathOf("bad"), &output));
@@ -500,6 +660,9 @@ static void AddPoints(Suite *suite, const char *name, void (*choose)(void))
 
   tcase_add_checked_fixture(points, choose, CheckNothingOpen);
   tcase_add_loop_test(points, test_rows_follow_their_ids, 0, 4);
+  tcase_add_test(points, test_slabs);
+  tcase_add_test(points, test_single_precision);
+  tcase_add_test(points, test_grid);
   tcase_add_test(points, test_no_points_at_all);
   tcase_add_test(points, test_a_new_run_truncates);
   tcase_add_test(points, test_index_lists_every_state);
