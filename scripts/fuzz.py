@@ -51,7 +51,7 @@ def parse_scene(text):
     def take(prefix, key, value):
         value = value.strip()
         if value.startswith("{"):
-            for pair in re.findall(r'(\w+):\s*("[^"]*"|[^,}]+)', value):
+            for pair in re.findall(r'(\w+):\s*("[^"]*"|\{[^{}]*\}|[^,{}]+)', value[1:]):
                 take(f"{prefix}_{key}", *pair)
         elif value:
             options[f"{prefix}_{key}"] = value.strip('"')

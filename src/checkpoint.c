@@ -220,8 +220,10 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
 
     PetscCall(DMSwarmGetField(particles->swarm, field->name, NULL, NULL, &array[k]));
     if (!k) continue; /* the ids tell the rows */
-    set[k - 1] = (MpmDataset){field->name, field->components, field->integer ? NULL : (const PetscReal *)array[k],
-                              field->integer ? (const PetscInt *)array[k] : NULL};
+    set[k - 1] = (MpmDataset){.name       = field->name,
+                              .components = field->components,
+                              .real       = field->integer ? NULL : (const PetscReal *)array[k],
+                              .integer    = field->integer ? (const PetscInt *)array[k] : NULL};
   }
   for (PetscInt p = 0; p < count; p++) {
     place[p]         = model->rank;

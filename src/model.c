@@ -438,7 +438,10 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
 static PetscErrorCode OpenResults(MpmModel model)
 {
   PetscFunctionBeginUser;
-  if (model->output_every) PetscCall(MpmOutputCreate(model->comm, model->prefix, &model->output));
+  if (model->output_every) {
+    PetscCall(MpmOutputCreate(model->comm, model->prefix, &model->output));
+    PetscCall(MpmOutputSetSingle(model->output, model->output_single));
+  }
   if (model->output && model->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
   PetscCall(MpmModelCreateHistory(model));
   if (model->output && model->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
