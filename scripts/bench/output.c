@@ -25,7 +25,7 @@ typedef struct {
 /* Component c of a point's value: exact in single precision, too. */
 static inline double ValueOf(PetscInt id, PetscInt c)
 {
-  return (double)(id % 4000000) + 0.125 * (double)c;
+  return (double)(id % 2000000) + 0.125 * (double)c;
 }
 
 static PetscErrorCode Fill(const void *ctx, PetscReal values[])
