@@ -155,17 +155,19 @@ static PetscErrorCode ShareLost(MpmParticles *particles, const MpmGrid *grid, Pe
 static PetscErrorCode FindMissing(MpmParticles *particles, const MpmGrid *grid, PetscInt count,
                                   const Traveller travellers[])
 {
-  PetscInt   *id, local, rows, first, *found, *once, wrong[2] = {PETSC_INT_MAX, 0};
+  PetscInt   *id, local, rows, first, *found, *once, wrong[2] = {PETSC_INT_MAX, 0}, ids = (PetscInt)particles->total;
   PetscLayout layout;
   PetscSF     sf;
   PetscBool   seen = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscLayoutCreateFromSizes(grid->comm, PETSC_DECIDE, (PetscInt)particles->total, 1, &layout));
-  PetscCall(PetscLayoutGetLocalSize(layout, &rows));
-  PetscCall(PetscLayoutGetRange(layout, &first, NULL));
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &local));
   PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  for (PetscInt p = 0; p < local; p++) ids = PetscMax(ids, id[p] + 1); /* bodies that were taken away leave holes */
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &ids, 1, MPIU_INT, MPI_MAX, grid->comm));
+  PetscCall(PetscLayoutCreateFromSizes(grid->comm, PETSC_DECIDE, ids, 1, &layout));
+  PetscCall(PetscLayoutGetLocalSize(layout, &rows));
+  PetscCall(PetscLayoutGetRange(layout, &first, NULL));
   PetscCall(PetscSFCreate(grid->comm, &sf));
   PetscCall(PetscSFSetGraphLayout(sf, layout, local, NULL, PETSC_COPY_VALUES, id));
   PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
