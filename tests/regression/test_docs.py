@@ -30,7 +30,7 @@ def pages():
     """README.md, then docs/README.md and the pages that it lists, in its order."""
     index = ROOT / "docs" / "README.md"
     listed = [ROOT / "docs" / name for name in re.findall(r"\]\(([\w-]+\.md)\)", index.read_text(encoding="utf-8"))]
-    return [ROOT / "README.md", index] + list(dict.fromkeys(listed))
+    return [ROOT / "README.md", index] + [page for page in dict.fromkeys(listed) if page.exists()]
 
 
 def commands(text):
