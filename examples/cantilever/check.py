@@ -17,12 +17,12 @@ TABLE_SETTINGS = {"mpm_shape": "gimp", "mpm_body_beam_points_per_cell": "6,6", "
 TABLE_REACH = 1e-3  # of the length
 ELASTICA_REACH = 0.025  # relative, of v at full load
 LOOSE_REACH = 0.05  # the same where no table applies
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(200)  # Gauss's rule on [-1, 1]
 
 
 def legendre_integral(function, lower, upper):
     """Gauss's rule with 200 points."""
-    nodes, weights = np.polynomial.legendre.leggauss(200)
-    return 0.5 * (upper - lower) * np.sum(weights * function(0.5 * (upper + lower) + 0.5 * (upper - lower) * nodes))
+    return 0.5 * (upper - lower) * np.sum(WEIGHTS * function(0.5 * (upper + lower) + 0.5 * (upper - lower) * NODES))
 
 
 def elastica(alpha):
