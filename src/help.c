@@ -20,7 +20,8 @@ static const char introduction[] =
   "stands for such a name. Lists are separated by commas; vectors have one number an axis, two in 2D and three in 3D.\n"
   "Units are SI where the scene is; in brackets: unit, what is accepted, and the default.\n"
   "\n"
-  "Exit status: 0 completed; 2 the scene is wrong, nothing was written; 3 gave up, the results so far are there.\n";
+  "Exit status: 0 completed; 2 the scene is wrong, nothing was written; 3 gave up, the results so far are there; 4 a\n"
+  "file could not be written.\n";
 
 static const char closing[] =
   "\nPETSc's options that are often of use\n"

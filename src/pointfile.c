@@ -7,6 +7,7 @@
   components has a column each: stress_xx, F_xy, half_length_x; the position's are x, y and z. Rank 0 reads.
 */
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -117,6 +118,10 @@ static PetscErrorCode ReadText(const char *path, char **text, char message[MESSA
   PetscFunctionBeginUser;
   *text = NULL;
   if (stream && !fseek(stream, 0, SEEK_END)) length = ftell(stream);
+  if (length == LONG_MAX) { /* a folder */
+    errno  = EISDIR;
+    length = -1;
+  }
   if (length < 0) PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "cannot be read: %s", strerror(errno)));
   else {
     rewind(stream);
