@@ -72,10 +72,12 @@ static PetscErrorCode KnowsType(MpmModel model, const char *kind, const char *ty
   PetscErrorCode error;
   Mat            mat;
   Vec            vec;
+  SNES           snes;
   KSP            ksp;
   PC             pc;
 
   PetscFunctionBeginUser;
+  PetscCall(SNESCreate(model->comm, &snes));
   PetscCall(MatCreate(model->comm, &mat));
   PetscCall(VecCreate(model->comm, &vec));
   PetscCall(VecSetSizes(vec, 1, PETSC_DETERMINE));
@@ -84,6 +86,7 @@ static PetscErrorCode KnowsType(MpmModel model, const char *kind, const char *ty
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   if (!strcmp(kind, "mpm_mat_type")) error = MatSetType(mat, type);
   else if (!strcmp(kind, "mpm_vec_type")) error = VecSetType(vec, type);
+  else if (!strcmp(kind, "snes_type")) error = SNESSetType(snes, type);
   else if (!strcmp(kind, "ksp_type")) error = KSPSetType(ksp, type);
   else error = PCSetType(pc, type);
   PetscCall(PetscPopErrorHandler());
@@ -92,13 +95,14 @@ static PetscErrorCode KnowsType(MpmModel model, const char *kind, const char *ty
   PetscCall(VecDestroy(&vec));
   PetscCall(KSPDestroy(&ksp));
   PetscCall(PCDestroy(&pc));
+  PetscCall(SNESDestroy(&snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A type that PETSc does not know must end the run with one line, before anything is written. */
 static PetscErrorCode CheckTypes(MpmModel model)
 {
-  static const char *const kinds[] = {"mpm_mat_type", "mpm_vec_type", "ksp_type", "pc_type"};
+  static const char *const kinds[] = {"mpm_mat_type", "mpm_vec_type", "snes_type", "ksp_type", "pc_type"};
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kinds); k++) {
