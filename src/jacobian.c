@@ -9,12 +9,14 @@
 MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[], const PetscReal *const row[],
                        PetscBool add, PetscReal *restrict to)
 {
-  const PetscReal *restrict a = row[0], *restrict b = row[1], *restrict c = row[2];
-
   if (count == 2) {
+    const PetscReal *restrict a = row[0], *restrict b = row[1];
+
 #pragma GCC unroll 1
     for (PetscInt m = 0; m < length; m++) to[m] = (add ? to[m] : 0.) + factor[0] * a[m] + factor[1] * b[m];
   } else if (count == 3) {
+    const PetscReal *restrict a = row[0], *restrict b = row[1], *restrict c = row[2];
+
 #pragma GCC unroll 1
     for (PetscInt m = 0; m < length; m++)
       to[m] = (add ? to[m] : 0.) + factor[0] * a[m] + factor[1] * b[m] + factor[2] * c[m];

@@ -160,8 +160,8 @@ static PetscErrorCode ChooseSolver(MpmModel model, PetscReal unknowns, const cha
 }
 
 /*
-  What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Cholesky without pivoting is at
-  its best scaled by the diagonal, and in 2D quasi-dense minimum degree (QAMD) beats nested dissection below this size.
+  What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Of MUMPS' scalings for
+  symmetric matrices that by the diagonal costs least, and in 2D quasi-dense minimum degree (QAMD) beats nested dissection below this size.
 */
 #define MINIMUM_DEGREE_MOST 5e4
 
@@ -363,8 +363,7 @@ static PetscErrorCode Renew(MpmModel model)
   if (model->may_be_indefinite && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
     model->may_be_indefinite = PETSC_FALSE;
     model->indefinite        = PETSC_TRUE;
-    if (!model->quiet)
-      PetscCall(PetscPrintf(model->comm, "       the Jacobian is not positive definite; from here on with GMRES\n"));
+    PetscCall(MpmTerminalNote(model, "the Jacobian is not positive definite; from here on with GMRES"));
   }
   PetscCall(SNESDestroy(&model->snes));
   PetscCall(CreateSNES(model));
