@@ -180,6 +180,19 @@ static PetscErrorCode TuneDirect(MpmModel model, PetscReal unknowns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The factor that `auto` takes. F-bar takes stiffness from points at the edge of the material, too much where splines
+  reach beyond it, and boundaries push there: both want the penalty whatever the solver. Otherwise the choice of a solver
+  shall not change the answer. A direct one does without, and with hats in 2D multigrid needs but little. Slivers of
+  splines, and in 3D, are smaller powers of what the material overlaps, and need more.
+*/
+static PetscReal GhostFactor(const MpmModel model, PetscBool direct)
+{
+  if (model->fbar || model->boundary_count) return MPM_GHOST_FACTOR;
+  if (direct) return 0.;
+  return model->grid.dim == 2 && MpmShapeDegree(model->shape) == 1 ? MPM_GHOST_LEAST : MPM_GHOST_FACTOR;
+}
+
 PetscErrorCode MpmSolverChoose(MpmModel model)
 {
   const char *name     = model->solver;
@@ -206,12 +219,8 @@ PetscErrorCode MpmSolverChoose(MpmModel model)
     if (!model->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
   }
   if (model->ghost == MPM_GHOST_AUTO) {
-    /*
-      F-bar takes stiffness from points at the edge of the material, too much where splines reach beyond it; boundaries
-      push there
-    */
-    model->ghost        = direct && !model->fbar && !model->boundary_count ? 0. : MPM_GHOST_FACTOR;
-    model->ghost_rescue = (PetscBool)(model->ghost == 0.);
+    model->ghost        = GhostFactor(model, direct);
+    model->ghost_rescue = (PetscBool)(model->ghost < MPM_GHOST_FACTOR);
   }
   PetscCall(CreateSNES(model));
   PetscFunctionReturn(PETSC_SUCCESS);

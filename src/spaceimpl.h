@@ -9,8 +9,9 @@
 #define MPM_MAX_BLOCK    8    /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS   24   /* inputs of a kernel */
 #define MPM_GHOST_AUTO   -1.  /* the factor follows the solver */
-#define MPM_GHOST_FACTOR 1e-4 /* the factor for iterative solvers */
-#define MPM_GHOST_RESCUE 1e-2 /* and where a step has failed without */
+#define MPM_GHOST_LEAST  3e-7 /* the factor for iterative solvers with hats in 2D, */
+#define MPM_GHOST_FACTOR 1e-4 /* with all others, */
+#define MPM_GHOST_RESCUE 1e-2 /* and where a step has failed with less */
 #define MPM_TOLERANCE    1e-6 /* of a cell: what counts as "on" a region's edge */
 
 /* det of a dim x dim matrix */
