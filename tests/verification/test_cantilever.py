@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The cantilever: tip displacements against an independent program's, by cell size, and against the elastica."""
+"""The cantilever: tip displacements against an independent program's, by cell size, and against the elastica; and how
+much the ghost penalty that comes with multigrid moves the tip."""
 import sys
 from pathlib import Path
 
@@ -11,6 +12,21 @@ from talus_test import EXAMPLES, Test, example, read_table  # noqa: E402
 LENGTH = 10.0  # m
 REACH = 1e-3  # of the length
 ALPHA = 10.0  # F L^2/(E I) at full load
+PENALTY_REACH = 2e-3  # of the length
+MULTIGRID_MOST = 25.0  # iterations of a linear solve, on average
+
+
+def tip(run):
+    return np.array([run.results.column(f"track_tip_u{axis}")[-1] for axis in "xy"])
+
+
+def with_multigrid(test, label, direct, **options):
+    """The same run with GAMG and the penalty that `auto` takes: about the same tip, in few iterations."""
+    run = test.run(example("cantilever"), ranks=2, mpm_output_every=50, mpm_quiet=None, mpm_solver="amg", **options)
+    summary = run.results.summary
+    test.check(f"{label}.penalty_moves_tip", np.linalg.norm(tip(run) - tip(direct)) / LENGTH, 1e-6, PENALTY_REACH)
+    test.check(f"{label}.multigrid_iterations", summary["linear_iterations"] / summary["newton_iterations"], None, MULTIGRID_MOST)
+
 
 with Test() as test:
     table = read_table(EXAMPLES / "cantilever" / "reference.csv")
@@ -25,3 +41,5 @@ with Test() as test:
         test.check(f"{label}.v_over_elastica_bound", values["v_over_elastica"], 0.975, 1.025)
         test.check(f"{label}.newton_mean", run.newton.mean(), None, 5.0)
         test.check(f"{label}.step_cuts", run.results.summary["step_cuts"], None, 0)
+        if size in (0.25, 0.125):
+            with_multigrid(test, label, run, mpm_grid_cells=f"{cells},{cells}")
