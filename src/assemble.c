@@ -10,6 +10,17 @@ PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
   return PETSC_FALSE;
 }
 
+/* Where the kernel writes what the step's end would be. */
+MPM_INLINE void TrialPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
+{
+  const MpmTrial *trial = sum->trial;
+  const PetscInt  dim   = sum->space->dim;
+
+  point->F      = &trial->F[p * dim * dim];
+  point->stress = &trial->stress[p * (dim == 2 ? 4 : 6)];
+  if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
+}
+
 /* Residual of one group's points. */
 MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                         PetscBool weights, const PetscReal u[], MpmWorkspace *work,
@@ -26,6 +37,7 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
     MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
     MpmSumMean(sum, group, p, &point, input);
+    if (sum->trial) TrialPoint(sum, p, &point);
     if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
     else MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
@@ -53,104 +65,104 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Keeps the increment's gradient by the new position: with g by the old one, g (I + g)^{-1} = I - (I + g)^{-1}. */
-static void KeepGradient(PetscInt dim, const PetscReal g[], PetscReal gradient[])
+/* F^{-1} */
+static void Invert(PetscInt dim, const PetscReal F[], PetscReal inverse[])
 {
-  PetscReal F[9], C[9], det;
+  const PetscReal det = MpmDeterminant(dim, F);
 
-  for (PetscInt k = 0; k < dim * dim; k++) F[k] = g[k] + (k % (dim + 1) ? 0. : 1.);
   if (dim == 2) {
-    det = F[0] * F[3] - F[1] * F[2];
-    for (PetscInt k = 0; k < 4; k++) C[k] = (k % 3 ? -F[k] : F[3 - k]) / det;
-  } else {
-    for (PetscInt i = 0; i < 3; i++)
-      for (PetscInt j = 0; j < 3; j++) {
-        const PetscInt i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-
-        C[j * 3 + i] = F[i1 * 3 + j1] * F[i2 * 3 + j2] - F[i1 * 3 + j2] * F[i2 * 3 + j1];
-      }
-    det = F[0] * C[0] + F[1] * C[3] + F[2] * C[6];
-    for (PetscInt k = 0; k < 9; k++) C[k] /= det;
+    for (PetscInt k = 0; k < 4; k++) inverse[k] = (k % 3 ? -F[k] : F[3 - k]) / det;
+    return;
   }
-  for (PetscInt k = 0; k < dim * dim; k++) gradient[k] = (k % (dim + 1) ? 0. : 1.) - C[k];
-}
+  for (PetscInt i = 0; i < 3; i++)
+    for (PetscInt j = 0; j < 3; j++) {
+      const PetscInt i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
 
-/* Moves a point by the increment at its nodes and takes over its new values of fields with a rate. */
-static void MovePoint(const MpmSum *sum, PetscInt p, PetscInt n, const PetscReal values[], const MpmBasis *basis)
-{
-  const MpmLayout *layout = sum->layout;
-  const PetscInt   dim    = sum->space->dim;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscReal du = 0.;
-
-    for (PetscInt i = 0; i < n; i++) du += basis->basis[0][i] * values[a * n + i];
-    sum->points->x[p * dim + a] += du;
-    if (sum->points->increment) sum->points->increment[p * dim * (dim + 1) + a] = du;
-  }
-  for (PetscInt r = 0; r < layout->rates; r++) {
-    PetscReal value = 0.;
-
-    for (PetscInt i = 0; i < n; i++) value += basis->basis[0][i] * values[layout->rate_component[r] * n + i];
-    sum->points->value[p * layout->rates + r] = value;
-  }
-}
-
-/* One group's part of the commit; `state` and F are room for one point. */
-MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                      const PetscReal u[], MpmWorkspace *work, PetscReal state[], PetscReal residual[],
-                                      PetscInt *failed)
-{
-  PetscReal F[MPM_MAX_DIM * MPM_MAX_DIM];
-
-  MpmSumGather(known, sum, group, u, work->values);
-  for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p = sum->space->order[s], size = sum->materials[sum->points->material[p]].state_size;
-    MpmKernelPoint point;
-    PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
-
-    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
-    MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
-    MpmSumPoint(sum, p, &point);
-    MpmSumMean(sum, group, p, &point, input);
-    /* the kernel reads state n while it writes n+1 */
-    if (size) point.state = state;
-    point.F      = F;
-    point.stress = &sum->points->stress[p * (known.dim == 2 ? 4 : 6)];
-    if (sum->layout->kernel->residual(&point, input, flux)) {
-      (*failed)++;
-      continue;
+      inverse[j * 3 + i] = (F[i1 * 3 + j1] * F[i2 * 3 + j2] - F[i1 * 3 + j2] * F[i2 * 3 + j1]) / det;
     }
-    MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
-    MovePoint(sum, p, known.n, work->values, &work->basis);
-    if (sum->points->increment)
-      KeepGradient(known.dim, input, &sum->points->increment[p * known.dim * (known.dim + 1) + known.dim]);
-    for (PetscInt k = 0; k < known.dim * known.dim; k++) sum->points->F[p * known.dim * known.dim + k] = F[k];
-    for (PetscInt k = 0; k < size; k++) sum->points->state[p * sum->state_size + k] = state[k];
+}
+
+/* The increment's gradient by the new position, I - F_n F_{n+1}^{-1}. */
+static void IncrementGradient(PetscInt dim, const PetscReal F_n[], const PetscReal F[], PetscReal gradient[])
+{
+  PetscReal inverse[MPM_MAX_DIM * MPM_MAX_DIM];
+
+  Invert(dim, F, inverse);
+  for (PetscInt i = 0; i < dim; i++) {
+    for (PetscInt j = 0; j < dim; j++) {
+      PetscReal sum = i == j ? 1. : 0.;
+
+      for (PetscInt k = 0; k < dim; k++) sum -= F_n[i * dim + k] * inverse[k * dim + j];
+      gradient[i * dim + j] = sum;
+    }
   }
-  MpmSumScatter(known, sum, group, work->force, residual);
+}
+
+/* The fields at a point from those at its group's nodes, [c][i]. */
+MPM_INLINE void Interpolate(const MpmKnown known, const MpmSpace *space, PetscInt p, const PetscReal values[],
+                            PetscReal field[])
+{
+  const PetscInt   dim = known.dim, nx = known.count[0], ny = known.count[1], nz = dim == 2 ? 1 : known.count[2];
+  const PetscReal *wx = &space->weight[p * dim * space->width], *wy = wx + space->width, *wz = wy + space->width;
+
+  for (PetscInt c = 0; c < known.block; c++) {
+    const PetscReal *v = &values[c * known.n];
+
+    field[c] = 0.;
+    for (PetscInt l = 0; l < nz; l++) {
+      for (PetscInt j = 0; j < ny; j++, v += nx) {
+        PetscReal row = 0.;
+
+        for (PetscInt k = 0; k < nx; k++) row += wx[k] * v[k];
+        field[c] += (dim == 2 ? wy[j] : wy[j] * wz[l]) * row;
+      }
+    }
+  }
+}
+
+/* One group's points go where the displacement at its nodes takes them. */
+MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                      const PetscReal u[], PetscReal values[])
+{
+  const PetscInt   dim = known.dim, rates = sum->layout->rates;
+  const MpmPoints *points = sum->points;
+
+  MpmSumGather(known, sum, group, u, values);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s];
+    PetscReal      field[MPM_MAX_BLOCK];
+
+    Interpolate(known, sum->space, p, values, field);
+    for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
+    for (PetscInt r = 0; r < rates; r++) points->value[p * rates + r] = field[sum->layout->rate_component[r]];
+    if (points->increment) {
+      PetscReal *increment = &points->increment[p * dim * (dim + 1)];
+
+      for (PetscInt a = 0; a < dim; a++) increment[a] = field[a];
+      IncrementGradient(dim, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim], increment + dim);
+    }
+  }
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed)
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
 {
-  PetscReal   *state;
-  MpmWorkspace work;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim    = sum->space->dim;
+  PetscReal       *values;
 
   PetscFunctionBeginUser;
-  *failed = 0;
-  PetscCall(MpmMeanEvaluate(sum, u, failed));
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(PetscMalloc1((sum->state_size + 1), &state));
+  PetscCall(PetscMalloc1((PetscPowInt(sum->space->width, dim) * sum->layout->block), &values));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, &work, state, residual, failed);
+    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, values);
   }
-  PetscCall(MpmGhostResidual(sum, u, residual));
-  MpmContactsResidual(sum, u, residual);
-  PetscCall(PetscFree(state));
-  PetscCall(PetscFree(work.storage));
+  PetscCall(PetscFree(values));
+  PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
+  PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * (dim == 2 ? 4 : 6)));
+  for (PetscInt p = 0; sum->state_size && p < points->count; p++)
+    PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],
+                            sum->materials[points->material[p]].state_size));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

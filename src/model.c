@@ -50,6 +50,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmConstraintsReset(&model->constraints));
   PetscCall(PetscFree3(model->u, model->residual, model->force));
   PetscCall(PetscFree2(model->mean.value, model->mean.flux));
+  PetscCall(MpmTrialReset(&model->trial));
   PetscCall(PetscFree(model->reaction));
   PetscCall(PetscFree(model->history_row));
   PetscCall(MpmCheckpointDestroy(&model->checkpoint));

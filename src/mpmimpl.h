@@ -180,6 +180,12 @@ typedef struct {
   PetscReal *value, *flux; /* one a cell */
 } MpmMean;
 
+/* What the points would be at the step's end, F, Cauchy stress and history, at the displacement u last evaluated. */
+typedef struct {
+  PetscReal *F, *stress, *state, *u;
+  PetscBool  made; /* it holds what goes with the model's residual */
+} MpmTrial;
+
 /* All that the sums over points need; borrowed from the model for the length of a step. */
 typedef struct {
   const MpmGrid        *grid;
@@ -195,6 +201,7 @@ typedef struct {
   PetscBool             rest;  /* nothing moves: stresses are those of the step's start */
   const MpmContacts    *contacts;
   MpmMean               mean;
+  const MpmTrial       *trial; /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
 /* Do any of the kernel's inputs need the weights, not only their derivatives? */
@@ -219,14 +226,21 @@ static inline MpmCell MpmUnitGroups(const MpmSum *sum, PetscInt unit)
   return sum->layout->means ? sum->space->cells[unit] : (MpmCell){unit, unit + 1, unit};
 }
 
+/*
+  Values of the points, and their gradients by x where `gradient` is not NULL, at the owned nodes (project.c). Point p has
+  `components` values from value[p*stride] and components * dim derivatives from gradient[p*stride].
+*/
+PetscErrorCode MpmProjectToNodes(const MpmSum *sum, PetscInt components, PetscInt stride, const PetscReal value[],
+                                 const PetscReal gradient[], PetscReal nodal[]);
+
 /* Finds the cells that means are taken over, after the groups (mean.c). */
 PetscErrorCode MpmMeanCells(MpmSpace *space, const MpmPoints *points);
 /* Means and their fluxes for a displacement; does nothing where the physics has none. */
 PetscErrorCode MpmMeanEvaluate(const MpmSum *sum, const PetscReal u[], PetscInt *failed);
 /* Local residual += sum over points of phi flux(u). `failed` counts points without an answer on this rank. */
 PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
-/* Like it, and writes history, F, stress, positions and rate values of the converged step. */
-PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
+/* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);
 
 /*
   The sparsity pattern, in node blocks, and where this rank's contributions go: rows of owned nodes hold what any rank
@@ -509,6 +523,7 @@ struct _p_MpmModel {
   MpmSum         sum;
   MpmMean        mean;
   MpmContacts    contacts;
+  MpmTrial       trial;
   PetscReal     *u, *residual, *force; /* local nodes */
   PetscBool      committed;            /* do these three tell of the last step that has become the state? */
   PetscReal      diagonal;             /* of held unknowns: a typical stiffness */
@@ -574,6 +589,8 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 /* Residual, Jacobian, convergence test and line search, handed to SNES (newton.c). */
 PetscErrorCode MpmNewtonAttach(MpmModel model);
 PetscErrorCode MpmNewtonSetMats(MpmModel model);
+/* Sums the residual of model->u over the points, force included, and leaves it with the nodes' owners, along the axes. */
+PetscErrorCode MpmSumResidual(MpmModel model, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */
 PetscErrorCode MpmGatherSolution(MpmModel model, Vec x);
 /* Presets, PETSc's solver objects and their options (solver.c). */
@@ -588,6 +605,7 @@ PetscErrorCode MpmSolverDestroy(MpmModel model);
   Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.
   `again`: the points have not moved since the last call, the space stands.
 */
+PetscErrorCode MpmTrialReset(MpmTrial *trial);
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
 /*
   One step from model->time to `time`, dt later; `again` as above. `why` is NULL when it converged, otherwise the

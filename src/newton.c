@@ -17,6 +17,33 @@ PetscErrorCode MpmGatherSolution(MpmModel model, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSumResidual(MpmModel model, PetscInt *failed)
+{
+  const PetscInt count = model->space.local * model->layout.block;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++) model->residual[k] = -model->force[k];
+  model->sum.trial = model->sum.rest ? NULL : &model->trial;
+  PetscCall(MpmResidualLocal(&model->sum, model->u, model->residual, failed));
+  PetscCall(MpmSpaceAddToOwners(&model->space, model->layout.block, model->residual));
+  model->trial.made = (PetscBool)(model->sum.trial != NULL);
+  if (model->trial.made) PetscCall(PetscArraycpy(model->trial.u, model->u, count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same with the Jacobian's sums, in one pass. */
+static PetscErrorCode SumBoth(MpmModel model, PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->space.local * model->layout.block; k++) model->residual[k] = -model->force[k];
+  model->overwritten = PETSC_TRUE;
+  model->trial.made  = PETSC_FALSE;
+  PetscCall(MpmPatternBegin(&model->pattern, &model->space, model->jacobian));
+  PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, model->residual, failed));
+  PetscCall(MpmSpaceAddToOwners(&model->space, model->layout.block, model->residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   f = internal - external force; on held unknowns, diagonal * (u - value). Where a point has no answer f becomes
   infinite and SNES backs off. The tangents' kernel gives the fluxes too: where a Jacobian at the same place is sure to
@@ -35,15 +62,10 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   (void)snes;
   PetscCall(PetscTime(&since));
   PetscCall(MpmGatherSolution(model, x));
-  for (PetscInt k = 0; k < model->space.local * bs; k++) model->residual[k] = -model->force[k];
   model->made  = (PetscBool)(model->ahead && model->jacobian_type == MPM_JACOBIAN_LOCAL);
   model->ahead = PETSC_FALSE;
-  if (model->made) {
-    model->overwritten = PETSC_TRUE;
-    PetscCall(MpmPatternBegin(&model->pattern, &model->space, model->jacobian));
-    PetscCall(MpmJacobianLocal(&model->sum, model->u, &model->pattern, model->residual, &failed));
-  } else PetscCall(MpmResidualLocal(&model->sum, model->u, model->residual, &failed));
-  PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
+  if (model->made) PetscCall(SumBoth(model, &failed));
+  else PetscCall(MpmSumResidual(model, &failed));
   MpmFramesToUnknowns(&model->constraints, bs, model->space.owned, model->residual);
   PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));

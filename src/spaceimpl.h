@@ -360,11 +360,4 @@ PetscErrorCode MpmListsDestroy(MpmLists *lists);
 typedef struct {
   PetscReal *basis[MPM_MAX_DIM + 1];
 } MpmBasis;
-/*
-  Values of the points, and their gradients by x where `gradient` is not NULL, at the owned nodes (project.c). Point p has
-  `components` values from value[p*stride] and components * dim derivatives from gradient[p*stride].
-*/
-PetscErrorCode MpmProjectToNodes(const MpmSpace *space, const MpmGrid *grid, const MpmPoints *points,
-                                 PetscInt components, PetscInt stride, const PetscReal value[],
-                                 const PetscReal gradient[], PetscReal nodal[]);
-void           MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
+void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);

@@ -12,8 +12,7 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
   PetscFunctionBeginUser;
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((model->space.owned * rates), &nodal));
-  PetscCall(
-    MpmProjectToNodes(&model->space, &model->grid, &model->points, rates, rates, model->points.value, NULL, nodal));
+  PetscCall(MpmProjectToNodes(&model->sum, rates, rates, model->points.value, NULL, nodal));
   for (PetscInt k = 0; k < model->space.owned * rates; k++)
     u[k / rates * bs + model->layout.rate_component[k % rates]] = nodal[k];
   PetscCall(PetscFree(nodal));
@@ -32,8 +31,7 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->space.owned * dim), &nodal));
-  PetscCall(MpmProjectToNodes(&model->space, &model->grid, &model->points, dim, dim + dim * dim, increment,
-                              increment + dim, nodal));
+  PetscCall(MpmProjectToNodes(&model->sum, dim, dim + dim * dim, increment, increment + dim, nodal));
   for (PetscInt k = 0; k < model->space.owned * dim; k++)
     u[k / dim * bs + k % dim] = nodal[k] * model->sum.dt / model->dt_last;
   PetscCall(PetscFree(nodal));
@@ -70,10 +68,18 @@ static MpmRules Rules(MpmModel model)
                     .mean       = (PetscBool)(model->layout.means > 0)};
 }
 
+PetscErrorCode MpmTrialReset(MpmTrial *trial)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree4(trial->F, trial->stress, trial->state, trial->u));
+  trial->made = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
 {
-  const PetscInt bs = model->layout.block;
+  const PetscInt bs = model->layout.block, dim = model->grid.dim;
 
   PetscFunctionBeginUser;
   model->committed = PETSC_FALSE;
@@ -84,6 +90,11 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscCall(PetscFree3(model->u, model->residual, model->force));
   PetscCall(PetscMalloc3((model->space.local * bs), &model->u, (model->space.local * bs), &model->residual,
                          (model->space.local * bs), &model->force));
+  PetscCall(MpmTrialReset(&model->trial));
+  PetscCall(PetscMalloc4((model->points.count * dim * dim), &model->trial.F,
+                         (model->points.count * model->particles.stress_size), &model->trial.stress,
+                         (model->points.count * model->particles.state_size), &model->trial.state,
+                         (model->space.local * bs), &model->trial.u));
   PetscCall(PetscFree2(model->mean.value, model->mean.flux));
   PetscCall(PetscMalloc2(model->space.cell_count, &model->mean.value, model->space.cell_count, &model->mean.flux));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
@@ -161,24 +172,24 @@ static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
   return PETSC_TRUE;
 }
 
-/* How far a group's nodes move along each axis; no point moves further than three times that, by any shape. */
-static void GroupReach(const MpmModel model, const MpmGroup *group, PetscReal reach[])
+/*
+  Can no point of a group reach the grid's edge? They lie between its nodes, and none moves further than three times what
+  a node does, by any shape.
+*/
+static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
 {
-  const PetscInt dim = model->grid.dim, bs = model->layout.block;
+  const MpmGrid *grid = &model->grid;
+  const PetscInt bs   = model->layout.block;
 
-  for (PetscInt a = 0; a < dim; a++) reach[a] = 0.;
-  for (PetscInt i = 0; i < group->node_count; i++) {
-    const PetscReal *u = &model->u[model->space.group_nodes[group->node_offset + i] * bs];
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscReal reach = 0.;
 
-    for (PetscInt a = 0; a < dim; a++) reach[a] = PetscMax(reach[a], 3. * PetscAbsReal(u[a]));
+    for (PetscInt i = 0; i < group->node_count; i++)
+      reach = PetscMax(reach, PetscAbsReal(model->u[model->space.group_nodes[group->node_offset + i] * bs + a]));
+    reach *= 3. / grid->h[a];
+    if (!(reach < (PetscReal)group->first[a])) return PETSC_FALSE;
+    if (!((PetscReal)(group->first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
   }
-}
-
-/* Is a place further than that from the grid's edges? */
-static PetscBool FarFromEdge(const MpmGrid *grid, const PetscReal x[], const PetscReal reach[])
-{
-  for (PetscInt a = 0; a < grid->dim; a++)
-    if (!(x[a] - reach[a] > grid->lower[a] && x[a] + reach[a] < grid->upper[a])) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
@@ -196,14 +207,12 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
   for (PetscInt g = 0; g < model->space.group_count && rank == model->size; g++) {
     const MpmGroup *group = &model->space.groups[g];
     const PetscInt *nodes = &model->space.group_nodes[group->node_offset];
-    PetscReal       reach[MPM_MAX_DIM];
 
-    GroupReach(model, group, reach);
+    if (FarFromEdge(model, group)) continue;
     for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
       const PetscInt p              = model->space.order[s];
       PetscReal      x[MPM_MAX_DIM] = {0.};
 
-      if (FarFromEdge(&model->grid, &model->points.x[p * dim], reach)) continue;
       MpmSpaceEvaluate(&model->space, group, p, &basis);
       for (PetscInt a = 0; a < dim; a++) {
         x[a] = model->points.x[p * dim + a];
@@ -225,23 +234,40 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The trial and the residual of the converged displacement: those of the last evaluation, where it was made there. */
+static PetscErrorCode FindTrial(MpmModel model)
+{
+  const PetscInt bs = model->layout.block, count = model->space.local * bs;
+  PetscBool      same = model->trial.made;
+  PetscInt       failed;
+
+  PetscFunctionBeginUser;
+  if (same) PetscCall(PetscArraycmp(model->trial.u, model->u, count, &same));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPIU_BOOL, MPI_LAND, model->comm));
+  if (same) {
+    MpmFramesToAxes(&model->constraints, bs, model->space.owned, model->residual);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSumResidual(model, &failed));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
+             failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The converged step becomes the state; reactions are what the held nodes lack in balance. */
 static PetscErrorCode Commit(MpmModel model)
 {
   const PetscInt bs  = model->layout.block;
   const PetscInt dim = model->grid.dim;
-  PetscInt       failed;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  for (PetscInt k = 0; k < model->space.local * bs; k++) model->residual[k] = -model->force[k];
-  PetscCall(MpmCommitLocal(&model->sum, model->u, model->residual, &failed));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
-  PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
-             failed);
+  PetscCall(FindTrial(model));
+  PetscCall(MpmCommitLocal(&model->sum, model->u));
+  model->trial.made = PETSC_FALSE;
   PetscCall(MpmContactsCommit(&model->contacts, &model->sum, model->u, &model->particles));
-  PetscCall(MpmSpaceAddToOwners(&model->space, bs, model->residual));
   PetscCall(PetscArrayzero(model->reaction, model->bc_count * bs));
   MpmConstraintsAddReactions(&model->constraints, bs, model->space.owned, model->residual, model->reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->reaction, (PetscMPIInt)(model->bc_count * bs), MPIU_REAL, MPIU_SUM,

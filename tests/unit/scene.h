@@ -68,14 +68,13 @@ static inline PetscErrorCode SceneBegin(MpmModel model, PetscReal dt)
 /* The displacement x becomes the state, in balance or not. */
 static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
 {
-  const PetscInt bs = model->layout.block;
-  PetscInt       failed;
+  PetscInt failed;
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(model, x));
-  PetscCall(PetscArrayzero(model->residual, model->space.local * bs));
-  PetscCall(MpmCommitLocal(&model->sum, model->u, model->residual, &failed));
+  PetscCall(MpmSumResidual(model, &failed));
   PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%" PetscInt_FMT " points have no answer", failed);
+  PetscCall(MpmCommitLocal(&model->sum, model->u));
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
   model->time += model->sum.dt;
   PetscFunctionReturn(PETSC_SUCCESS);
