@@ -98,6 +98,27 @@ static void IncrementGradient(PetscInt dim, const PetscReal F_n[], const PetscRe
   }
 }
 
+/* The last increment becomes the one before, with its gradient G by the new position, G F_n F_{n+1}^{-1}. */
+static void KeepIncrement(PetscInt dim, const PetscReal du[], const PetscReal F_n[], const PetscReal F[],
+                          PetscReal increment[])
+{
+  const PetscInt size   = dim * (dim + 1);
+  PetscReal     *before = increment + size, *gradient = increment + dim;
+
+  for (PetscInt k = 0; k < size; k++) before[k] = increment[k];
+  IncrementGradient(dim, F_n, F, gradient);
+  for (PetscInt i = 0; i < dim; i++) {
+    PetscReal row[MPM_MAX_DIM];
+
+    for (PetscInt j = 0; j < dim; j++) {
+      row[j] = before[dim + i * dim + j];
+      for (PetscInt k = 0; k < dim; k++) row[j] -= before[dim + i * dim + k] * gradient[k * dim + j];
+    }
+    for (PetscInt j = 0; j < dim; j++) before[dim + i * dim + j] = row[j];
+    increment[i] = du[i];
+  }
+}
+
 /* The fields at a point from those at its group's nodes, [c][i]. */
 MPM_INLINE void Interpolate(const MpmKnown known, const MpmSpace *space, PetscInt p, const PetscReal values[],
                             PetscReal field[])
@@ -135,12 +156,8 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     Interpolate(known, sum->space, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
     for (PetscInt r = 0; r < rates; r++) points->value[p * rates + r] = field[sum->layout->rate_component[r]];
-    if (points->increment) {
-      PetscReal *increment = &points->increment[p * dim * (dim + 1)];
-
-      for (PetscInt a = 0; a < dim; a++) increment[a] = field[a];
-      IncrementGradient(dim, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim], increment + dim);
-    }
+    if (points->increment) KeepIncrement(dim, field, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim],
+                                         &points->increment[p * MPM_INCREMENT(dim)]);
   }
   return PETSC_SUCCESS;
 }

@@ -244,7 +244,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
     id += total[b];
     bodies[b]->id_end = (PetscInt)id;
   }
-  if (points.increment) PetscCall(PetscArrayzero(points.increment, local * grid->dim * (grid->dim + 1)));
+  if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   particles->total = id;

@@ -539,7 +539,8 @@ struct _p_MpmModel {
   Vec            x, f;
   char           lost[128]; /* tells of a point that left the grid */
   PetscBool      predict;   /* start from the last step's increment */
-  PetscReal      dt_last;   /* of the last step, 0 before the first */
+  PetscReal      dt_last;   /* of the last step, 0 before the first; */
+  PetscReal      dt_before; /* of the one before */
   PetscReal      reference; /* residual of the step in which nothing moves */
   PetscBool      lag;       /* may a Jacobian serve for more than one iteration? */
   PetscBool      solving;   /* SNES is at work: others who ask for a Jacobian get a new one */

@@ -51,7 +51,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
   if (half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (state_size) PetscCall(Register(particles, "state", state_size, PETSC_REAL));
-  if (increment) PetscCall(Register(particles, "increment", dim + dim * dim, PETSC_REAL));
+  if (increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
   if (rates) PetscCall(Register(particles, "value", rates, PETSC_REAL));
   for (PetscInt e = 0; e < extra_count; e++) PetscCall(Register(particles, extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));

@@ -17,6 +17,7 @@ static const struct {
 #define SCALAR(name, kind, member) {name, KIND_##kind, offsetof(struct _p_MpmModel, member)},
   SCALAR("time", REAL, time) SCALAR("step", INT, step) SCALAR("step_cuts", INT, cuts_total)
     SCALAR("step_length", REAL, dt_nominal) SCALAR("step_wanted", REAL, dt_wanted) SCALAR("step_last", REAL, dt_last)
+      SCALAR("step_before_last", REAL, dt_before)
       SCALAR("newton_iterations", INT64, newton_total) SCALAR("linear_iterations", INT64, linear_total)
         SCALAR("active_dofs_max", INT64, active_dofs_max) SCALAR("ghost", REAL, ghost)
           SCALAR("ghost_rescue", BOOL, ghost_rescue) SCALAR("indefinite", BOOL, indefinite)

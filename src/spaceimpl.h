@@ -12,6 +12,7 @@
 #define MPM_GHOST_LEAST  3e-7 /* the factor for iterative solvers with hats in 2D, */
 #define MPM_GHOST_FACTOR 1e-4 /* with all others, */
 #define MPM_GHOST_RESCUE 1e-2 /* and where a step has failed with less */
+#define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
 #define MPM_TOLERANCE    1e-6 /* of a cell: what counts as "on" a region's edge */
 
 /* det of a dim x dim matrix */
@@ -130,7 +131,7 @@ typedef struct {
   PetscReal *stress;    /* Cauchy, xx, yy, zz, xy (, yz, xz) */
   PetscReal *state;     /* state_size values */
   PetscReal *value;     /* rate values */
-  PetscReal *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major */
+  PetscReal *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
 } MpmPoints;
 
 /* A field of the swarm, by its name there. */

@@ -19,22 +19,31 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How much of the change of the rate from step to step is taken to go on: all of it would let errors grow. */
+#define PREDICTED_CHANGE 0.9
+
 /*
-  The last step's increment at the nodes, scaled to the length of this one: loads and motions go on much as before from
-  step to step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
+  The increment that the last two steps let expect, at the nodes: loads and motions go on much as before from step to
+  step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
 */
 static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
-  const PetscInt   dim = model->grid.dim, bs = model->layout.block;
-  const PetscReal *increment = model->points.increment;
-  PetscReal       *nodal;
+  const PetscInt dim = model->grid.dim, bs = model->layout.block, size = dim * (dim + 1);
+  const PetscReal change = model->dt_before > 0. ? PREDICTED_CHANGE * model->sum.dt / model->dt_last : 0.;
+  const PetscReal last   = (1. + change) * model->sum.dt / model->dt_last;
+  const PetscReal before = change > 0. ? change * model->sum.dt / model->dt_before : 0.;
+  PetscReal      *nodal, *expected;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((model->space.owned * dim), &nodal));
-  PetscCall(MpmProjectToNodes(&model->sum, dim, dim + dim * dim, increment, increment + dim, nodal));
-  for (PetscInt k = 0; k < model->space.owned * dim; k++)
-    u[k / dim * bs + k % dim] = nodal[k] * model->sum.dt / model->dt_last;
-  PetscCall(PetscFree(nodal));
+  PetscCall(PetscMalloc2((model->space.owned * dim), &nodal, (model->points.count * size), &expected));
+  for (PetscInt p = 0; p < model->points.count; p++) {
+    const PetscReal *increment = &model->points.increment[p * MPM_INCREMENT(dim)];
+
+    for (PetscInt k = 0; k < size; k++) expected[p * size + k] = last * increment[k] - before * increment[size + k];
+  }
+  PetscCall(MpmProjectToNodes(&model->sum, dim, size, expected, expected + dim, nodal));
+  for (PetscInt k = 0; k < model->space.owned * dim; k++) u[k / dim * bs + k % dim] = nodal[k];
+  PetscCall(PetscFree2(nodal, expected));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -360,6 +369,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(Commit(model));
+  model->dt_before = model->dt_last;
   model->dt_last   = dt;
   model->committed = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
