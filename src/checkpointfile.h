@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include "mpmtextfile.h"
 
-#define MPM_CHECKPOINT_FORMAT 1
+#define MPM_CHECKPOINT_FORMAT 2
 #define MPM_CHECKPOINT_HEAD   512
 
 typedef struct {
