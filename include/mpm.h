@@ -13,7 +13,6 @@
     MpmCommit             converged: history, positions and domains become those of n+1; otherwise nothing has changed
     history, output
 */
-#include <petscdmda.h>
 #include <petscdmswarm.h>
 #include <petscsf.h>
 #include <petscsnes.h>

@@ -156,8 +156,9 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     Interpolate(known, sum->space, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
     for (PetscInt r = 0; r < rates; r++) points->value[p * rates + r] = field[sum->layout->rate_component[r]];
-    if (points->increment) KeepIncrement(dim, field, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim],
-                                         &points->increment[p * MPM_INCREMENT(dim)]);
+    if (points->increment)
+      KeepIncrement(dim, field, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim],
+                    &points->increment[p * MPM_INCREMENT(dim)]);
   }
   return PETSC_SUCCESS;
 }

@@ -113,11 +113,12 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
-  PetscCall(MpmOptionsText(&block, "ghost",
-                           "penalty on the faces of edge cells: auto (1e-4 with F-bar, boundaries, iterative solvers; with these "
-                           "3e-7 for linear and gimp in 2D; else none; 1e-2 from the first step that fails with less), "
-                           "off, or a factor times Young's modulus",
-                           "auto", MPM_OPTIONAL, &ghost));
+  PetscCall(MpmOptionsText(
+    &block, "ghost",
+    "penalty on the faces of edge cells: auto (1e-4 with F-bar, boundaries, iterative solvers; with these "
+    "3e-7 for linear and gimp in 2D; else none; 1e-2 from the first step that fails with less), "
+    "off, or a factor times Young's modulus",
+    "auto", MPM_OPTIONAL, &ghost));
   model->ghost = MPM_GHOST_AUTO;
   if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
   else if (ghost && strcmp(ghost, "auto")) {

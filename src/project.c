@@ -31,8 +31,8 @@ static void PlaceNodes(const MpmGrid *grid, const MpmGroup *group, PetscReal pla
 }
 
 /* sums_i += w_i (value + gradient (x_i - x_p)), one component; `start` is its value at the first node */
-MPM_INLINE void AddComponent(const MpmKnown known, const PetscReal weight[], PetscReal start, const PetscReal gradient[],
-                             const PetscReal place[], PetscReal *restrict sums)
+MPM_INLINE void AddComponent(const MpmKnown known, const PetscReal weight[], PetscReal start,
+                             const PetscReal gradient[], const PetscReal place[], PetscReal *restrict sums)
 {
   const PetscInt n = known.n;
 
@@ -46,7 +46,8 @@ MPM_INLINE void AddComponent(const MpmKnown known, const PetscReal weight[], Pet
   }
 }
 
-MPM_INLINE void WeighNodes(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal volume, PetscReal weight[])
+MPM_INLINE void WeighNodes(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal volume,
+                           PetscReal weight[])
 {
   const PetscInt   dim = known.dim, W = space->width;
   const PetscReal *w[MPM_MAX_DIM] = {&space->weight[p * dim * W], &space->weight[(p * dim + 1) * W], NULL};

@@ -17,10 +17,9 @@ static const struct {
 #define SCALAR(name, kind, member) {name, KIND_##kind, offsetof(struct _p_MpmModel, member)},
   SCALAR("time", REAL, time) SCALAR("step", INT, step) SCALAR("step_cuts", INT, cuts_total)
     SCALAR("step_length", REAL, dt_nominal) SCALAR("step_wanted", REAL, dt_wanted) SCALAR("step_last", REAL, dt_last)
-      SCALAR("step_before_last", REAL, dt_before)
-      SCALAR("newton_iterations", INT64, newton_total) SCALAR("linear_iterations", INT64, linear_total)
-        SCALAR("active_dofs_max", INT64, active_dofs_max) SCALAR("ghost", REAL, ghost)
-          SCALAR("ghost_rescue", BOOL, ghost_rescue) SCALAR("indefinite", BOOL, indefinite)
+      SCALAR("step_before_last", REAL, dt_before) SCALAR("newton_iterations", INT64, newton_total)
+        SCALAR("linear_iterations", INT64, linear_total) SCALAR("active_dofs_max", INT64, active_dofs_max)
+          SCALAR("ghost", REAL, ghost) SCALAR("ghost_rescue", BOOL, ghost_rescue) SCALAR("indefinite", BOOL, indefinite)
             SCALAR("jacobians_last", INT, made_count_last) SCALAR("output_step", INT, output_step)
               SCALAR("run", INT64, checkpoint.run) SCALAR("stage", INT, stage) SCALAR("stage_start", REAL, time_start)
                 SCALAR("reference_output", BOOL, reference_output)

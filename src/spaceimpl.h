@@ -5,15 +5,15 @@
 */
 #include "mpm.h"
 
-#define MPM_MAX_DIM      3
-#define MPM_MAX_BLOCK    8    /* unknowns a node: displacement, pressure, damage, ... */
-#define MPM_MAX_INPUTS   24   /* inputs of a kernel */
-#define MPM_GHOST_AUTO   -1.  /* the factor follows the solver */
-#define MPM_GHOST_LEAST  3e-7 /* the factor for iterative solvers with hats in 2D, */
-#define MPM_GHOST_FACTOR 1e-4 /* with all others, */
-#define MPM_GHOST_RESCUE 1e-2 /* and where a step has failed with less */
+#define MPM_MAX_DIM        3
+#define MPM_MAX_BLOCK      8                         /* unknowns a node: displacement, pressure, damage, ... */
+#define MPM_MAX_INPUTS     24                        /* inputs of a kernel */
+#define MPM_GHOST_AUTO     -1.                       /* the factor follows the solver */
+#define MPM_GHOST_LEAST    3e-7                      /* the factor for iterative solvers with hats in 2D, */
+#define MPM_GHOST_FACTOR   1e-4                      /* with all others, */
+#define MPM_GHOST_RESCUE   1e-2                      /* and where a step has failed with less */
 #define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
-#define MPM_TOLERANCE    1e-6 /* of a cell: what counts as "on" a region's edge */
+#define MPM_TOLERANCE      1e-6                      /* of a cell: what counts as "on" a region's edge */
 
 /* det of a dim x dim matrix */
 static inline PetscReal MpmDeterminant(PetscInt dim, const PetscReal A[])
@@ -127,11 +127,12 @@ typedef struct {
   PetscReal *F;           /* dim x dim, row-major */
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
   PetscReal *volume0;
-  PetscReal *mass;      /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
-  PetscReal *stress;    /* Cauchy, xx, yy, zz, xy (, yz, xz) */
-  PetscReal *state;     /* state_size values */
-  PetscReal *value;     /* rate values */
-  PetscReal *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
+  PetscReal *mass;   /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
+  PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
+  PetscReal *state;  /* state_size values */
+  PetscReal *value;  /* rate values */
+  PetscReal
+    *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
 } MpmPoints;
 
 /* A field of the swarm, by its name there. */

@@ -28,7 +28,7 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 */
 static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
-  const PetscInt dim = model->grid.dim, bs = model->layout.block, size = dim * (dim + 1);
+  const PetscInt  dim = model->grid.dim, bs = model->layout.block, size = dim * (dim + 1);
   const PetscReal change = model->dt_before > 0. ? PREDICTED_CHANGE * model->sum.dt / model->dt_last : 0.;
   const PetscReal last   = (1. + change) * model->sum.dt / model->dt_last;
   const PetscReal before = change > 0. ? change * model->sum.dt / model->dt_before : 0.;

@@ -152,7 +152,8 @@ static inline PetscErrorCode ScenePetscColoring(MpmModel model, Mat local, Vec x
   PetscCall(MatColoringApply(coloring, &colors));
   PetscCall(MatColoringDestroy(&coloring));
   PetscCall(MatFDColoringCreate(other, colors, &differences));
-  PetscCall(MatFDColoringSetFunction(differences, (PetscErrorCode(*)(void))(MpmFunction)SceneResidual, model->snes));
+  /* the function's type has changed between PETSc's releases; void * fits all */
+  PetscCall(MatFDColoringSetFunction(differences, (void *)SceneResidual, model->snes));
   PetscCall(MatFDColoringSetParameters(differences, 1e-8, 1e-2));
   PetscCall(MatFDColoringSetUp(other, colors, differences));
   PetscCall(MatFDColoringApply(other, differences, x, model->snes));
