@@ -66,10 +66,11 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
   model->predict = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++)
     if (model->materials[m].state_size) model->predict = PETSC_FALSE;
-  PetscCall(MpmOptionsBool(&block, "predict",
-                           "start each step from what the last two let expect; the default is true where no material has "
-                           "history",
-                           &model->predict, NULL));
+  PetscCall(
+    MpmOptionsBool(&block, "predict",
+                   "start each step from what the last two let expect; the default is true where no material has "
+                   "history",
+                   &model->predict, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
