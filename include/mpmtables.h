@@ -58,8 +58,8 @@ typedef struct {
 typedef enum { MPM_FORM_RESIDUAL, MPM_FORM_DIRECTION, MPM_FORM_TANGENT, MPM_FORM_COUNT } MpmForm;
 
 /*
-  What a physics kernel is told about one point. The last three are NULL except when the converged step is committed,
-  and then only in the residual form.
+  What a physics kernel is told about one point. The last three are where the step's end goes, should it turn out to be
+  it; NULL when nobody asks: in Jacobians, and in residuals with one in the same pass.
 */
 typedef struct {
   const double      *parameter;         /* of the point's material */

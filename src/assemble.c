@@ -82,7 +82,7 @@ static void Invert(PetscInt dim, const PetscReal F[], PetscReal inverse[])
     }
 }
 
-/* The increment's gradient by the new position, I - F_n F_{n+1}^{-1}. */
+/* The increment's gradient by the new position, I - F_n F_{n+1}^{-1}; under F-bar with the volume change of the cell. */
 static void IncrementGradient(PetscInt dim, const PetscReal F_n[], const PetscReal F[], PetscReal gradient[])
 {
   PetscReal inverse[MPM_MAX_DIM * MPM_MAX_DIM];

@@ -54,7 +54,7 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
 
     for (int k = 0; k < INPUTS; k++) flux[k] = P.a[k];
   }
-  if (point->F) { /* only the converged step asks for the new F and the Cauchy stress */
+  if (point->F) { /* what may become the state: Jacobians do not ask for it */
     const Tensor F     = TensorMulArray(&dF, point->F_n);
     const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), &tau);
 

@@ -92,7 +92,7 @@ static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Sc
     flux[GRADIENTS] = ScalarScale(point->volume0, ScalarDiv(pressure, mean));
   }
   for (int k = 0; k < GRADIENTS; k++) ScalarAddScaled(&flux[k], point->mean_flux, &dm.a[k]);
-  if (point->F) { /* only the converged step asks for the new F and the Cauchy stress */
+  if (point->F) { /* what may become the state: Jacobians do not ask for it */
     const Tensor F     = TensorMulArray(&dF_bar, point->F_n);
     const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), &tau);
 
