@@ -30,9 +30,8 @@
   What a constitutive law is told about one point.
 
   state_n   history at the step's start, in the order of the law's state table
-  state     where history at the step's end goes, or NULL when the caller does not want it (Jacobians): a
-  law must not
-            write, nor spend time on, what nobody asked for
+  state     where history at the step's end goes, or NULL when the caller does not want it (Jacobians): a law
+            must not write, nor spend time on, what nobody asked for
   F_n       deformation gradient at the step's start, row-major, MPM_DIM x MPM_DIM (its zz is 1 in plane strain)
 */
 typedef struct {
