@@ -7,6 +7,7 @@ another scene or no checkpoints at all are refused. --full: 20 kills in place of
 """
 import random
 import shutil
+import re
 import sys
 import time
 from pathlib import Path
@@ -106,7 +107,7 @@ def damage(test):
         spoiled[place] ^= 1 << generator.randrange(8)
         newest.write_bytes(spoiled)
         refused(test, f"bit_in_byte_{place}", folder, ["run_checkpoint.h5"], ranks=2 if place == 512 else 1, **whole)
-    newest.write_bytes(bytes_of.replace(b"format 1\n", b"format 7\n", 1))
+    newest.write_bytes(re.sub(rb"format \d+\n", b"format 0\n", bytes_of, count=1))
     refused(test, "another_format", folder, ["run_checkpoint.h5", "version"], **whole)
     refused(test, "no_checkpoint_but_another_file", folder, ["run_history.csv"], **{**options, "mpm_restart": "run_history.csv"})
     refused(test, "no_such_file", folder, ["nowhere.h5", "No such file"], **{**options, "mpm_restart": "nowhere.h5"})
