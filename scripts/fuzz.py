@@ -9,7 +9,9 @@ what the program's own -help says of them, so that a new example or option is fu
 
 A case passes when the program ends within the time limit with status 0 or 3 and finite results, or with status 2, one
 line that names an option or the file, and nothing written; and when no number given as NaN or infinity was accepted. A
-case that fails is kept in a folder with the command that repeats it.
+scene may ask for more work than the limit allows: then the program is asked to stop, by SIGUSR1, and must end its step,
+leave a checkpoint and exit within the same time again; the last line counts such cases. A case that fails is kept in a
+folder with the command that repeats it.
 """
 import argparse
 import concurrent.futures
@@ -549,8 +551,16 @@ def command_of(case, program):
     return [*command, str(program), "-options_file", case.file, *guard, *case.arguments]
 
 
+def wait(process, seconds):
+    """The exit status, or None where there is none within this time."""
+    try:
+        return process.wait(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        return None
+
+
 class Outcome:
-    """How a case ended: status (None: not within the limit), output, files left behind."""
+    """How a case ended: status (None: not when asked to, either), whether it was asked, output, files left behind."""
 
     def __init__(self, case, program, folder, limits):
         self.folder, kept = folder, set(os.listdir(folder))
@@ -562,10 +572,12 @@ class Outcome:
         with open(folder / ".out", "wb") as out, open(folder / ".err", "wb") as err:
             process = subprocess.Popen(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=out,
                                        stderr=err, start_new_session=True)
-            try:
-                self.status = process.wait(timeout=limits.time)
-            except subprocess.TimeoutExpired:
-                self.status = None
+            self.status, self.asked = wait(process, limits.time), False
+            if self.status is None:
+                self.asked = True
+                process.send_signal(signal.SIGUSR1)
+                self.status = wait(process, limits.time)
+            if self.status is None:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
         shutil.rmtree(sessions, ignore_errors=True)
@@ -608,7 +620,8 @@ def result_faults(outcome):
     if not summaries:
         return (yield "no summary")
     summary = json.loads((outcome.folder / summaries[0]).read_text(encoding="utf-8", errors="replace"), strict=False)
-    if (summary["status"] == "completed") != (outcome.status == 0):
+    stopped = outcome.asked and summary["status"] == "interrupted"
+    if (stopped or summary["status"] == "completed") != (outcome.status == 0):
         yield f"status {outcome.status}, summary: {summary['status']}"
     if outcome.status == 3 and "gave up" not in outcome.errors:
         yield "gave up without a word"
@@ -632,7 +645,7 @@ def faults(case, outcome):
     """What is wrong with how the program took the case."""
     everything = outcome.output + outcome.errors
     if outcome.status is None:
-        yield "does not end in time"
+        yield "does not end in time, nor when asked to"
         return
     crash = [word for word in CRASHES if word in everything]
     if crash or outcome.status not in (0, 2, 3):
@@ -670,7 +683,7 @@ def run_case(number, arguments, scenes):
     if found:
         keep(case, outcome, found, arguments)
     shutil.rmtree(folder)
-    return found, outcome.status, case
+    return found, f"{outcome.status} when asked to stop" if outcome.asked else str(outcome.status), case
 
 
 def keep(case, outcome, found, arguments):

@@ -6,8 +6,8 @@ that nobody disturbed. The scenes have plastic history, and steps that are cut. 
 another scene or no checkpoints at all are refused. --full: 20 kills in place of 3, and many more damaged bits.
 """
 import random
-import shutil
 import re
+import shutil
 import sys
 import time
 from pathlib import Path
