@@ -156,13 +156,37 @@ static MpmVertical FindVertical(MpmModel model)
   return vertical;
 }
 
+/* Corrections of a small-strain law's stress; each leaves a strain's part of what the last one left. */
+#define SMALL_STRAIN_ROUNDS 4
+
+/*
+  The stress that holds the weight. A small-strain law's forces are those of sigma F^T/J in the shape as it stands, so
+  that up the axis v the stress must be J/F_vv times the weight above, and the others by as much.
+*/
+static int FindStress(MpmModel model, const MpmInitial *initial, const PetscReal state_n[], PetscInt axis,
+                      PetscReal stress[], PetscReal F[], PetscReal state[])
+{
+  const PetscInt dim    = model->grid.dim,
+                 rounds = initial->material->info.traits & MPM_LAW_SMALL_STRAIN ? SMALL_STRAIN_ROUNDS : 0;
+  PetscReal goal[6];
+  int       answer;
+
+  for (PetscInt c = 0; c < 6; c++) goal[c] = stress[c];
+  answer = MpmInitialFind(initial, state_n, stress, F, state);
+  for (PetscInt k = 0; k < rounds && !answer; k++) {
+    for (PetscInt c = 0; c < 6; c++) stress[c] = goal[c] * MpmDeterminant(dim, F) / F[axis * (dim + 1)];
+    answer = MpmInitialFind(initial, state_n, stress, F, state);
+  }
+  return answer;
+}
+
 /* Gives point p the stress; what MpmInitialFind says. */
 static int SetStress(MpmModel model, const MpmInitial *initial, const Rest *rest, MpmPoints *points, PetscInt p,
-                     PetscReal stress[])
+                     PetscInt axis, PetscReal stress[])
 {
   const PetscInt dim = model->grid.dim, size = model->particles.state_size, own = initial->material->state_size;
   PetscReal      state[MPM_INITIAL_STATE], U[MPM_MAX_DIM], *F                   = &points->F[p * dim * dim];
-  const int      answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state);
+  const int      answer = FindStress(model, initial, size ? &points->state[p * size] : NULL, axis, stress, F, state);
 
   if (answer == 2 || model->stretch(F, U)) return 2;
   for (PetscInt k = 0; k < own; k++) points->state[p * size + k] = state[k];
@@ -176,7 +200,7 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const Rest *rest
 /* Gives all points their stress, `stress_size` components each; counts those that the yield surface moved. */
 static PetscErrorCode SetStresses(MpmModel model, Rest *rest, const PetscReal goal[])
 {
-  const PetscInt size     = model->particles.stress_size;
+  const PetscInt size = model->particles.stress_size, axis = FindVertical(model).axis;
   PetscInt64     count[2] = {0, 0};
   MpmInitial    *initial;
   MpmPoints      points;
@@ -191,7 +215,7 @@ static PetscErrorCode SetStresses(MpmModel model, Rest *rest, const PetscReal go
     int       answer;
 
     for (PetscInt c = 0; c < size; c++) stress[c] = goal[p * size + c];
-    answer = SetStress(model, &initial[points.material[p]], rest, &points, p, stress);
+    answer = SetStress(model, &initial[points.material[p]], rest, &points, p, axis, stress);
     if (answer) count[answer - 1]++;
   }
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
