@@ -42,20 +42,24 @@ static PetscErrorCode CheckNumber(const MpmForeignOption *option)
 /* Does the library do one of the factorisations? */
 static PetscErrorCode CheckFactorisation(const MpmForeignOption *option)
 {
+  const char         *package = option->value ? option->value : "";
   const MatFactorType kinds[] = {MAT_FACTOR_LU, MAT_FACTOR_CHOLESKY, MAT_FACTOR_ILU, MAT_FACTOR_ICC};
   PetscBool           same, any = PETSC_FALSE;
+  PetscMPIInt         size;
 
   PetscFunctionBegin;
   PetscCall(PetscStrcasecmp(option->name, "pc_factor_mat_solver_type", &same));
   if (!same) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(MatInitializePackage());
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kinds) && !any; k++) {
+  for (size_t k = 0; *package && !any && k < PETSC_STATIC_ARRAY_LENGTH(kinds); k++) {
     PetscBool type, mat;
 
-    PetscCall(MatSolverTypeGet(option->value, MATSEQAIJ, kinds[k], &type, &mat, NULL));
+    PetscCall(MatSolverTypeGet(package, size > 1 ? MATMPIAIJ : MATSEQAIJ, kinds[k], &type, &mat, NULL));
     any = (PetscBool)(type && mat);
   }
-  MpmCheckInput(any, "-%s %.80s: this PETSc was built without it", option->name, option->value);
+  MpmCheckInput(any, "-%s %.80s: this PETSc does not have it%s", option->name, package,
+                size > 1 ? " for several ranks" : "");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,12 +79,12 @@ PetscErrorCode MpmForeignOptionsCheck(void)
     char       *end;
     double      number;
 
+    PetscCall(CheckFactorisation(&options[i]));
     if (!value) continue;
     number = strtod(value, &end);
     MpmCheckInput(end == value || *end || isfinite(number), "-%s %.80s: must be a finite number", options[i].name,
                   value);
     PetscCall(CheckNumber(&options[i]));
-    PetscCall(CheckFactorisation(&options[i]));
   }
   PetscCall(PetscFree(options));
   PetscCall(PetscFree(text));

@@ -271,6 +271,7 @@ CASES = [
     # further than options go
     ("unknown linear solver of PETSc", {"ksp_type": "magic"}, "-ksp_type"),
     ("unknown preconditioner of PETSc", {"pc_type": "magic"}, "-pc_type"),
+    ("factorisation without a name", {"pc_factor_mat_solver_type": ""}, "-pc_factor_mat_solver_type"),
 ]
 
 # name, text of the scene file (None: there is none), what the line must contain
