@@ -39,6 +39,17 @@ static PetscErrorCode CheckNumber(const MpmForeignOption *option)
   return PETSC_SUCCESS;
 }
 
+/* An option that names a type has a name to give. */
+static PetscErrorCode CheckType(const MpmForeignOption *option)
+{
+  PetscBool type;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrendswith(option->name, "_type", &type));
+  MpmCheckInput(!type || (option->value && *option->value), "-%s: names no type", option->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Does the library do one of the factorisations? */
 static PetscErrorCode CheckFactorisation(const MpmForeignOption *option)
 {
@@ -79,6 +90,7 @@ PetscErrorCode MpmForeignOptionsCheck(void)
     char       *end;
     double      number;
 
+    PetscCall(CheckType(&options[i]));
     PetscCall(CheckFactorisation(&options[i]));
     if (!value) continue;
     number = strtod(value, &end);

@@ -634,6 +634,23 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
 PetscErrorCode MpmStageResume(MpmModel model);
 /* The factor of a load at a time, 0 where it does not act. */
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
+/* The points of a geostatic stage (geostatic.c): what they return to, and what the report needs. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x, *volume, *domain; /* position, volume, half lengths of the domain */
+  PetscReal *F;                   /* before the step under way */
+  PetscReal *start;               /* the stress that k0 gave, or NULL */
+  PetscReal  height;
+  PetscBool *remembers; /* per material */
+  PetscReal  moved;     /* largest displacement of the last step */
+  PetscReal  correction, largest;
+  PetscInt64 outside; /* points that the yield surface moved */
+} MpmRest;
+
+/* One step under `scale` times the loads; stress and history stay, and the points go back to where they were. */
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *hopeless);
+/* Gives all points the stage's stress of k0, and F and history with it (k0.c). */
+PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
 /* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
 /* For lists of blocks: with -help, a list that the scene does not give becomes one block called NAME. */

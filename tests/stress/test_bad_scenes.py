@@ -271,6 +271,7 @@ CASES = [
     # further than options go
     ("unknown linear solver of PETSc", {"ksp_type": "magic"}, "-ksp_type"),
     ("unknown preconditioner of PETSc", {"pc_type": "magic"}, "-pc_type"),
+    ("line search without a name", {"snes_linesearch_type": ""}, "-snes_linesearch_type"),
     ("factorisation without a name", {"pc_factor_mat_solver_type": ""}, "-pc_factor_mat_solver_type"),
 ]
 
