@@ -71,17 +71,21 @@ static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, P
 {
   const PetscInt   dim = grid->dim;
   const PetscReal *x = &imported->quantity[POSITION].value[p * dim], *F = imported->quantity[DEFORMATION].value;
-  PetscReal        plane[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal        plane[MPM_MAX_DIM * MPM_MAX_DIM], room               = 1.;
 
   for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal slack = MPM_TOLERANCE * grid->h[a];
+    const PetscReal slack = MPM_TOLERANCE * grid->h[a], extent = grid->upper[a] - grid->lower[a];
 
+    room *= extent;
     if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return "is outside the grid";
     if (imported->quantity[HALF_LENGTH].value && !(imported->quantity[HALF_LENGTH].value[p * dim + a] > 0.))
       return "has a half_length that is not positive";
+    if (imported->quantity[HALF_LENGTH].value && imported->quantity[HALF_LENGTH].value[p * dim + a] > extent)
+      return "has a half_length that is more than the grid's extent";
     for (PetscInt b = 0; F && b < dim; b++) plane[a * dim + b] = F[9 * p + 3 * a + b];
   }
   if (!(imported->quantity[VOLUME].value[p] > 0.)) return "has a volume that is not positive";
+  if (imported->quantity[VOLUME].value[p] > room) return "has a volume that is more than the grid's";
   if (imported->quantity[MASS].value && !(imported->quantity[MASS].value[p] >= 0.)) return "has a negative mass";
   if (F && !(MpmDeterminant(dim, plane) > 0.)) return "has an F whose determinant is not positive";
   return NULL;

@@ -134,7 +134,7 @@ static void Columns(const MpmGrid *grid, const MpmPoints *points, const PetscRea
   for (PetscInt k = 0; k < grid->dim - 1; k++) {
     const PetscInt  a    = axes[k];
     const PetscReal xi   = (points->x[p * grid->dim + a] - grid->lower[a]) / grid->h[a],
-                    half = half_length[p * grid->dim + a] / grid->h[a];
+                    half = PetscMin(half_length[p * grid->dim + a] / grid->h[a], (PetscReal)grid->cells[a]);
 
     first[k] = PetscMax((PetscInt)PetscFloorReal(xi - half + MPM_TOLERANCE), 0);
     last[k]  = PetscMin((PetscInt)PetscCeilReal(xi + half - MPM_TOLERANCE) - 1, grid->cells[a] - 1);

@@ -295,6 +295,7 @@ POINTS = [
     ("points with NaN", "x,y,volume\n1,1,1\n1,nan,1\n", "point 1"),
     ("points outside the grid", "x,y,volume\n1,1,1\n1,4.5,1\n", "4.5) is outside the grid"),
     ("points without size", "x,y,volume\n1,1,0\n", "volume that is not positive"),
+    ("points larger than the grid", "x,y,volume\n1,1,1e30\n", "volume that is more than the grid"),
     ("points with a part of the stress", "x,y,volume,stress_xx,stress_yy\n1,1,1,0,0\n", "stress_xx"),
     ("points turned inside out", "x,y,volume,F_xx,F_xy,F_yx,F_yy\n1,1,1,-1,0,0,1\n", "determinant"),
     ("points with an infinite stress", "x,y,volume,stress_xx,stress_yy,stress_zz,stress_xy\n1,1,1,0,-inf,0,0\n", "stress"),
