@@ -33,6 +33,7 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
     MpmKernelPoint point;
     PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
 
+    MpmSumFetch(known, sum, s);
     MpmSumBasis(known, sum->space, p, weights, &work->basis);
     MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
@@ -150,9 +151,16 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
 
   MpmSumGather(known, sum, group, u, values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p = sum->space->order[s];
+    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
     PetscReal      field[MPM_MAX_BLOCK];
 
+    MpmFetch(sum->space->weight, ahead, dim * sum->space->width);
+    MpmFetch(points->x, ahead, dim);
+    if (points->increment) {
+      MpmFetch(points->increment, ahead, MPM_INCREMENT(dim));
+      MpmFetch(points->F, ahead, dim * dim);
+      MpmFetch(sum->trial->F, ahead, dim * dim);
+    }
     Interpolate(known, sum->space, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
     for (PetscInt r = 0; r < rates; r++) points->value[p * rates + r] = field[sum->layout->rate_component[r]];

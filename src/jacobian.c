@@ -203,6 +203,7 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     PetscReal flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
 
+    MpmSumFetch(known, sum, s);
     if (!PointTangent(known, sum, group, sum->space->order[s], weights, work, coupling, flux, tangent)) {
       (*failed)++;
       continue;

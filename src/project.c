@@ -63,19 +63,25 @@ MPM_INLINE void WeighNodes(const MpmKnown known, const MpmSpace *space, PetscInt
 }
 
 /* The sums of one group, added to those at its nodes: the components and, last, the weights of each node. */
-MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSpace *space, const MpmGrid *grid,
-                                       const MpmGroup *group, const MpmPoints *points, const Projection *project,
-                                       PetscReal nodal[])
+MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                       const Projection *project, PetscReal nodal[])
 {
   static const PetscReal flat[MPM_MAX_DIM] = {0.};
+  const MpmSpace        *space             = sum->space;
+  const MpmGrid         *grid              = sum->grid;
+  const MpmPoints       *points            = sum->points;
   const PetscInt         n = known.n, dim = known.dim, components = project->components;
   const PetscInt        *nodes = &space->group_nodes[group->node_offset];
 
   for (PetscInt k = 0; k < n * (components + 1); k++) project->sums[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p = space->order[s];
+    const PetscInt   p = space->order[s], ahead = MpmSumAhead(sum, s);
     const PetscReal *x = &points->x[p * dim];
 
+    MpmFetch(space->weight, ahead, dim * space->width);
+    MpmFetch(project->value, ahead, project->stride);
+    MpmFetch(points->x, ahead, dim);
+    MpmFetch(points->volume0, ahead, 1);
     WeighNodes(known, space, p, points->volume0[p], project->weight);
     for (PetscInt c = 0; c < components; c++) {
       const PetscReal *gradient = project->gradient ? &project->gradient[p * project->stride + c * dim] : flat;
@@ -107,7 +113,7 @@ PetscErrorCode MpmProjectToNodes(const MpmSum *sum, PetscInt components, PetscIn
     const MpmGroup *group = &space->groups[g];
 
     PlaceNodes(sum->grid, group, project.place);
-    MPM_DISPATCH(sum->layout, group, ProjectGroup, space, sum->grid, group, sum->points, &project, sums);
+    MPM_DISPATCH(sum->layout, group, ProjectGroup, sum, group, &project, sums);
   }
   PetscCall(MpmSpaceAddToOwners(space, n, sums));
   for (PetscInt k = 0; k < space->owned * components; k++) {

@@ -161,9 +161,10 @@ static PetscErrorCode ChooseSolver(MpmModel model, PetscReal unknowns, const cha
 
 /*
   What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Of MUMPS' scalings for
-  symmetric matrices that by the diagonal costs least, and in 2D quasi-dense minimum degree (QAMD) beats nested dissection below this size.
+  symmetric matrices that by the diagonal costs least. In 2D, below this size, quasi-dense minimum degree (QAMD) beats
+  nested dissection, and the last front is too small to be shared out by ScaLAPACK.
 */
-#define MINIMUM_DEGREE_MOST 5e4
+#define SMALL_IN_2D 5e4
 
 static PetscErrorCode TuneDirect(MpmModel model, PetscReal unknowns)
 {
@@ -176,7 +177,10 @@ static PetscErrorCode TuneDirect(MpmModel model, PetscReal unknowns)
   PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
   if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->symmetric) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
-  if (model->grid.dim == 2 && unknowns < MINIMUM_DEGREE_MOST) PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
+  if (model->grid.dim == 2 && unknowns < SMALL_IN_2D) {
+    PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
+    PetscCall(OptionDefault("-mat_mumps_icntl_13", "1"));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

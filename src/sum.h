@@ -163,6 +163,32 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->stress_n          = sum->rest ? &points->stress[p * (dim == 2 ? 4 : 6)] : NULL;
 }
 
+/*
+  Points lie in memory in the order in which they were made or came, which the processor does not foresee when they are
+  taken by groups. So the data of the point so many places ahead in the order are asked for.
+*/
+#define MPM_AHEAD 4
+#define MPM_LINE  8 /* numbers in a line of the cache */
+MPM_INLINE PetscInt MpmSumAhead(const MpmSum *sum, PetscInt s)
+{
+  return sum->space->order[PetscMin(s + MPM_AHEAD, sum->points->count - 1)];
+}
+MPM_INLINE void MpmFetch(const PetscReal array[], PetscInt p, PetscInt size)
+{
+  for (PetscInt k = 0; k < size; k += MPM_LINE) __builtin_prefetch(&array[p * size + k]);
+  __builtin_prefetch(&array[p * size + size - 1]);
+}
+/* What the kernel and its inputs take. */
+MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
+{
+  const PetscInt p = MpmSumAhead(sum, s), row = known.dim * sum->space->width;
+
+  MpmFetch(sum->space->weight, p, row);
+  MpmFetch(sum->space->gradient, p, row);
+  MpmFetch(sum->points->F, p, known.dim * known.dim);
+  MpmFetch(sum->points->volume0, p, 1);
+}
+
 /* What a kernel with a mean gets besides: the mean as its last input, and what the mean's flux does at this point. */
 MPM_INLINE void MpmSumMean(const MpmSum *sum, const MpmGroup *group, PetscInt p, MpmKernelPoint *point,
                            PetscReal input[])
