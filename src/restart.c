@@ -389,7 +389,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
     rows  = (PetscInt)((PetscInt64)restart->points * (model->rank + 1) / model->size) - first;
   } else if (model->rank) rows = 0;
   PetscCall(PetscMalloc1(rows, &place));
-  PetscCall(DMSwarmSetLocalSizes(particles->swarm, rows, 0));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, rows, MPM_PARTICLES_SPARE));
   PetscCall(ReadBlock(model, first, rows, place));
   particles->total = restart->points;
   PetscCall(RestorePartition(model, &same));

@@ -177,6 +177,8 @@ PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
+/* Places that DMSwarm keeps free: with none, it reallocates all fields for each point that leaves; it clears them, too. */
+#define MPM_PARTICLES_SPARE 16
 /* A point's mass, kg. */
 static inline PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial materials[], PetscInt p)
 {
