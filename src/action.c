@@ -77,6 +77,7 @@ MPM_INLINE PetscErrorCode StoreGroup(const MpmKnown known, MpmAction *action, co
     MpmKernelPoint point;
     PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
 
+    MpmSumFetch(known, sum, s);
     MpmSumBasis(known, sum->space, p, weights, &action->basis);
     LookAtPoint(known, action, group, p, &point, input);
     if (sum->layout->kernel->tangent(&point, input, flux, tangent)) (*failed)++;
@@ -180,6 +181,7 @@ MPM_INLINE PetscErrorCode SweepGroup(const MpmKnown known, MpmAction *action, co
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     PetscReal dinput[MPM_MAX_INPUTS], dflux[MPM_MAX_INPUTS];
 
+    MpmSumFetch(known, sum, s);
     MpmSumBasis(known, sum->space, sum->space->order[s], weights, &action->basis);
     MpmSumInputs(known, sum->layout, action->dvalues, &action->basis, dinput);
     if (SweepPoint(known, action, group, s, sweep, dinput, change, dflux)) (*failed)++;
