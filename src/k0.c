@@ -27,6 +27,8 @@
 #define BALANCE_ROUNDS 60
 #define BALANCE_TRIES  20
 #define BALANCE_GAIN   0.7
+/* Rounds that Anderson's mixing remembers, two vectors each. */
+#define BALANCE_MEMORY "10"
 
 /* ---- the weight above ---- */
 
@@ -64,8 +66,11 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *r
   return answer;
 }
 
-/* Gives all points their stress, `stress_size` components each; counts those that the yield surface moved. */
-static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal goal[])
+/*
+  Gives all points their stress, `stress_size` components each; counts those that the yield surface moved, and those that
+  cannot have theirs.
+*/
+static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal goal[], PetscInt64 *without)
 {
   const PetscInt size     = model->particles.stress_size;
   PetscInt64     count[2] = {0, 0};
@@ -89,8 +94,7 @@ static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal
   PetscCall(PetscFree(initial));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT64, MPI_SUM, model->comm));
   rest->outside = count[0];
-  MpmCheckInput(!count[1], "-mpm_stage_%s_geostatic_k0 %g: %" PetscInt64_FMT " points cannot have that stress",
-                model->stages[model->stage].name, (double)model->stages[model->stage].geostatic.k0, count[1]);
+  *without      = count[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -129,6 +133,7 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
 {
   const PetscInt dim = model->grid.dim, size = model->particles.stress_size, v = FindVertical(model).axis;
   PetscReal     *goal;
+  PetscInt64     without;
   PetscBool      any = PETSC_FALSE;
   MpmPoints      points;
 
@@ -139,7 +144,7 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
   PetscCall(PetscMalloc1((rest->n * size), &goal));
   PetscCall(PetscArraycpy(goal, stress, rest->n * size));
   for (PetscInt k = 0; k < SMALL_STRAIN_ROUNDS; k++) {
-    PetscCall(SetStresses(model, rest, stress));
+    PetscCall(SetStresses(model, rest, stress, &without));
     PetscCall(MpmParticlesGetArrays(&model->particles, &points));
     for (PetscInt p = 0; p < rest->n; p++) {
       const PetscReal *F = &points.F[p * dim * dim];
@@ -165,9 +170,11 @@ static PetscErrorCode StandInsCreate(MpmModel model, PetscReal nu, MpmMaterial *
     MpmMaterial *standin = &(*standins)[m];
 
     *standin = model->materials[m];
-    PetscCall(PetscMalloc1(standin->info.parameter_count, &standin->parameter));
-    PetscCall(PetscArraycpy(standin->parameter, model->materials[m].parameter, standin->info.parameter_count));
-    if (standin->info.traits & MPM_LAW_SMALL_STRAIN) continue;
+    if (standin->info.traits & MPM_LAW_SMALL_STRAIN) {
+      PetscCall(PetscMalloc1(standin->info.parameter_count, &standin->parameter));
+      PetscCall(PetscArraycpy(standin->parameter, model->materials[m].parameter, standin->info.parameter_count));
+      continue;
+    }
     standin->state_size = 0;
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
       PetscCheck(MpmLawFind("hencky", model->grid.dim, directions[form], &standin->info), PETSC_COMM_SELF,
@@ -257,14 +264,15 @@ static PetscErrorCode MeasureError(Balance *balance)
 /* Steps until the stand-ins are at rest, from the stresses `goal`. */
 static PetscErrorCode SettleStandIns(Balance *balance, const PetscReal goal[], const char **why)
 {
-  MpmModel  model = balance->model;
-  MpmRest  *rest  = balance->rest;
-  PetscBool hopeless;
-  MpmPoints points;
+  MpmModel   model = balance->model;
+  MpmRest   *rest  = balance->rest;
+  PetscInt64 without;
+  PetscBool  hopeless;
+  MpmPoints  points;
 
   PetscFunctionBeginUser;
-  PetscCall(SetStresses(model, rest, goal));
-  *why = NULL;
+  PetscCall(SetStresses(model, rest, goal, &without));
+  *why = without ? "points cannot have their stress" : NULL;
   for (PetscInt it = 0; it < BALANCE_LIMIT && !*why && (!it || rest->moved > BALANCE_TOLERANCE * rest->height); it++)
     PetscCall(MpmRestSettle(model, rest, 1., why, &hopeless));
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points)); /* a failed step has kept them */
@@ -330,6 +338,7 @@ static PetscErrorCode SearchBalance(Balance *balance, const PetscReal stress[], 
   SNESConvergedReason reason;
   SNES                snes;
   PetscScalar        *array;
+  PetscBool           chosen;
   Vec                 x;
 
   PetscFunctionBeginUser;
@@ -340,6 +349,8 @@ static PetscErrorCode SearchBalance(Balance *balance, const PetscReal stress[], 
   PetscCall(SNESCreate(balance->model->comm, &snes));
   PetscCall(SNESSetType(snes, SNESANDERSON));
   PetscCall(SNESSetOptionsPrefix(snes, "k0_"));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-k0_snes_anderson_m", &chosen));
+  if (!chosen) PetscCall(PetscOptionsSetValue(NULL, "-k0_snes_anderson_m", BALANCE_MEMORY));
   PetscCall(SNESSetFunction(snes, NULL, FormBalance, balance));
   PetscCall(SNESSetConvergenceTest(snes, TestBalance, balance, NULL));
   PetscCall(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, BALANCE_ROUNDS, 10 * BALANCE_ROUNDS));
@@ -366,7 +377,7 @@ static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[
 
   PetscFunctionBeginUser;
   PetscCall(StandInsCreate(model, PetscMin(k0 / (1. + k0), BALANCE_NU), &standins));
-  PetscCall(PetscMalloc1(n, &balance.balanced));
+  PetscCall(PetscCalloc1(n, &balance.balanced));
   PetscCall(PetscCalloc1(model->material_count, &rest->remembers));
   model->materials = standins;
   PetscCall(SearchBalance(&balance, stress, &found));
@@ -383,6 +394,7 @@ static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
 {
   const PetscInt size = model->particles.stress_size;
+  PetscInt64     without;
   PetscReal     *stress;
   MpmPoints      points;
 
@@ -393,7 +405,9 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
   PetscCall(PetscMalloc1((rest->n * size), &rest->start));
   PetscCall(PetscArraycpy(rest->start, stress, rest->n * size));
   PetscCall(BalanceK0(model, rest, stress));
-  PetscCall(SetStresses(model, rest, stress));
+  PetscCall(SetStresses(model, rest, stress, &without));
+  MpmCheckInput(!without, "-mpm_stage_%s_geostatic_k0 %g: %" PetscInt64_FMT " points cannot have that stress",
+                model->stages[model->stage].name, (double)model->stages[model->stage].geostatic.k0, without);
   PetscCall(PetscFree(stress));
   PetscCall(MpmParticlesGetArrays(&model->particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) { /* a law without history has its own stress across the plane */
