@@ -62,6 +62,17 @@ def gaps(test, shape, k0):
     ratio(test, f"gaps_{shape}_{k0:g}", run, "level", k0)
 
 
+BED = {"mpm_bodies": "ground,bed", "mpm_body_ground_lower": "0,0,1", "mpm_body_bed_region": "box",
+       "mpm_body_bed_lower": "0,0,0", "mpm_body_bed_upper": "3,2,1", "mpm_body_bed_points_per_cell": "3,3,3",
+       "mpm_body_bed_material": "soil"}
+
+
+def layers3d(test):
+    """Two layers with other points a cell, summed by splines."""
+    run = test.run(FOLDER / "level3d.yaml", ranks=2, mpm_shape="bspline2", mpm_quiet=None, **BED)
+    ratio(test, "layers3d", run, "level3d", K0)
+
+
 def uneven(test, name, method, vertices, shape):
     label = f"{'step' if vertices else 'slope'}_{name}_{method}_{shape}"
     options = {"mpm_shape": shape, "mpm_stage_rest_geostatic_method": method, "mpm_quiet": None, **law(name)}
@@ -213,6 +224,7 @@ with Test() as test:
         gaps(test, shape_name, k0_value)
     level(test, "level3d", "hencky", "gimp")
     level(test, "level3d", "drucker_prager", "linear")
+    layers3d(test)
     for law_name in LAWS:
         uneven(test, law_name, "k0", None, "gimp")
     uneven(test, "hencky", "k0", STEP, "linear")
