@@ -603,7 +603,7 @@ def refusal_faults(case, outcome):
     elif case.ranks == 1 and len(lines) > 1:  # mpiexec adds lines of its own
         yield "more than one line"
     for line in told[:1]:
-        option = re.match(r"talus: error: (?:-|(?=command line))([^\s:]+)", line)
+        option = re.match(r"talus: error: (?:-+|(?=command line))([^\s:]+)", line)
         if not option:
             yield "the line does not start with an option's name"
         elif not re.match(r"mpm_", option[1], re.IGNORECASE) and option[1].lower() not in known_words(case):

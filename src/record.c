@@ -102,6 +102,7 @@ static PetscErrorCode IsOurs(const char name[], PetscBool *ours)
   char head[5];
 
   PetscFunctionBegin;
+  while (*name == '-') name++; /* --mpm_dim, to PETSc, is the option -mpm_dim of one dash more, which nobody asks for */
   PetscCall(PetscStrncpy(head, name, sizeof(head)));
   PetscCall(PetscStrcasecmp(head, "mpm_", ours));
   PetscFunctionReturn(PETSC_SUCCESS);

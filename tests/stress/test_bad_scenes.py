@@ -67,6 +67,7 @@ FROM_FILE = {**NO_BOX, "mpm_body_block_region": "file", "mpm_body_block_file": "
 CASES = [
     # names and words
     ("unknown option", {"mpm_colour": "red"}, "-mpm_colour"),
+    ("unknown option by a dash", {"-mpm_title": "red"}, "--mpm_title: unknown option; did you mean -mpm_title?"),
     ("unknown option of a block", {"mpm_body_block_colour": "red"}, "-mpm_body_block_colour"),
     ("option with a slip", {"mpm_body_block_point_per_cell": "2,2"}, "-mpm_body_block_point_per_cell"),
     ("block that is not declared", {"mpm_material_rock_E": "1e9"}, "-mpm_material_rock_E"),
