@@ -35,10 +35,10 @@ typedef struct {
 /*
   MPM_LAW_SYMMETRIC     the law derives from a potential, so its Jacobian is symmetric
   MPM_LAW_SMALL_STRAIN  the stress is linear in the displacement gradient and is not objective: the physics then leaves
-  the geometry of
-                        the step alone, and a step takes one Newton iteration
+                        the geometry of the step alone, and a step takes one Newton iteration
+  MPM_LAW_INTERNAL      the engine's own, not offered to scenes
 */
-typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2 } MpmLawTrait;
+typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2, MPM_LAW_INTERNAL = 4 } MpmLawTrait;
 
 /* A constitutive law as the registry sees it; `law` holds one entry per compiled instance. */
 typedef struct {

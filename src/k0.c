@@ -4,33 +4,27 @@
 
   On level ground this is to be the stress at rest, to rounding. But it need not be in balance over the grid: splines sum
   it to forces that are not quite the weights, least of all where layers differ in their points a cell, and so do points
-  that leave gaps. And what a material does to balance it would spoil the ratio. So a stress is looked for that has both.
-
-  Stresses with the ratio k0 are a plane in the space of all points' stresses; those in balance are another. Elastic
-  equilibrium goes from a stress to the nearest one in balance, in the norm of the elastic energy (stand-ins with Hencky's
-  law); Nearest goes to the nearest one with the ratio, in the same norm. The two in turn come to a stress in both if there
-  is one (von Neumann 1950, Functional Operators II), and Anderson's mixing (1965, J. ACM 12, 547), PETSc's SNESANDERSON,
-  takes them there sooner: in ten rounds or so over a few cells. With more cells it takes more rounds than are made for
-  plain splines over unequal layers, and the ratio is then left with errors of 1e-4 to 1e-3 near where layers meet. Ground
-  that is not level has no such stress of use: there the materials find the balance.
+  that leave gaps. And what a material does to balance it would spoil the ratio. So a stress is looked for that has both:
+  of all in balance, with the ratio k0 and any shear, the one nearest to that of the weight above, in the sum of volume
+  times the square of the difference. That is equilibrium of a linear law whose stress keeps the ratio whatever the strain
+  (kernels/k0.c): one linear solve, and others that remove what was put in to keep the matrix regular. The points do not
+  move in them. Ground that is not level has no such stress of use: there the materials find the balance.
 */
 #include "mpmimpl.h"
 
-/* Balance of k0: steps to rest, what may be left of the motion in them, and Poisson's ratio of the stand-ins. */
-#define BALANCE_LIMIT     12
-#define BALANCE_TOLERANCE 1e-9
-#define BALANCE_NU        0.45
-/* What may be left of the ratio's error (relative to the vertical stress, but to this part of the largest at least). */
-#define BALANCE_RATIO 1e-9
-#define BALANCE_FLOOR 1e-3
-/* Ground whose first balance is further from the ratio than this part of it, in root mean square, is not level. */
-#define BALANCE_LEVEL 0.15
-/* Most rounds of the search; from so many on, the error must have come down by this factor a round to go on. */
-#define BALANCE_ROUNDS 60
-#define BALANCE_TRIES  20
-#define BALANCE_GAIN   0.7
-/* Rounds that Anderson's mixing remembers, two vectors each. */
-#define BALANCE_MEMORY "10"
+/* Solves for a balance, and what the stress may still change in the last one, relative to the largest. */
+#define BALANCE_LIMIT     24
+#define BALANCE_TOLERANCE 1e-10
+/* Ground is not level where the balance needs more shear, or is further from the weight above, in parts of the vertical
+   stress and in root mean square: a surface of about 6 degrees has that much shear, layers that overlap by a point that
+   much distance. */
+#define BALANCE_SHEAR    0.06
+#define BALANCE_DISTANCE 0.5
+/* The stand-in's modulus, in largest stresses, and the part of it that keeps the matrix regular: for a direct solver, and
+   for others, which take fewer iterations and more solves with it. */
+#define BALANCE_MODULUS      1e3
+#define BALANCE_REGULAR      1e-8
+#define BALANCE_REGULAR_MORE 1e-4
 
 /* ---- the weight above ---- */
 
@@ -124,6 +118,18 @@ static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool IsSmallStrain(const MpmModel model, PetscInt material)
+{
+  return (PetscBool)((model->materials[material].info.traits & MPM_LAW_SMALL_STRAIN) != 0);
+}
+
+static PetscBool AnySmallStrain(const MpmModel model)
+{
+  for (PetscInt m = 0; m < model->material_count; m++)
+    if (IsSmallStrain(model, m)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Corrections of a small-strain law's stress; each leaves a strain's part of what the last one left. */
 #define SMALL_STRAIN_ROUNDS 4
 
@@ -136,13 +142,10 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
   const PetscInt dim = model->grid.dim, size = model->particles.stress_size, v = FindVertical(model).axis;
   PetscReal     *goal;
   PetscInt64     without;
-  PetscBool      any = PETSC_FALSE;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->material_count; m++)
-    if (model->materials[m].info.traits & MPM_LAW_SMALL_STRAIN) any = PETSC_TRUE;
-  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!AnySmallStrain(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((rest->n * size), &goal));
   PetscCall(PetscArraycpy(goal, stress, rest->n * size));
   for (PetscInt k = 0; k < SMALL_STRAIN_ROUNDS; k++) {
@@ -151,7 +154,7 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
     for (PetscInt p = 0; p < rest->n; p++) {
       const PetscReal *F = &points.F[p * dim * dim];
 
-      if (!(model->materials[points.material[p]].info.traits & MPM_LAW_SMALL_STRAIN)) continue;
+      if (!IsSmallStrain(model, points.material[p])) continue;
       for (PetscInt c = 0; c < size; c++)
         stress[p * size + c] = goal[p * size + c] * MpmDeterminant(dim, F) / F[v * (dim + 1)];
     }
@@ -161,235 +164,177 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Stand-ins for the materials: Hencky's law, but for small-strain laws, which are elastic and whose forces differ. */
-static PetscErrorCode StandInsCreate(MpmModel model, PetscReal nu, MpmMaterial **standins)
+/* ---- in balance ---- */
+
+/* The search: the stress so far, and the points as the stand-in sees them. */
+typedef struct {
+  MpmModel     model;
+  MpmRest     *rest;
+  MpmMaterial *standins; /* one for each material */
+  PetscReal    k0;
+  PetscInt     axis;   /* vertical one */
+  PetscReal   *stress; /* Cauchy, `stress_size` components a point; the points' history for the stand-in */
+  PetscReal   *F, *volume0;
+  PetscReal    change; /* largest of the last solve, Pa */
+  PetscBool    level;  /* is it a stress of level ground? */
+} Balance;
+
+static PetscErrorCode BalanceCreate(Balance *balance)
 {
+  MpmModel       model                      = balance->model;
+  const PetscInt dim                        = model->grid.dim;
   const PetscInt directions[MPM_FORM_COUNT] = {0, 1, model->layout.kernel->inputs};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(model->material_count, standins));
+  PetscCall(PetscMalloc3(model->material_count, &balance->standins, (balance->rest->n * dim * dim), &balance->F,
+                         balance->rest->n, &balance->volume0));
   for (PetscInt m = 0; m < model->material_count; m++) {
-    MpmMaterial *standin = &(*standins)[m];
+    MpmMaterial *standin = &balance->standins[m];
 
-    *standin = model->materials[m];
-    if (standin->info.traits & MPM_LAW_SMALL_STRAIN) {
-      PetscCall(PetscMalloc1(standin->info.parameter_count, &standin->parameter));
-      PetscCall(PetscArraycpy(standin->parameter, model->materials[m].parameter, standin->info.parameter_count));
-      continue;
-    }
-    standin->state_size = 0;
+    *standin            = model->materials[m];
+    standin->state_size = 0; /* that a step would write */
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-      PetscCheck(MpmLawFind("hencky", model->grid.dim, directions[form], &standin->info), PETSC_COMM_SELF,
-                 PETSC_ERR_PLIB, "law hencky is not compiled");
+      PetscCheck(MpmLawFind("k0", dim, directions[form], &standin->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+                 "law k0 is not compiled");
       standin->law[form] = standin->info.law;
     }
-    PetscCall(PetscMalloc1(standin->info.parameter_count, &standin->parameter)); /* density, E, nu */
-    standin->parameter[0] = standin->density;
-    standin->parameter[1] = standin->penalty;
-    standin->parameter[2] = nu;
-    standin->stiffness    = standin->info.stiffness(standin->parameter);
+    PetscCall(PetscMalloc1(standin->info.parameter_count, &standin->parameter));
+    standin->stiffness = standin->penalty = BALANCE_MODULUS * balance->rest->largest;
+    PetscCall(
+      PetscArraycpy(standin->parameter,
+                    ((const PetscReal[]){standin->density, standin->stiffness, balance->k0, (PetscReal)balance->axis,
+                                         model->factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
+                    standin->info.parameter_count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode StandInsDestroy(MpmModel model, MpmMaterial **standins)
+static PetscErrorCode BalanceDestroy(Balance *balance)
 {
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->material_count; m++) PetscCall(PetscFree((*standins)[m].parameter));
-  PetscCall(PetscFree(*standins));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- in balance ---- */
-
-/* The search. */
-typedef struct {
-  MpmModel   model;
-  MpmRest   *rest;
-  PetscReal  k0;
-  PetscInt   axis;         /* vertical one */
-  PetscReal *balanced;     /* the last stresses in balance */
-  PetscReal  error, start; /* of the ratio at a point: the last largest one, and the first */
-  PetscReal  distance;     /* root mean square of the last errors */
-  PetscInt   rounds;
-} Balance;
-
-/* Poisson's ratio of an isotropic law with the constrained modulus M and Young's modulus E. */
-static PetscReal PoissonRatio(PetscReal M, PetscReal E)
-{
-  return (PetscSqrtReal(PetscMax((M - E) * (9. * M - E), 0.)) - (M - E)) / (4. * M);
-}
-
-/* Nearest stress with the ratio k0, in the energy of isotropic elasticity; zz in 2D follows from the others. */
-static void Nearest(const Balance *balance, PetscReal nu, const PetscReal stress[], PetscReal nearest[])
-{
-  const PetscInt  dim = balance->model->grid.dim, v = balance->axis, size = balance->model->particles.stress_size;
-  const PetscReal k0 = balance->k0, across = k0 - nu * (1. + k0);
-  const PetscReal up       = dim == 3 ? 1. - 2. * nu * k0 : 1. - nu * (1. + k0);
-  PetscReal       vertical = up * stress[v], sum = up;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    if (a == v) continue;
-    vertical += across * stress[a];
-    sum += across * k0;
-  }
-  vertical /= sum;
-  for (PetscInt c = 0; c < size; c++) nearest[c] = c >= 3 ? stress[c] : vertical * (c == v ? 1. : k0);
-}
-
-/* How far the stress in balance is from the ratio: largest error of a point, and distance in the space of stresses. */
-static PetscErrorCode MeasureError(Balance *balance)
-{
-  const PetscInt  dim = balance->model->grid.dim, size = balance->model->particles.stress_size, v = balance->axis;
-  const PetscReal floor = BALANCE_FLOOR * balance->rest->largest;
-  PetscReal       error = 0., square[2] = {0., 0.};
-
-  PetscFunctionBeginUser;
-  for (PetscInt p = 0; p < balance->rest->n; p++) {
-    const PetscReal *stress = &balance->balanced[p * size];
-
-    for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal away = PetscAbsReal(stress[a] - balance->k0 * stress[v]);
-
-      if (a == v) continue;
-      error = PetscMax(error, away / (PetscAbsReal(stress[v]) + floor));
-      square[0] += PetscSqr(away);
-      square[1] += PetscSqr(stress[v]);
-    }
-  }
-  PetscCall(MPIU_Allreduce(&error, &balance->error, 1, MPIU_REAL, MPIU_MAX, balance->model->comm));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, square, 2, MPIU_REAL, MPIU_SUM, balance->model->comm));
-  balance->distance = PetscSqrtReal(square[0] / PetscMax(square[1], PETSC_SMALL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Steps until the stand-ins are at rest, from the stresses `goal`. */
-static PetscErrorCode SettleStandIns(Balance *balance, const PetscReal goal[], const char **why)
-{
-  MpmModel   model = balance->model;
-  MpmRest   *rest  = balance->rest;
-  PetscInt64 without;
-  PetscBool  hopeless;
-  MpmPoints  points;
-
-  PetscFunctionBeginUser;
-  PetscCall(SetStresses(model, rest, goal, &without));
-  *why = without ? "points cannot have their stress" : NULL;
-  for (PetscInt it = 0; it < BALANCE_LIMIT && !*why && (!it || rest->moved > BALANCE_TOLERANCE * rest->height); it++)
-    PetscCall(MpmRestSettle(model, rest, 1., why, &hopeless));
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points)); /* a failed step has kept them */
-  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
-  if (!*why) PetscCall(PetscArraycpy(balance->balanced, points.stress, rest->n * model->particles.stress_size));
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* x, the points' stresses with the ratio k0, less the nearest ones to their balance. */
-static PetscErrorCode FormBalance(SNES snes, Vec x, Vec f, void *context)
-{
-  Balance         *balance = (Balance *)context;
-  MpmModel         model   = balance->model;
-  const PetscInt   n = balance->rest->n, size = model->particles.stress_size;
-  const PetscReal *goal;
-  PetscReal       *away, nearest[6];
-  const char      *why;
-  MpmPoints        points;
-
-  PetscFunctionBeginUser;
-  PetscCall(VecGetArrayRead(x, &goal));
-  PetscCall(SettleStandIns(balance, goal, &why));
-  PetscCall(VecGetArrayWrite(f, &away));
-  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
-  for (PetscInt p = 0; p < n; p++) {
-    const MpmMaterial *standin = &model->materials[points.material[p]];
-
-    Nearest(balance, PoissonRatio(standin->stiffness, standin->penalty), &balance->balanced[p * size], nearest);
-    for (PetscInt c = 0; c < size; c++) away[p * size + c] = goal[p * size + c] - nearest[c];
-  }
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
-  PetscCall(VecRestoreArrayWrite(f, &away));
-  PetscCall(VecRestoreArrayRead(x, &goal));
-  PetscCall(MeasureError(balance));
-  if (why) PetscCall(SNESSetFunctionDomainError(snes));
-  else if (!balance->rounds++) balance->start = balance->error;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode TestBalance(SNES snes, PetscInt it, PetscReal xnorm, PetscReal ynorm, PetscReal fnorm,
-                                  SNESConvergedReason *reason, void *context)
-{
-  const Balance *balance = (const Balance *)context;
-
-  PetscFunctionBeginUser;
-  (void)snes;
-  (void)xnorm;
-  (void)ynorm;
-  *reason = SNES_CONVERGED_ITERATING;
-  if (PetscIsInfOrNanReal(fnorm)) *reason = SNES_DIVERGED_FNORM_NAN;
-  else if (balance->error <= BALANCE_RATIO) *reason = SNES_CONVERGED_FNORM_ABS;
-  else if (!it && balance->distance > BALANCE_LEVEL * PetscMax(balance->k0, 0.1)) *reason = SNES_DIVERGED_DTOL;
-  else if (it >= BALANCE_TRIES && balance->error > PetscPowRealInt(BALANCE_GAIN, it) * balance->start)
-    *reason = SNES_DIVERGED_DTOL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Runs the search from `stress`; `found` says whether the ratio holds in balance->balanced. */
-static PetscErrorCode SearchBalance(Balance *balance, const PetscReal stress[], PetscBool *found)
-{
-  const PetscInt      n = balance->rest->n * balance->model->particles.stress_size;
-  SNESConvergedReason reason;
-  SNES                snes;
-  PetscScalar        *array;
-  PetscBool           chosen;
-  Vec                 x;
-
-  PetscFunctionBeginUser;
-  PetscCall(VecCreateMPI(balance->model->comm, n, PETSC_DETERMINE, &x));
-  PetscCall(VecGetArrayWrite(x, &array));
-  PetscCall(PetscArraycpy(array, stress, n));
-  PetscCall(VecRestoreArrayWrite(x, &array));
-  PetscCall(SNESCreate(balance->model->comm, &snes));
-  PetscCall(SNESSetType(snes, SNESANDERSON));
-  PetscCall(SNESSetOptionsPrefix(snes, "k0_"));
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-k0_snes_anderson_m", &chosen));
-  if (!chosen) PetscCall(PetscOptionsSetValue(NULL, "-k0_snes_anderson_m", BALANCE_MEMORY));
-  PetscCall(SNESSetFunction(snes, NULL, FormBalance, balance));
-  PetscCall(SNESSetConvergenceTest(snes, TestBalance, balance, NULL));
-  PetscCall(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, BALANCE_ROUNDS, 10 * BALANCE_ROUNDS));
-  PetscCall(SNESSetFromOptions(snes));
-  PetscCall(SNESSolve(snes, NULL, x));
-  PetscCall(SNESGetConvergedReason(snes, &reason));
-  *found = (PetscBool)(reason > 0);
-  PetscCall(SNESDestroy(&snes));
-  PetscCall(VecDestroy(&x));
+  for (PetscInt m = 0; m < balance->model->material_count; m++) PetscCall(PetscFree(balance->standins[m].parameter));
+  PetscCall(PetscFree3(balance->standins, balance->F, balance->volume0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  Brings the stress of k0 into balance by elastic stand-ins. Where no stress with that ratio is in balance, splines start
-  from the last balance that was found, near that stress, and other shapes from the stress itself.
+  The shape in which the stand-in gives the forces that the material will give: the volume as it stands, but for
+  small-strain laws the initial one and F, which follow from the stress.
 */
-static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[])
+static PetscErrorCode TakeShape(Balance *balance)
 {
-  const PetscReal k0        = model->stages[model->stage].geostatic.k0;
-  const PetscInt  n         = rest->n * model->particles.stress_size;
-  MpmMaterial    *materials = model->materials, *standins;
-  PetscBool      *remembers = rest->remembers, found = PETSC_FALSE;
-  Balance         balance = {.model = model, .rest = rest, .k0 = k0, .axis = FindVertical(model).axis};
+  MpmModel       model = balance->model;
+  const PetscInt dim   = model->grid.dim;
+  PetscInt64     without;
+  MpmPoints      points;
 
   PetscFunctionBeginUser;
-  PetscCall(StandInsCreate(model, PetscMin(k0 / (1. + k0), BALANCE_NU), &standins));
-  PetscCall(PetscCalloc1(n, &balance.balanced));
-  PetscCall(PetscCalloc1(model->material_count, &rest->remembers));
-  model->materials = standins;
-  PetscCall(SearchBalance(&balance, stress, &found));
-  if (found || (balance.rounds && MpmShapeDegree(model->shape) > 1))
-    PetscCall(PetscArraycpy(stress, balance.balanced, n));
-  PetscCall(StandInsDestroy(model, &standins));
-  PetscCall(PetscFree(rest->remembers));
-  PetscCall(PetscFree(balance.balanced));
-  model->materials = materials;
-  rest->remembers  = remembers;
+  if (AnySmallStrain(model)) PetscCall(SetStresses(model, balance->rest, balance->stress, &without));
+  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
+  for (PetscInt p = 0; p < balance->rest->n; p++) {
+    const PetscBool small = IsSmallStrain(model, points.material[p]);
+
+    balance->volume0[p] = small ? points.volume0[p] : balance->rest->volume[p];
+    for (PetscInt k = 0; k < dim * dim; k++)
+      balance->F[p * dim * dim + k] = small ? points.F[p * dim * dim + k] : k % (dim + 1) ? 0. : 1.;
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the stress that has been solved for, without the part that kept the matrix regular. */
+static PetscErrorCode TakeStress(Balance *balance)
+{
+  const MpmModel model = balance->model;
+  const PetscInt dim = model->grid.dim, size = model->particles.stress_size, v = balance->axis;
+  PetscReal      sum[3] = {0., 0., 0.};
+
+  PetscFunctionBeginUser;
+  balance->change = 0.;
+  for (PetscInt p = 0; p < balance->rest->n; p++) {
+    const PetscReal *solved = &model->trial.stress[p * size], *start = &balance->rest->start[p * size];
+    PetscReal       *stress = &balance->stress[p * size], vertical = solved[v], square = 1.;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      if (a == v) continue;
+      vertical += balance->k0 * solved[a];
+      square += PetscSqr(balance->k0);
+    }
+    for (PetscInt c = 0; c < size; c++) {
+      const PetscReal value = c >= 3 ? solved[c] : vertical / square * (c == v ? 1. : balance->k0);
+
+      balance->change = PetscMax(balance->change, PetscAbsReal(value - stress[c]));
+      stress[c]       = value;
+    }
+    sum[0] += PetscSqr(stress[v] - start[v]);
+    for (PetscInt c = 3; c < size; c++) sum[1] += PetscSqr(stress[c]);
+    sum[2] += PetscSqr(start[v]);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &balance->change, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));
+  balance->level =
+    (PetscBool)(sum[0] <= PetscSqr(BALANCE_DISTANCE) * sum[2] && sum[1] <= PetscSqr(BALANCE_SHEAR) * sum[2]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One solve, with the stand-ins as materials; without a solution the stress stays. */
+static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
+{
+  MpmModel            model  = balance->model;
+  PetscInt            failed = 0;
+  const char         *why;
+  MpmPoints           points;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepPrepare(model, model->time_end, model->time_end - model->time_start, PETSC_FALSE, &why));
+  if (!why) {
+    points                = model->points;
+    points.F              = balance->F;
+    points.volume0        = balance->volume0;
+    points.state          = balance->stress;
+    model->sum.points     = &points;
+    model->sum.state_size = model->particles.stress_size;
+    model->reference      = 0.;
+    PetscCall(MpmSolverSolve(model, &reason));
+    PetscCall(MpmSumResidual(model, &failed));
+    model->trial.made = PETSC_FALSE;
+    model->sum.points = &model->points;
+  }
+  *solved = (PetscBool)(!why && reason > 0);
+  if (*solved) PetscCall(TakeStress(balance));
+  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Brings the stress of k0 into balance where ground is level, and leaves it as it is where it is not. */
+static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[])
+{
+  const PetscReal diagonal  = model->diagonal;
+  const PetscBool may       = model->may_be_indefinite;
+  MpmMaterial    *materials = model->materials;
+  PetscBool       solved    = PETSC_TRUE;
+  Balance         balance   = {.model  = model,
+                               .rest   = rest,
+                               .k0     = model->stages[model->stage].geostatic.k0,
+                               .axis   = FindVertical(model).axis,
+                               .stress = stress};
+
+  PetscFunctionBeginUser;
+  PetscCall(BalanceCreate(&balance));
+  for (PetscInt it = 0; it < BALANCE_LIMIT && solved; it++) {
+    if (it && (!balance.level || balance.change <= BALANCE_TOLERANCE * rest->largest)) break;
+    PetscCall(TakeShape(&balance));
+    model->materials         = balance.standins;
+    model->may_be_indefinite = PETSC_FALSE;
+    model->diagonal          = balance.standins[0].stiffness * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
+    PetscCall(SolveBalance(&balance, &solved));
+    model->materials         = materials;
+    model->may_be_indefinite = may;
+    model->diagonal          = diagonal;
+  }
+  if (!balance.level) PetscCall(PetscArraycpy(stress, rest->start, rest->n * model->particles.stress_size));
+  PetscCall(BalanceDestroy(&balance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -406,7 +351,7 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
   PetscCall(CorrectSmallStrain(model, rest, stress));
   PetscCall(PetscMalloc1((rest->n * size), &rest->start));
   PetscCall(PetscArraycpy(rest->start, stress, rest->n * size));
-  PetscCall(BalanceK0(model, rest, stress));
+  if (rest->largest > 0.) PetscCall(BalanceK0(model, rest, stress));
   PetscCall(SetStresses(model, rest, stress, &without));
   MpmCheckInput(!without, "-mpm_stage_%s_geostatic_k0 %g: %" PetscInt64_FMT " points cannot have that stress",
                 model->stages[model->stage].name, (double)model->stages[model->stage].geostatic.k0, without);

@@ -67,7 +67,11 @@ static PetscErrorCode LawNames(const char ***names)
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1((PETSC_STATIC_ARRAY_LENGTH(laws) + 1), names));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
-    if (laws[k].dim == 3 && !laws[k].directions) (*names)[count++] = laws[k].name;
+    MpmLawInfo info;
+
+    if (laws[k].dim != 3 || laws[k].directions) continue;
+    laws[k].create(&info);
+    if (!(info.traits & MPM_LAW_INTERNAL)) (*names)[count++] = laws[k].name;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -85,6 +89,7 @@ static PetscErrorCode PrintLaws(const MpmOptions *block)
 
     if (laws[k].dim != 3 || laws[k].directions) continue;
     laws[k].create(&info);
+    if (info.traits & MPM_LAW_INTERNAL) continue;
     PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", info.name, info.summary));
     PetscCall(MpmOptionsHeading(block, title));
     for (size_t i = 0; i < info.parameter_count; i++)

@@ -62,6 +62,23 @@ def gaps(test, shape, k0):
     ratio(test, f"gaps_{shape}_{k0:g}", run, "level", k0)
 
 
+WIDE = {"mpm_grid_upper": "30,6", "mpm_grid_cells": "30,6", "mpm_body_ground_upper": "30,5", "mpm_body_bed_upper": "30,1",
+        "mpm_bc_east_lower": "30,0", "mpm_bc_east_upper": "30,6", "mpm_bc_base_upper": "30,0"}
+
+
+def grids(test):
+    """The same layers over wider and finer grids, with other solvers, and with the volume change averaged over cells."""
+    for label, shape, k0, count, options in (
+            ("wide", "bspline2", 0.5, 1, WIDE), ("wide_amg", "bspline3", 1.5, 2, WIDE | {"mpm_solver": "amg"}),
+            ("fine", "bspline3", 0.01, 1, {"mpm_grid_cells": "12,24"}),
+            ("odd", "bspline2", 0.5, 4, {"mpm_grid_cells": "7,13", "mpm_material_soil_type": "linear_elastic"}),
+            ("overlap", "gimp", 0.5, 1, {"mpm_grid_cells": "12,24", "mpm_body_bed_upper": "3,1.3"}),
+            ("fbar", "bspline2", 0.5, 2, {"mpm_stabilization_fbar": "true"})):
+        run = test.run(FOLDER / "level.yaml", ranks=count, mpm_shape=shape, mpm_quiet=None,
+                       mpm_stage_rest_geostatic_k0=k0, **options)
+        ratio(test, f"{label}_{shape}", run, "level", k0)
+
+
 BED = {"mpm_bodies": "ground,bed", "mpm_body_ground_lower": "0,0,1", "mpm_body_bed_region": "box",
        "mpm_body_bed_lower": "0,0,0", "mpm_body_bed_upper": "3,2,1", "mpm_body_bed_points_per_cell": "3,3,3",
        "mpm_body_bed_material": "soil"}
@@ -222,6 +239,7 @@ with Test() as test:
         level(test, "level", law_name, shape_name, rank_count)
     for shape_name, k0_value in (("gimp", 0.6), ("bspline2", 1.8), ("gimp_bspline2", 0.3)):
         gaps(test, shape_name, k0_value)
+    grids(test)
     level(test, "level3d", "hencky", "gimp")
     level(test, "level3d", "drucker_prager", "linear")
     layers3d(test)
