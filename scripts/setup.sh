@@ -5,7 +5,7 @@ set -euo pipefail
 # OpenBLAS because Debian's default BLAS is the reference one, several times slower in 3D; libyaml comes with PETSc.
 packages=(
   gcc libc6-dev make cmake pkg-config check
-  petsc-dev libhypre-dev libmumps-dev libmetis-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin libopenblas0-serial
+  petsc-dev libhypre-dev libmumps-dev libmetis-dev liblapack-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin libopenblas0-serial
   python3 python3-numpy python3-h5py python3-matplotlib
 )
 

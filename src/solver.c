@@ -1,6 +1,7 @@
 /*
   Newton and its linear solver: PETSc's SNES and KSP, set up by presets from options/ that any PETSc option overrides.
 */
+#include "band.h"
 #include "mpmimpl.h"
 
 /* The presets, embedded by the build from options/: {name, text of the file}. */
@@ -46,8 +47,9 @@ static PetscErrorCode ApplyPreset(const char *text)
 
 static PetscErrorCode CreateSNES(MpmModel model)
 {
-  KSP ksp;
-  PC  pc;
+  KSP       ksp;
+  PC        pc;
+  PetscBool band;
 
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(model->comm, &model->snes));
@@ -62,6 +64,11 @@ static PetscErrorCode CreateSNES(MpmModel model)
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->factorises, PCLU, PCCHOLESKY, ""));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &model->matrix_unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL,
                                       PCMAT, ""));
+  PetscCall(MpmBandIs(pc, &band));
+  if (band) {
+    model->factorises    = PETSC_TRUE;
+    model->matrix_unused = PETSC_FALSE;
+  }
   model->matrix_unused = (PetscBool)(model->matrix_unused && model->jacobian_type == MPM_JACOBIAN_MATFREE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -160,7 +167,8 @@ static PetscErrorCode ChooseSolver(MpmModel model, PetscReal unknowns, const cha
 }
 
 /*
-  What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Of MUMPS' scalings for
+  What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Small ones may be narrow enough
+  for the band solver (band.c), which finds out by itself; not where the user names a package. Of MUMPS' scalings for
   symmetric matrices that by the diagonal costs least. In 2D, below this size, quasi-dense minimum degree (QAMD) beats
   nested dissection, and the last front is too small to be shared out by ScaLAPACK.
 */
@@ -168,16 +176,23 @@ static PetscErrorCode ChooseSolver(MpmModel model, PetscReal unknowns, const cha
 
 static PetscErrorCode TuneDirect(MpmModel model, PetscReal unknowns)
 {
-  char      package[64] = "";
-  PetscBool chosen;
+  const PetscBool small       = (PetscBool)(unknowns < SMALL_IN_2D);
+  char            package[64] = "";
+  PetscBool       chosen, packaged;
 
   PetscFunctionBeginUser;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_type", &chosen));
-  PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_factor_mat_solver_type", &packaged));
+  if (small && model->symmetric && !chosen && !packaged) {
+    PetscCall(OptionDefault("-pc_type", "band"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(OptionDefault("-pc_factor_mat_solver_type", MATSOLVERMUMPS));
   PetscCall(OptionDefault("-pc_type", model->symmetric ? "cholesky" : "lu"));
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
   if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->symmetric) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
-  if (model->grid.dim == 2 && unknowns < SMALL_IN_2D) {
+  if (model->grid.dim == 2 && small) {
     PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
     PetscCall(OptionDefault("-mat_mumps_icntl_13", "1"));
   }
@@ -255,6 +270,7 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
   PetscCall(PetscStrallocpy(names[choice], &model->solver));
   PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, model->mat_type));
   PetscCall(ReadType(options, "vec_type", "PETSc type of the vectors", VECSTANDARD, model->vec_type));
+  PetscCall(MpmBandRegister());
   PetscCall(CheckTypes(model));
   model->lag = model->keep_tangents = PETSC_TRUE;
   PetscCall(MpmOptionsBool(options, "newton_lag", "keep a Jacobian where a new one would not pay", &model->lag, NULL));
