@@ -174,7 +174,7 @@ def talus_row(h, shape, tolerance, arguments):
             loops.append(summary["time_total_s"] - summary["time"]["setup"] - summary["time"]["output"])
         summary = results.summary
         row = {"code": f"Talus {summary['version']}", "shape": shape, "layout": "uniform", "h": h,
-               "points": summary["points"], "tolerance": tolerance, "linear_solver": "mumps", "steps": summary["steps"],
+               "points": summary["points"], "tolerance": tolerance, "linear_solver": "direct", "steps": summary["steps"],
                "load": f"{results.column('load')[-1]:.2f}", "newton_iterations": summary["newton_iterations"],
                "seconds": f"{statistics.median(loops):.2f}",
                "seconds_total": f"{statistics.median(seconds for _, seconds, _ in runs):.2f}",
