@@ -12,7 +12,7 @@
   touches the border, which thus comes last: W_r is zero but in its last rows.
 
   Where the band or the border is too wide, or the matrix is not positive definite, Cholesky by MUMPS takes over. Needs an
-  AIJ matrix with a symmetric pattern; reads the entries of both triangles' lower part only.
+  AIJ matrix that is symmetric, of which it reads one triangle.
 
   Sources: Cuthill and McKee (1969), doi:10.1145/800195.805928; Przemieniecki (1963), substructures, AIAA J. 1, 138-147.
 */

@@ -10,7 +10,7 @@
 #define BS    2
 #define REACH 2
 
-/* Nodes of a lattice that belong to the body, numbered column by column; columns are dealt out to the ranks in turn. */
+/* Nodes of a lattice that belong to the body. Ranks have columns next to each other, and number their nodes out of order. */
 typedef struct {
   PetscInt nx, ny;
   PetscBool (*has)(PetscInt i, PetscInt j);
@@ -45,15 +45,29 @@ static PetscBool Square(PetscInt i, PetscInt j)
 
 static PetscMPIInt my_rank, rank_count;
 
+/* Another number of the same rank: in strides of 37, a prime that divides no rank's count here. */
+static PetscInt Shuffle(const Body *body, PetscInt total, PetscInt number)
+{
+  PetscInt begin = 0, end = total;
+
+  if (number < 0) return number;
+  for (PetscMPIInt r = 0; r < rank_count && !body->one_rank; r++) {
+    begin = total * r / rank_count;
+    end   = total * (r + 1) / rank_count;
+    if (number < end) break;
+  }
+  ck_assert((end - begin) % 37);
+  return begin + (number - begin) * 37 % (end - begin);
+}
+
 /* The number of each lattice node, or -1; and this rank's part. */
 static PetscErrorCode Number(const Body *body, PetscInt number[], PetscInt *begin, PetscInt *end)
 {
-  PetscInt total = 0, seen = 0;
+  PetscInt total = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < body->nx; i++)
     for (PetscInt j = 0; j < body->ny; j++) number[i * body->ny + j] = body->has(i, j) ? total++ : -1;
-  *begin = *end = seen;
   if (body->one_rank) {
     *end   = total;
     *begin = my_rank == rank_count - 1 ? 0 : total;
@@ -62,6 +76,7 @@ static PetscErrorCode Number(const Body *body, PetscInt number[], PetscInt *begi
     *begin = total * my_rank / rank_count;
     *end   = total * (my_rank + 1) / rank_count;
   }
+  for (PetscInt at = 0; at < body->nx * body->ny; at++) number[at] = Shuffle(body, total, number[at]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -93,7 +108,8 @@ static PetscErrorCode Assemble(const Body *body, PetscReal excess, Mat *A)
         for (PetscInt l = PetscMax(j - REACH, 0); l <= PetscMin(j + REACH, body->ny - 1); l++) {
           for (PetscInt d = 0; d < BS && number[k * body->ny + l] >= 0; d++) {
             const PetscInt  column = number[k * body->ny + l] * BS + d;
-            const PetscReal value  = SceneRandom(1, PetscMin(row, column), PetscMax(row, column));
+            const PetscInt  one = at * BS + c, other = (k * body->ny + l) * BS + d; /* whatever the numbers */
+            const PetscReal value = SceneRandom(1, PetscMin(one, other), PetscMax(one, other));
 
             if (column == row) continue;
             sum += PetscAbsReal(value);
@@ -166,7 +182,10 @@ static void Check(const char *name, Body body, PetscBool fits, PetscInt widest)
   SCENE_CALL(MatDestroy(&A));
 }
 
-/* A strip of six nodes across needs a half bandwidth of 2 * 6 * 2 + 5 at least; some more is granted. */
+/*
+  A strip of six nodes across needs a half bandwidth of REACH * 6 * BS and some; a rank between two others is walked
+  through from both sides and needs twice that.
+*/
 START_TEST(shapes)
 {
   SCENE_CALL(MpmBandRegister());
