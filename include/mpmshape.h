@@ -22,6 +22,16 @@ typedef enum {
 } MpmShapeType;
 extern const char *const MpmShapeTypes[];
 
+/*E
+  MpmEdgeType - how B-splines end at an edge, by the names that the option -mpm_shape_edge takes; hats (linear, gimp)
+  have nothing beyond an edge
+E*/
+typedef enum {
+  MPM_EDGE_LINEAR, /* coefficients beyond extend the others linearly: no second derivative there */
+  MPM_EDGE_OPEN    /* the knot next to the edge is left out: polynomials of the spline's degree up to the edge */
+} MpmEdgeType;
+extern const char *const MpmEdgeTypes[];
+
 /* Does the shape average over the point's domain, so that domains must be followed? */
 PetscBool MpmShapeHasDomain(MpmShapeType type);
 /* Degree of the grid's spline: 1 for hats, under GIMP too. */
@@ -30,15 +40,22 @@ PetscInt MpmShapeDegree(MpmShapeType type);
 /* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);
 
+/* What an edge of a spline of this degree is where so many cells lie between it and the next: open edges need more of
+   them than the degree. */
+MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells);
+/* What the k-th node from an edge inwards (0: on it) gets of the coefficient of the node on it (beyond 0) or of the one
+   beyond it (1), for a spline of degree 2 or 3; k up to the degree. */
+PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond, PetscInt k);
+
 /*
   MpmShapeEvaluate - weights and gradients on one axis
 
   Input Parameters:
 + type        - the shape
+. edge        - how splines end at the edges
 . xi          - the point, (x - lower)/h: node i stands at xi = i
 . half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has cut it
-so that the
-                domain stays between the edges
+                so that the domain stays between the edges
 . edge_lower  - first node of the axis, or of the wall that bounds the material
 - edge_upper  - last node
 
@@ -48,8 +65,9 @@ so that the
 . weight   - weights, count of them
 - gradient - derivatives by xi (divide by h for d/dx), count of them
 
-  Nodes beyond the edges do not exist; their coefficients are the linear extension u_{-k} = 2 u_0 - u_k, so that the
-  edge node carries the edge's value exactly.
+  Nodes beyond the edges do not exist. With MPM_EDGE_LINEAR their coefficients are the linear extension u_{-k} = 2 u_0 -
+  u_k. With either type the edge node carries the edge's value exactly, and a linear field has its nodal values as
+  coefficients.
 */
-void MpmShapeEvaluate(MpmShapeType type, PetscReal xi, PetscReal half_length, PetscInt edge_lower, PetscInt edge_upper,
-                      PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[]);
+void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
+                      PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[]);

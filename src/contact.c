@@ -184,8 +184,8 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   const PetscReal at = PetscMin(PetscMax((contact->face[a] - grid->lower[a]) / grid->h[a], x - half[a]), x + half[a]);
 
   MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-  MpmShapeEvaluate(rules->shape, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a], &first, &count,
-                   weight, unused);
+  MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a],
+                   &first, &count, weight, unused);
   for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
   for (PetscInt i = 0; i < count; i++) /* rounding may touch a node more than the domain does */
     line[PetscMin(PetscMax(first + i - group->first[a], 0), last)] += weight[i];

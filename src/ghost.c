@@ -12,7 +12,7 @@
   piece integrates. E_s is Young's modulus of the stiffest material beside the face. The badly supported node is
   tied to the polynomial extension of its neighbours, whatever sliver touches it, and the energy vanishes for any
   polynomial of degree p. Being on increments, it puts no lasting force on the material. Where a spline ends, at the
-  grid's edge or a wall, nodes beyond are the linear extension of those before, as in the shape functions.
+  grid's edge or a wall, nodes beyond have the coefficients that the shape functions give them.
 
   A face is a group of nodes without points: numbering and sparsity treat it like one.
 
@@ -214,6 +214,58 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The (p + 1)-th difference, and the mass matrix of p + 1 splines on one piece (times `whole`), h = 1. */
+static const PetscReal difference[3][5] = {{1., -2., 1.}, {-1., 3., -3., 1.}, {1., -4., 6., -4., 1.}};
+static const PetscReal mass[3][16]      = {
+       {2., 1., 1., 2.},
+       {6., 13., 1., 13., 54., 13., 1., 13., 6.},
+       {20., 129., 60., 1., 129., 1188., 933., 60., 60., 933., 1188., 129., 1., 60., 129., 20.},
+};
+static const PetscReal whole[3] = {6., 120., 5040.};
+
+/* Adds `value` to the nodes of the box that stand for node `node`: itself, or those that have it at or beyond an edge. */
+static void Fold(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscInt node, PetscReal value, PetscReal to[])
+{
+  const PetscInt inside = face->edge[a] == MPM_EDGE_OPEN ? 1 : 0; /* the first node that stands for itself */
+  const PetscInt step   = node < face->lower[a] + inside ? 1 : node > face->upper[a] - inside ? -1 : 0;
+  const PetscInt edge   = (step > 0 ? face->lower[a] : face->upper[a]) - box->first[a];
+
+  if (!step) to[node - box->first[a]] += value;
+  for (PetscInt k = 0; step && k <= face->degree; k++) {
+    const PetscReal coefficient =
+      MpmEdgeCoefficient(face->edge[a], face->degree, PetscAbsInt(edge + box->first[a] - node), k);
+
+    if (coefficient != 0.) to[edge + step * k] += coefficient * value;
+  }
+}
+
+/* The face's matrix along one axis, count x count, for its Kronecker product. */
+static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal h)
+{
+  const PetscInt p = face->degree, n = box->count[a];
+  PetscReal     *matrix = face->along[a];
+  PetscReal      rows[(MPM_GHOST_WIDTH - 1) * MPM_GHOST_WIDTH], jump[MPM_GHOST_WIDTH];
+
+  for (PetscInt k = 0; k < n * n; k++) matrix[k] = 0.;
+  if (a == face->axis) {
+    for (PetscInt k = 0; k < n; k++) jump[k] = 0.;
+    for (PetscInt k = 0; k < p + 2; k++) Fold(face, box, a, face->first[a] + k, difference[p - 1][k], jump);
+    for (PetscInt k = 0; k < n * n; k++) matrix[k] = jump[k / n] * jump[k % n] / h;
+    return;
+  }
+  for (PetscInt i = 0; i <= p; i++) {
+    for (PetscInt k = 0; k < n; k++) rows[i * n + k] = 0.;
+    for (PetscInt j = 0; j <= p; j++)
+      Fold(face, box, a, face->first[a] + j, mass[p - 1][i * (p + 1) + j] * h / whole[p - 1], &rows[i * n]);
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal column[MPM_GHOST_WIDTH] = {0.};
+
+    for (PetscInt i = 0; i <= p; i++) Fold(face, box, a, face->first[a] + i, rows[i * n + k], column);
+    for (PetscInt i = 0; i < n; i++) matrix[i * n + k] = column[i];
+  }
+}
+
 /* The box of a face's nodes between the edges; PETSC_FALSE where there is no room for it. */
 static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace *face, MpmGroup *box)
 {
@@ -226,20 +278,25 @@ static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace 
   box->node_count  = 1;
   box->point_begin = box->point_end = 0;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    PetscInt last;
+    PetscInt last, low, high, reach, from;
 
     face->first[a] = box->first[a] = 0;
     box->count[a]                  = 1;
     if (a >= grid->dim) continue;
+    face->edge[a]  = MpmEdgeOf(rules->edge, face->degree, face->upper[a] - face->lower[a]);
     face->first[a] = piece[a] + FirstNode(face->degree);
     last           = face->first[a] + face->degree + (a == face->axis);
-    box->first[a]  = PetscMax(face->first[a], face->lower[a]);
-    box->count[a]  = PetscMin(last, face->upper[a]) - box->first[a] + 1;
-    if (box->count[a] < 2) return PETSC_FALSE;
+    /* what stands for nodes beyond an edge, and at an open one on it, must be in the box */
+    reach = face->edge[a] == MPM_EDGE_OPEN ? face->degree : 1;
+    from  = face->edge[a] == MPM_EDGE_OPEN ? 0 : 1;
+    low   = PetscMax(face->first[a], face->lower[a]);
+    high  = PetscMin(last, face->upper[a]);
+    if (face->lower[a] - face->first[a] >= from) high = PetscMax(high, face->lower[a] + reach);
+    if (last - face->upper[a] >= from) low = PetscMin(low, face->upper[a] - reach);
+    if (high <= low || high > face->upper[a] || low < face->lower[a]) return PETSC_FALSE;
+    box->first[a] = low;
+    box->count[a] = high - low + 1;
     box->node_count *= box->count[a];
-    /* nodes beyond an edge must find their mirror images in the box */
-    if (2 * face->lower[a] - face->first[a] > box->first[a] + box->count[a] - 1) return PETSC_FALSE;
-    if (2 * face->upper[a] - last < box->first[a]) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
@@ -264,6 +321,7 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
       if (!FaceBox(rules, cell, &face, &box)) continue;
       face.stiffness = PetscMax(materials[*CellAt(map, cell) - 1].penalty, materials[*CellAt(map, next) - 1].penalty);
       if (faces) {
+        for (PetscInt a = 0; a < map->dim; a++) AxisMatrix(&face, &box, a, grid->h[a]);
         faces[count] = face;
         boxes[count] = box;
       }
@@ -289,95 +347,44 @@ PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmRules *rules, const MpmPo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The (p + 1)-th difference, and the mass matrix of p + 1 splines on one piece (times `whole`), h = 1. */
-static const PetscReal difference[3][5] = {{1., -2., 1.}, {-1., 3., -3., 1.}, {1., -4., 6., -4., 1.}};
-static const PetscReal mass[3][16]      = {
-       {2., 1., 1., 2.},
-       {6., 13., 1., 13., 54., 13., 1., 13., 6.},
-       {20., 129., 60., 1., 129., 1188., 933., 60., 60., 933., 1188., 129., 1., 60., 129., 20.},
-};
-static const PetscReal whole[3] = {6., 120., 5040.};
-
-/* Adds `value` to the nodes of the box that stand for node `node`: itself, or its image where it lies beyond an edge. */
-static void Fold(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscInt node, PetscReal value, PetscReal to[])
+/* out = A in along one axis of a box: `n` nodes of it, `before` and `after` of those that vary faster and slower. */
+static void AxisApply(PetscInt before, PetscInt n, PetscInt after, const PetscReal A[], const PetscReal in[],
+                      PetscReal out[])
 {
-  const PetscInt edge = node < face->lower[a] ? face->lower[a] : face->upper[a];
+  for (PetscInt k = 0; k < after; k++) {
+    for (PetscInt i = 0; i < n; i++) {
+      for (PetscInt b = 0; b < before; b++) {
+        PetscReal s = 0.;
 
-  if (node >= face->lower[a] && node <= face->upper[a]) to[node - box->first[a]] += value;
-  else {
-    to[edge - box->first[a]] += 2. * value;
-    to[2 * edge - node - box->first[a]] -= value;
-  }
-}
-
-/* The face's matrix along one axis, count x count. */
-static void AxisMatrix(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal h, PetscReal matrix[])
-{
-  const PetscInt p = face->degree, n = box->count[a];
-  PetscReal      rows[(MPM_GHOST_WIDTH - 1) * MPM_GHOST_WIDTH], jump[MPM_GHOST_WIDTH];
-
-  for (PetscInt k = 0; k < n * n; k++) matrix[k] = 0.;
-  if (a == face->axis) {
-    for (PetscInt k = 0; k < n; k++) jump[k] = 0.;
-    for (PetscInt k = 0; k < p + 2; k++) Fold(face, box, a, face->first[a] + k, difference[p - 1][k], jump);
-    for (PetscInt k = 0; k < n * n; k++) matrix[k] = jump[k / n] * jump[k % n] / h;
-    return;
-  }
-  for (PetscInt i = 0; i <= p; i++) {
-    for (PetscInt k = 0; k < n; k++) rows[i * n + k] = 0.;
-    for (PetscInt j = 0; j <= p; j++)
-      Fold(face, box, a, face->first[a] + j, mass[p - 1][i * (p + 1) + j] * h / whole[p - 1], &rows[i * n]);
-  }
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal column[MPM_GHOST_WIDTH] = {0.};
-
-    for (PetscInt i = 0; i <= p; i++) Fold(face, box, a, face->first[a] + i, rows[i * n + k], column);
-    for (PetscInt i = 0; i < n; i++) matrix[i * n + k] = column[i];
-  }
-}
-
-PetscInt MpmGhostMatrix(const MpmSpace *space, const MpmGrid *grid, PetscReal factor, PetscInt f, PetscReal matrix[])
-{
-  const MpmGroup *box  = &space->groups[space->group_count + f];
-  const MpmFace  *face = &space->faces[f];
-  const PetscInt  n    = box->node_count;
-  PetscReal       along[MPM_MAX_DIM][MPM_GHOST_WIDTH * MPM_GHOST_WIDTH];
-
-  for (PetscInt a = 0; a < space->dim; a++) AxisMatrix(face, box, a, grid->h[a], along[a]);
-  for (PetscInt i = 0; i < n; i++) {
-    for (PetscInt j = 0; j < n; j++) {
-      PetscInt  p = i, q = j;
-      PetscReal value = factor * face->stiffness;
-
-      for (PetscInt a = 0; a < space->dim; a++) {
-        value *= along[a][(p % box->count[a]) * box->count[a] + q % box->count[a]];
-        p /= box->count[a];
-        q /= box->count[a];
+        for (PetscInt j = 0; j < n; j++) s += A[i * n + j] * in[(k * n + j) * before + b];
+        out[(k * n + i) * before + b] = s;
       }
-      matrix[i * n + j] = value;
     }
   }
-  return n;
 }
 
 PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscReal residual[])
 {
   const MpmSpace *space = sum->space;
   const PetscInt  bs = sum->layout->block, dim = space->dim;
-  PetscReal      *matrix;
+  PetscReal       value[2][MPM_GHOST_NODES];
 
   PetscFunctionBeginUser;
-  if (!space->face_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
   for (PetscInt f = 0; f < space->face_count; f++) {
-    const PetscInt  n     = MpmGhostMatrix(space, sum->grid, sum->ghost, f, matrix);
-    const PetscInt *nodes = &space->group_nodes[space->groups[space->group_count + f].node_offset];
+    const MpmFace  *face = &space->faces[f];
+    const MpmGroup *box  = &space->groups[space->group_count + f];
+    const PetscInt  n = box->node_count, *nodes = &space->group_nodes[box->node_offset];
+    const PetscReal factor = sum->ghost * face->stiffness;
 
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt j = 0; j < n; j++)
-        for (PetscInt c = 0; c < dim; c++) residual[nodes[i] * bs + c] += matrix[i * n + j] * u[nodes[j] * bs + c];
+    for (PetscInt c = 0; c < dim; c++) {
+      PetscInt before = 1, now = 0;
+
+      for (PetscInt i = 0; i < n; i++) value[0][i] = u[nodes[i] * bs + c];
+      for (PetscInt a = 0; a < dim; before *= box->count[a], a++, now = !now)
+        AxisApply(before, box->count[a], n / (before * box->count[a]), face->along[a], value[now], value[!now]);
+      for (PetscInt i = 0; i < n; i++) residual[nodes[i] * bs + c] += factor * value[now][i];
+    }
   }
-  PetscCall(PetscFree(matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -385,20 +392,43 @@ PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[])
 {
   const MpmSpace *space = sum->space;
   const PetscInt  bs = sum->layout->block, dim = space->dim;
-  PetscReal      *matrix;
 
   PetscFunctionBeginUser;
-  if (!space->face_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
   for (PetscInt f = 0; f < space->face_count; f++) {
-    const PetscInt  n     = MpmGhostMatrix(space, sum->grid, sum->ghost, f, matrix);
-    const PetscInt *nodes = &space->group_nodes[space->groups[space->group_count + f].node_offset];
+    const MpmFace  *face  = &space->faces[f];
+    const MpmGroup *box   = &space->groups[space->group_count + f];
+    const PetscInt *nodes = &space->group_nodes[box->node_offset];
 
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt c = 0; c < dim; c++) blocks[(nodes[i] * bs + c) * bs + c] += matrix[i * n + i];
+    for (PetscInt i = 0; i < box->node_count; i++) {
+      PetscReal value = sum->ghost * face->stiffness;
+      PetscInt  k     = i;
+
+      for (PetscInt a = 0; a < dim; k /= box->count[a], a++)
+        value *= face->along[a][(k % box->count[a]) * (box->count[a] + 1)];
+      for (PetscInt c = 0; c < dim; c++) blocks[(nodes[i] * bs + c) * bs + c] += value;
+    }
   }
-  PetscCall(PetscFree(matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The face's matrix, the same for every component; returns its number of nodes. */
+static PetscInt FaceMatrix(const MpmSpace *space, PetscReal factor, PetscInt f, PetscReal matrix[])
+{
+  const MpmFace  *face  = &space->faces[f];
+  const PetscInt *count = space->groups[space->group_count + f].count,
+                 n      = space->groups[space->group_count + f].node_count;
+
+  for (PetscInt p = 0; p < n / count[0]; p++) { /* lines of nodes along the first axis */
+    for (PetscInt q = 0; q < n / count[0]; q++) {
+      PetscReal value = factor * face->stiffness * face->along[1][(p % count[1]) * count[1] + q % count[1]];
+
+      if (space->dim == 3) value *= face->along[2][(p / count[1]) * count[2] + q / count[1]];
+      for (PetscInt i = 0; i < count[0]; i++)
+        for (PetscInt j = 0; j < count[0]; j++)
+          matrix[(p * count[0] + i) * n + q * count[0] + j] = value * face->along[0][i * count[0] + j];
+    }
+  }
+  return n;
 }
 
 PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern)
@@ -412,7 +442,7 @@ PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern)
   PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
   PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES * bs * bs), &element));
   for (PetscInt f = 0; f < space->face_count; f++) {
-    const PetscInt n = MpmGhostMatrix(space, sum->grid, sum->ghost, f, matrix);
+    const PetscInt n = FaceMatrix(space, sum->ghost, f, matrix);
 
     PetscCall(PetscArrayzero(element, n * n * bs * bs));
     for (PetscInt i = 0; i < n; i++)

@@ -306,7 +306,7 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
   const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
   const MpmShapeType at_face = rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
   PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
-  PetscInt  first, count, n = 0;
+  PetscInt  lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], first, count, n = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
@@ -317,8 +317,9 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
     xi = (points->x[p * dim + axis] - grid->lower[axis] +
           (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
          grid->h[axis];
-    xi = PetscMin(PetscMax(xi, 0.), (PetscReal)grid->cells[axis]);
-    MpmShapeEvaluate(at_face, xi, 0., 0, grid->nodes[axis] - 1, &first, &count, face_weight, unused);
+    MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
+    xi = PetscMin(PetscMax(xi, (PetscReal)lower[axis]), (PetscReal)upper[axis]);
+    MpmShapeEvaluate(at_face, rules->edge, xi, 0., lower[axis], upper[axis], &first, &count, face_weight, unused);
     for (PetscInt i = 0; i < group->count[axis]; i++) {
       const PetscInt k = group->first[axis] + i - first;
 

@@ -160,7 +160,7 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
 static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
 {
   char    *name;
-  PetscInt dim = 2, shape = MPM_SHAPE_GIMP, jacobian = MPM_JACOBIAN_AUTO;
+  PetscInt dim = 2, shape = MPM_SHAPE_GIMP, edge = MPM_EDGE_LINEAR, jacobian = MPM_JACOBIAN_AUTO;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, "Scene"));
@@ -169,6 +169,9 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsText(options, "physics", "what is solved: solid", "solid", MPM_OPTIONAL, &name));
   PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
   model->shape = (MpmShapeType)shape;
+  PetscCall(MpmOptionsWord(options, "shape_edge", "how splines end at the grid's edges and at walls", MpmEdgeTypes,
+                           MPM_OPTIONAL, &edge, NULL));
+  model->edge = (MpmEdgeType)edge;
   PetscCall(
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;

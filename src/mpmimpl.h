@@ -277,9 +277,7 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
 
 /* The ghost penalty (ghost.c). Faces become groups of the space, before its nodes are numbered. */
 PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmRules *rules, const MpmPoints *points);
-/* The face's matrix, the same for every component; returns its number of nodes. */
-PetscInt       MpmGhostMatrix(const MpmSpace *space, const MpmGrid *grid, PetscReal factor, PetscInt face,
-                              PetscReal matrix[]);
+/* Adds the force of the increment u at the local nodes to their residual. */
 PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscReal residual[]);
 /* Adds to the pattern's values; linear, so it is the same in every form of the Jacobian. */
 PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern);
@@ -481,6 +479,7 @@ struct _p_MpmModel {
   MpmStretch      stretch;
   MpmGrid         grid;
   MpmShapeType    shape;
+  MpmEdgeType     edge;
   MpmJacobianType jacobian_type;
   char           *solver, *solver_why; /* the preset; why `auto` took it, or NULL */
   PetscInt        material_count, body_count, bc_count, boundary_count, load_count, track_count, wall_count;

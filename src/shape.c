@@ -16,9 +16,13 @@
   Everything is measured from the point, not from the origin: knot distances are then exact to rounding and domains of
   1e-16 cells keep their fractions.
 
+  At an edge the nodes beyond do not exist. Their coefficients extend the others linearly, which makes a quadratic or
+  cubic spline's second derivative zero there, or the edge is open: the knot next to it is left out ("not a knot"), and
+  the spline is any polynomial of its degree up to the edge.
+
   Sources: Bardenhagen & Kober (2004), CMES 5, 477 (the domain average); Charlton, Coombs & Augarde (2017), Comput.
   Struct. 190, 108 (contiguous domains); Steffen, Kirby & Berzins (2008), Int. J. Numer. Meth. Eng. 76, 922 (B-splines
-  in MPM).
+  in MPM); de Boor (1978), A Practical Guide to Splines, IV (not a knot).
 */
 #include "mpmcompat.h"
 #include "mpmshape.h"
@@ -26,10 +30,11 @@
 #include <math.h>
 
 const char *const MpmShapeTypes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2", NULL};
+const char *const MpmEdgeTypes[]  = {"linear", "open", NULL};
 
-/* Domains shorter than this count as points: their inverse length would overflow. */
 /* Overlaps with an interval that are smaller than this part of the domain are rounding. */
 #define MPM_SHAPE_TOUCH 1e-9
+/* Domains shorter than this count as points: their inverse length would overflow. */
 #define MPM_SHAPE_POINT 1e-100
 
 /* The point's knot interval: B-splines are polynomials of `local` while it stays between `offset` and `offset` + 1. */
@@ -150,32 +155,76 @@ static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, Pets
 }
 
 /*
-  Gives what lies beyond an edge to the edge's nodes, u_{-1} = 2 u_0 - u_1; an edge has at most one node beyond it,
-  since every interval between the edges has. On an axis of a single cell the node that takes the -1 is the other edge.
+  An open edge has the coefficients of the nodes one beyond it and on it from the edge's value and the p nodes after it:
+  the two that make the (p + 1)-th difference over the nodes from the one beyond vanish, which removes the knot next to
+  the edge, and give the edge node the spline's value there. By p - 2, then beyond and on.
 */
-static inline void FoldEdges(PetscInt edge_lower, PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal w[],
-                             PetscReal g[])
-{
-  if (*first < edge_lower) {
-    w[1] += 2. * w[0];
-    g[1] += 2. * g[0];
-    w[2] -= w[0];
-    g[2] -= g[0];
-    for (PetscInt k = 1; k < *count; k++) {
-      w[k - 1] = w[k];
-      g[k - 1] = g[k];
-    }
-    (*first)++;
-    (*count)--;
-  }
-  if (*first + *count - 1 > edge_upper) {
-    const PetscInt last = *count - 1;
+static const PetscReal open_edge[2][2][4] = {
+  {{8. / 3., -7. / 3., 2. / 3.}, {8. / 9., 2. / 9., -1. / 9.}},
+  {{3., -3.5, 2., -0.5}, {0.75, 0.625, -0.5, 0.125}},
+};
 
-    w[last - 1] += 2. * w[last];
-    g[last - 1] += 2. * g[last];
-    w[last - 2] -= w[last];
-    g[last - 2] -= g[last];
-    (*count)--;
+/*
+  Gives `outer`, what the node beyond an edge has, and with an open edge what the edge's node has, to the edge's node,
+  at[0], and those after it, at[step], ...
+*/
+static inline void FoldEdge(PetscInt degree, MpmEdgeType edge, PetscInt step, PetscReal outer, PetscReal at[])
+{
+  const PetscReal on = at[0];
+
+  if (edge == MPM_EDGE_LINEAR) {
+    at[0] += 2. * outer;
+    at[step] -= outer;
+    return;
+  }
+  at[0] = 0.;
+  for (PetscInt k = 0; k <= degree; k++)
+    at[step * k] += open_edge[degree - 2][0][k] * outer + open_edge[degree - 2][1][k] * on;
+}
+
+/*
+  Both edges; each has at most one node beyond it, since every interval between them has. On an axis of a single cell
+  the node that takes the linear extension's -1 is the other edge.
+*/
+static inline void FoldEdges(PetscInt degree, MpmEdgeType edge, PetscInt edge_lower, PetscInt edge_upper,
+                             PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+{
+  const PetscInt from  = edge == MPM_EDGE_OPEN ? 0 : 1; /* nodes beyond from which on there is something to do */
+  const PetscInt below = edge_lower - *first;
+
+  if (below >= from) {
+    const PetscReal w_outer = below ? w[0] : 0., g_outer = below ? g[0] : 0.;
+
+    *first += below;
+    *count -= below;
+    for (PetscInt k = 0; below && k < *count; k++) {
+      w[k] = w[k + 1];
+      g[k] = g[k + 1];
+    }
+    if (edge == MPM_EDGE_OPEN && *count == degree) {
+      w[degree] = g[degree] = 0.;
+      (*count)++;
+    }
+    FoldEdge(degree, edge, 1, w_outer, w);
+    FoldEdge(degree, edge, 1, g_outer, g);
+  }
+  const PetscInt above = *first + *count - 1 - edge_upper;
+
+  if (above >= from) {
+    const PetscReal w_outer = above ? w[*count - 1] : 0., g_outer = above ? g[*count - 1] : 0.;
+
+    *count -= above;
+    if (edge == MPM_EDGE_OPEN && *count == degree) {
+      for (PetscInt k = degree; k > 0; k--) {
+        w[k] = w[k - 1];
+        g[k] = g[k - 1];
+      }
+      w[0] = g[0] = 0.;
+      (*first)--;
+      (*count)++;
+    }
+    FoldEdge(degree, edge, -1, w_outer, &w[*count - 1]);
+    FoldEdge(degree, edge, -1, g_outer, &g[*count - 1]);
   }
 }
 
@@ -197,8 +246,8 @@ static inline void TrimEnds(PetscInt *first, PetscInt *count, PetscReal w[], Pet
 }
 
 /* Inlined with a constant degree, so that each shape gets its own straight-line code. */
-static inline void Evaluate(PetscInt degree, PetscReal xi, PetscReal l, PetscInt edge_lower, PetscInt edge_upper,
-                            PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+static inline void Evaluate(PetscInt degree, MpmEdgeType edge, PetscReal xi, PetscReal l, PetscInt edge_lower,
+                            PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
 {
   const Interval at = Locate(degree, xi, edge_lower, edge_upper);
 
@@ -210,27 +259,40 @@ static inline void Evaluate(PetscInt degree, PetscReal xi, PetscReal l, PetscInt
     for (PetscInt k = 0; k <= degree; k++) w[k] = g[k] = 0.;
     AddSegment(degree, at.local, 0., 1., w, g);
   }
-  if (degree > 1) FoldEdges(edge_lower, edge_upper, first, count, w, g);
+  if (degree > 1)
+    FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, first, count, w, g);
   TrimEnds(first, count, w, g);
 }
 
-void MpmShapeEvaluate(MpmShapeType type, PetscReal xi, PetscReal half_length, PetscInt edge_lower, PetscInt edge_upper,
-                      PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[])
+MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells)
+{
+  return degree > 1 && cells > degree ? edge : MPM_EDGE_LINEAR;
+}
+
+PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond, PetscInt k)
+{
+  if (edge == MPM_EDGE_OPEN) return open_edge[degree - 2][1 - beyond][k];
+  if (!beyond) return k ? 0. : 1.;
+  return k == 0 ? 2. : k == 1 ? -1. : 0.;
+}
+
+void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
+                      PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[])
 {
   switch (type) {
   case MPM_SHAPE_GIMP:
-    Evaluate(1, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(1, edge, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
     break;
   case MPM_SHAPE_BSPLINE2:
-    Evaluate(2, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(2, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
     break;
   case MPM_SHAPE_BSPLINE3:
-    Evaluate(3, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(3, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
     break;
   case MPM_SHAPE_GIMP_BSPLINE2:
-    Evaluate(2, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(2, edge, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
     break;
   default:
-    Evaluate(1, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(1, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
   }
 }

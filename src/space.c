@@ -122,8 +122,8 @@ static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmRules *rules, con
       const PetscReal xi = (points->x[k] - grid->lower[a]) / grid->h[a];
       PetscReal      *g  = &space->gradient[k * space->width];
 
-      MpmShapeEvaluate(rules->shape, xi, half ? half[k] : 0., lower[a], upper[a], &space->first[k], &space->count[k],
-                       &space->weight[k * space->width], g);
+      MpmShapeEvaluate(rules->shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &space->first[k],
+                       &space->count[k], &space->weight[k * space->width], g);
       for (PetscInt i = 0; i < space->count[k]; i++) g[i] /= grid->h[a];
     }
   }

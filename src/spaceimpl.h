@@ -279,9 +279,11 @@ typedef struct {
 #define MPM_GHOST_NODES 80
 /* A face of the ghost penalty; its box leaves out the nodes beyond an edge, where first does not. */
 typedef struct {
-  PetscInt  axis, degree;
-  PetscInt  first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
-  PetscReal stiffness;                                                  /* Pa */
+  PetscInt    axis, degree;
+  PetscInt    first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
+  MpmEdgeType edge[MPM_MAX_DIM];
+  PetscReal   stiffness;                                             /* Pa */
+  PetscReal   along[MPM_MAX_DIM][MPM_GHOST_WIDTH * MPM_GHOST_WIDTH]; /* the matrix is their Kronecker product */
 } MpmFace;
 
 /*
@@ -317,6 +319,7 @@ typedef struct {
 typedef struct {
   const MpmGrid     *grid;
   MpmShapeType       shape;
+  MpmEdgeType        edge;
   PetscInt           wall_count;
   const MpmWall     *walls;
   MpmStretch         stretch;

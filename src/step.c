@@ -69,6 +69,7 @@ static MpmRules Rules(MpmModel model)
 {
   return (MpmRules){.grid       = &model->grid,
                     .shape      = model->shape,
+                    .edge       = model->edge,
                     .wall_count = model->wall_count,
                     .walls      = model->walls,
                     .stretch    = model->stretch,

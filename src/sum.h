@@ -40,23 +40,28 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 }
 
 /*
-  Calls f(known, ...) with constants for the usual cases: a solid whose points touch two or three nodes an axis. The
-  general case is the same code with variables.
+  Calls f(known, ...) with constants for the usual cases: a solid whose points touch two, three or, in 2D, four nodes an
+  axis; in 3D the loops over four are long enough as they are. The general case is the same code with variables.
 */
 #define MPM_SOLID(dim, i, j, k) ((MpmKnown){dim, dim, (dim) * (dim), PETSC_TRUE, {i, j, k}, (i) * (j) * (k)})
 #define MPM_CASE(f, dim, i, j, k, ...) \
-  case ((k)*4 + (j)) * 4 + (i): \
+  case ((k)*5 + (j)) * 5 + (i): \
     PetscCall(f(MPM_SOLID(dim, i, j, k), __VA_ARGS__)); \
     break
 #define MPM_DISPATCH(layout, group, f, ...) \
   do { \
     const PetscInt *const count_ = (group)->count; \
     const PetscInt        most_  = PetscMax(PetscMax(count_[0], count_[1]), count_[2]); \
-    switch ((layout)->solid && most_ <= 3 ? (count_[2] * 4 + count_[1]) * 4 + count_[0] : -1) { \
+    switch ((layout)->solid && most_ <= 4 ? (count_[2] * 5 + count_[1]) * 5 + count_[0] : -1) { \
       MPM_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
       MPM_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
       MPM_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
       MPM_CASE(f, 2, 3, 3, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 4, 2, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 2, 4, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 4, 3, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 3, 4, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 4, 4, 1, __VA_ARGS__); \
       MPM_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
       MPM_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
       MPM_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \

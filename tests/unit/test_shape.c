@@ -20,12 +20,14 @@ typedef struct {
   PetscReal weight[WIDE], gradient[WIDE];
 } Shape;
 
+static MpmEdgeType edge = MPM_EDGE_LINEAR; /* how splines end in Evaluate() */
+
 static Shape Evaluate(MpmShapeType type, PetscReal xi, PetscReal l, PetscInt lower, PetscInt upper)
 {
   Shape s;
 
   for (PetscInt k = 0; k < WIDE; k++) s.weight[k] = s.gradient[k] = 1e300;
-  MpmShapeEvaluate(type, xi, l, lower, upper, &s.first, &s.count, s.weight, s.gradient);
+  MpmShapeEvaluate(type, edge, xi, l, lower, upper, &s.first, &s.count, s.weight, s.gradient);
   CHECK_POINT(s.count >= 1 && s.count <= MpmShapeWidth(type, l), "type %d at %.17g, l %.17g: %d nodes of %d", (int)type,
               xi, l, (int)s.count, (int)MpmShapeWidth(type, l));
   CHECK_POINT(s.first >= lower && s.first + s.count - 1 <= upper, "type %d at %.17g, l %.17g: nodes %d..%d", (int)type,
