@@ -400,31 +400,84 @@ static PetscErrorCode Renew(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ICNTL(14), per cent: what MUMPS adds to the workspace that it expects to need. */
+#define WORKSPACE      "-mat_mumps_icntl_14"
+#define WORKSPACE_MORE 100
+#define WORKSPACE_MOST 1600
+
+/*
+  MUMPS orders its workspace by an estimate without pivots, and gives up where these need more. Has it, for the first
+  time or with less than what may be tried? Then solvers made from here on have four times as much to add.
+*/
+static PetscErrorCode RaiseWorkspace(MpmModel model, PetscBool *raised)
+{
+  KSP            ksp;
+  PC             pc;
+  PCFailedReason why;
+  MatSolverType  package = MATSOLVERMUMPS; /* the band solver's, too */
+  PetscInt       percent = 0;
+  PetscBool      factor;
+  char           text[16];
+
+  PetscFunctionBeginUser;
+  *raised = PETSC_FALSE;
+  PetscCall(SNESGetKSP(model->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCGetFailedReason(pc, &why));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &factor, PCLU, PCCHOLESKY, ""));
+  if (factor) PetscCall(PCFactorGetMatSolverType(pc, &package));
+  if (why != PC_FACTOR_OUTMEMORY || !package || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsGetInt(NULL, NULL, WORKSPACE, &percent, NULL));
+  percent = PetscMax(4 * percent, WORKSPACE_MORE);
+  if (percent > WORKSPACE_MOST) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, percent));
+  PetscCall(PetscOptionsSetValue(NULL, WORKSPACE, text));
+  PetscCall(MpmTerminalNote(model, "MUMPS ran out of its workspace; from here on with " WORKSPACE " %s", text));
+  *raised = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Newton's method from x, once more from where it came to if all that the linear solver lacked was workspace. */
+static PetscErrorCode Newton(MpmModel model, SNESConvergedReason *reason)
+{
+  PetscInt  newton, linear;
+  PetscBool again;
+
+  PetscFunctionBeginUser;
+  do {
+    model->solving = model->ahead = PETSC_TRUE;
+    PetscCall(SNESSolve(model->snes, NULL, model->x));
+    model->solving = PETSC_FALSE;
+    PetscCall(SNESGetConvergedReason(model->snes, reason));
+    PetscCall(SNESGetIterationNumber(model->snes, &newton));
+    PetscCall(SNESGetLinearSolveIterations(model->snes, &linear));
+    model->newton += newton;
+    model->linear += linear;
+    model->newton_total += newton;
+    model->linear_total += linear;
+    again = PETSC_FALSE;
+    if (*reason == SNES_DIVERGED_LINEAR_SOLVE) {
+      PetscCall(RaiseWorkspace(model, &again));
+      PetscCall(Renew(model));
+    }
+  } while (again);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason)
 {
   PetscLogDouble  since, now;
   const PetscReal before = model->seconds[MPM_TIME_RESIDUAL] + model->seconds[MPM_TIME_JACOBIAN];
   PetscReal       inside;
-  PetscInt        newton, linear;
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  model->solving = model->ahead = PETSC_TRUE;
-  model->made_count             = 0;
-  PetscCall(SNESSolve(model->snes, NULL, model->x));
-  model->solving = PETSC_FALSE;
+  model->made_count = 0;
+  PetscCall(Newton(model, reason));
   PetscCall(PetscTime(&now));
   inside = model->seconds[MPM_TIME_RESIDUAL] + model->seconds[MPM_TIME_JACOBIAN] - before;
   model->seconds[MPM_TIME_SOLVE] += now - since - inside;
-  PetscCall(SNESGetConvergedReason(model->snes, reason));
-  PetscCall(SNESGetIterationNumber(model->snes, &newton));
-  PetscCall(SNESGetLinearSolveIterations(model->snes, &linear));
-  model->newton += newton;
-  model->linear += linear;
-  model->newton_total += newton;
-  model->linear_total += linear;
   model->made_count_last = *reason > 0 ? model->made_count : 0;
-  if (*reason == SNES_DIVERGED_LINEAR_SOLVE) PetscCall(Renew(model));
   PetscCall(MpmGatherSolution(model, model->x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

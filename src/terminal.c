@@ -29,11 +29,11 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   PetscCall(MpmTextQuote(model->title[0] ? model->title : model->prefix, &title));
   PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, title));
   PetscCall(PetscFree(title));
-  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
+  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
                         model->physics.name, grid->dim, MpmShapeTypes[model->shape],
-                        MpmJacobianTypes[model->jacobian_type], model->solver, model->solver_why ? " (" : "",
-                        model->solver_why ? model->solver_why : "", model->solver_why ? ")" : "", model->size,
-                        model->size > 1 ? "s" : ""));
+                        model->edge == MPM_EDGE_OPEN ? " with open edges" : "", MpmJacobianTypes[model->jacobian_type],
+                        model->solver, model->solver_why ? " (" : "", model->solver_why ? model->solver_why : "",
+                        model->solver_why ? ")" : "", model->size, model->size > 1 ? "s" : ""));
   PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " point%s, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
                         model->particles.total, model->particles.total == 1 ? "" : "s", grid->cells[0],
                         grid->cells[1]));

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from random import Random
 
 ROOT = Path(__file__).resolve().parents[2]
 CANTILEVER = ROOT / "examples" / "cantilever" / "case.yaml"
@@ -111,12 +112,17 @@ def repeated(count, function):
 
 
 def in_turn(count, functions):
-    """For each of several functions its runs; they take turns, so that all see the same machine."""
-    runs = [[] for _ in functions]
+    """For each of several functions its runs; they take turns, in an order of its own each time, so that all see the
+    same machine. One run is enough where it fails or takes long."""
+    runs, over, random = [[] for _ in functions], set(), Random(0)
     for _ in range(count):
-        for mine, function in zip(runs, functions):
-            if not mine or mine[-1].completed:
-                mine.append(function())
+        for k in random.sample(range(len(functions)), len(functions)):
+            if k in over:
+                continue
+            since = time.monotonic()
+            runs[k].append(functions[k]())
+            if not runs[k][-1].completed or time.monotonic() - since > LONG:
+                over.add(k)
     return [mine if mine[-1].completed else mine[-1:] for mine in runs]
 
 

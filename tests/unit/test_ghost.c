@@ -45,6 +45,22 @@ static PetscErrorCode Shift(MpmModel model, PetscReal part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscReal Power(PetscInt node, PetscInt power)
+{
+  return PetscPowRealInt(0.2 * ((PetscReal)node - 6.), power);
+}
+
+/* The coefficient of a node on one axis in a spline whose coefficients are those powers; the one of an open edge's node
+   is the spline's value. */
+static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
+{
+  const PetscInt degree = MpmShapeDegree(model->shape);
+
+  if (model->edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells)) return Power(node, power);
+  if (degree == 2) return (Power(node - 1, power) + 6. * Power(node, power) + Power(node + 1, power)) / 8.;
+  return (Power(node - 1, power) + 4. * Power(node, power) + Power(node + 1, power)) / 6.;
+}
+
 /* The penalty's force on nodal values sum_a x_a^degree (centred), and the same for random values of that size. */
 static PetscErrorCode Forces(MpmModel model, PetscInt degree, PetscReal *polynomial, PetscReal *random)
 {
@@ -59,7 +75,7 @@ static PetscErrorCode Forces(MpmModel model, PetscInt degree, PetscReal *polynom
       const PetscInt *node  = &model->space.node[k / bs * dim];
       PetscReal       value = 0.;
 
-      for (PetscInt a = 0; a < dim; a++) value += PetscPowRealInt(0.2 * ((PetscReal)node[a] - 6.), degree);
+      for (PetscInt a = 0; a < dim; a++) value += Coefficient(model, node[a], model->grid.cells[a], degree);
       u[k] = kind ? SceneRandom(1, (node[0] * 100 + node[1]) * 100 + (dim > 2 ? node[2] : 0), k % bs) : value;
       f[k] = 0.;
     }
@@ -74,8 +90,9 @@ static PetscErrorCode Forces(MpmModel model, PetscInt degree, PetscReal *polynom
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Up to its own degree a spline has no jump; one degree further it has. */
-START_TEST(polynomials)
+/* Up to its own degree a spline has no jump; one degree further it has. `factor` is by dimension; further options may
+   follow it. */
+static void CheckPolynomials(const char *const factor[])
 {
   for (PetscInt dim = 2; dim <= 3; dim++) {
     for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(shapes); s++) {
@@ -83,7 +100,7 @@ START_TEST(polynomials)
       PetscInt  degree;
       PetscReal polynomial, random;
 
-      SCENE_CALL(Create(dim, shapes[s], "1", PETSC_FALSE, &model));
+      SCENE_CALL(Create(dim, shapes[s], factor[dim - 2], PETSC_FALSE, &model));
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
       degree = MpmShapeDegree(model->shape);
@@ -98,6 +115,23 @@ START_TEST(polynomials)
       SCENE_CALL(SceneDestroy(&model));
     }
   }
+}
+
+START_TEST(polynomials)
+{
+  static const char *const factor[] = {"1", "1"};
+
+  CheckPolynomials(factor);
+}
+END_TEST
+
+/* The same up to the grid's edges, with splines that know all these polynomials there. */
+START_TEST(polynomials_at_open_edges)
+{
+  static const char *const factor[] = {"1 -mpm_shape_edge open -mpm_body_b_lower 0,0 -mpm_body_b_upper 11,3",
+                                       "1 -mpm_shape_edge open -mpm_body_b_lower 0,0,0 -mpm_body_b_upper 7,3,3"};
+
+  CheckPolynomials(factor);
 }
 END_TEST
 
@@ -176,7 +210,7 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {polynomials, sliding};
+  const TTest *const tests[] = {polynomials, polynomials_at_open_edges, sliding};
 
   return UnitRun(&argc, &argv, "ghost", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -74,6 +74,8 @@ static const Law laws[] = {
 enum { FREE, HELD, HELD_FBAR, INCLINED, TOUCHING, VARIANTS };
 static const char *const variant_names[] = {"free", "held", "held, F-bar", "held along normals", "touching"};
 
+static const char *edge = "linear"; /* how splines end */
+
 static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscInt held, MpmModel *model)
 {
   const PetscBool   fbar            = (PetscBool)(held == HELD_FBAR || (held == INCLINED && dim == 3));
@@ -86,9 +88,9 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
   PetscCall(PetscSNPrintf(
     options, sizeof(options),
     "%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
-    "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi%s%s",
+    "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi -mpm_shape_edge %s%s%s",
     dim == 2 ? scene_2d : scene_3d, dim == 2 ? conditions_2d[held] : conditions_3d[held], law->parameters, shape,
-    law->name, held ? " -mpm_stabilization_ghost 0.05" : "", fbar ? " -mpm_stabilization_fbar true" : ""));
+    law->name, edge, held ? " -mpm_stabilization_ghost 0.05" : "", fbar ? " -mpm_stabilization_fbar true" : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -235,6 +237,32 @@ START_TEST(space)
 }
 END_TEST
 
+/* Edges of the grid, and the walls that the conditions make, at which splines keep all their polynomials. */
+START_TEST(open_edges)
+{
+  static const PetscInt variants[] = {FREE, HELD_FBAR};
+
+  edge = "open";
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    for (PetscInt shape = MPM_SHAPE_BSPLINE2; shape < MPM_SHAPE_COUNT; shape++) {
+      for (PetscInt v = 0; v < 2; v++) {
+        const Law   *law = &laws[v ? 3 : 1];
+        MpmModel     model;
+        SceneVerdict verdict;
+        PetscReal    plastic;
+
+        SCENE_CALL(Create(dim, MpmShapeTypes[shape], law, variants[v], &model));
+        ck_assert_int_eq(model->edge, MPM_EDGE_OPEN);
+        SCENE_CALL(Look(model, 0., &plastic, &verdict));
+        Check(model, law, variants[v], plastic, &verdict);
+        SCENE_CALL(SceneDestroy(&model));
+      }
+    }
+  }
+  edge = "linear";
+}
+END_TEST
+
 /* Domains of more than two cells: points touch more nodes, and the colours' block grows with them. */
 START_TEST(long_domains)
 {
@@ -260,7 +288,7 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {plane, space, long_domains};
+  const TTest *const tests[] = {plane, space, open_edges, long_domains};
 
   return UnitRun(&argc, &argv, "jacobian", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -212,12 +212,12 @@ static void CheckIdentities(MpmShapeType type, PetscReal xi, PetscReal l, PetscI
   CHECK_POINT(fabs(slope - 1.) < 4e-14, "type %d at %.17g, l %.17g: slope is off by %g", (int)type, xi, l, slope - 1.);
 }
 
-START_TEST(identities)
+static void CheckAllIdentities(PetscInt points)
 {
   static const PetscInt cells[] = {1, 2, 3, 4, 9};
 
   for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
-    for (PetscInt i = 0; i < 100000; i++) {
+    for (PetscInt i = 0; i < points; i++) {
       const PetscInt n = cells[i % 5];
       PetscReal      xi, l;
 
@@ -225,6 +225,11 @@ START_TEST(identities)
       CheckIdentities((MpmShapeType)type, xi, l, n);
     }
   }
+}
+
+START_TEST(identities)
+{
+  CheckAllIdentities(100000);
 }
 END_TEST
 
@@ -255,6 +260,95 @@ START_TEST(shifted_edge)
 
       ck_assert_int_eq(a.first - 7, b.first);
       CheckNodes(&b, a.first - 7, a.count, a.weight, a.gradient, 1e-15);
+    }
+  }
+}
+END_TEST
+
+/* ------------------------------------------------------------------------------------------------------- open edges */
+
+/* Coefficients of x^power on the cardinal B-splines of degree p: means of products of a node's inner knots. */
+static PetscReal Blossom(PetscInt p, PetscInt power, PetscReal node)
+{
+  if (power < 2) return power ? node : 1.;
+  if (p == 2) return node * node - 0.25;
+  return power == 2 ? node * node - 1. / 3. : node * (node * node - 1.);
+}
+
+/* Up to its own degree a polynomial comes out exactly, up to the edges, where the coefficient is its value. */
+static void CheckPolynomial(MpmShapeType type, PetscInt power, PetscReal xi, PetscReal l, PetscInt cells)
+{
+  const PetscInt  p     = MpmShapeDegree(type);
+  const Shape     s     = Evaluate(type, xi, l, 0, cells);
+  const PetscReal size  = PetscPowRealInt((PetscReal)cells, power);
+  PetscReal       value = 0., slope = 0., exact = PetscPowRealInt(xi, power);
+
+  if (power == 2 && MpmShapeHasDomain(type)) exact += l * l / 3.;
+  for (PetscInt k = 0; k < s.count; k++) {
+    const PetscInt  node = s.first + k;
+    const PetscReal coefficient =
+      node == 0 || node == cells ? PetscPowRealInt((PetscReal)node, power) : Blossom(p, power, (PetscReal)node);
+
+    value += s.weight[k] * coefficient;
+    slope += s.gradient[k] * coefficient;
+  }
+  CHECK_POINT(fabs(value - exact) < 1e-14 * size, "type %d at %.17g, l %.17g of %d: x^%d is off by %g", (int)type, xi,
+              l, (int)cells, (int)power, value - exact);
+  CHECK_POINT(fabs(slope - (PetscReal)power * PetscPowRealInt(xi, power - 1)) < 2e-14 * size,
+              "type %d at %.17g, l %.17g of %d: slope of x^%d is off", (int)type, xi, l, (int)cells, (int)power);
+}
+
+START_TEST(open_edges)
+{
+  static const MpmShapeType types[] = {MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3, MPM_SHAPE_GIMP_BSPLINE2};
+
+  edge = MPM_EDGE_OPEN;
+  CheckAllIdentities(20000);
+  for (size_t t = 0; t < sizeof(types) / sizeof(types[0]); t++) {
+    const PetscInt p = MpmShapeDegree(types[t]);
+
+    for (PetscInt i = 0; i < 20000; i++) {
+      const PetscInt cells = p + 1 + i % 6;
+      PetscReal      xi, l;
+
+      SamplePoint(i / 6, cells, &xi, &l);
+      for (PetscInt power = 1; power <= p; power++) CheckPolynomial(types[t], power, xi, l, cells);
+    }
+    for (PetscInt cells = 1; cells < 9; cells++) {
+      const Shape lower = Evaluate(types[t], 0., 0., 0, cells),
+                  upper = Evaluate(types[t], (PetscReal)cells, 0., 0, cells);
+
+      for (PetscInt node = 0; node <= cells; node++) {
+        ck_assert_double_eq_tol(Weight(&lower, node), node == 0 ? 1. : 0., 3e-16);
+        ck_assert_double_eq_tol(Weight(&upper, node), node == cells ? 1. : 0., 3e-16);
+      }
+    }
+  }
+  edge = MPM_EDGE_LINEAR;
+}
+END_TEST
+
+/* Away from the edges, and between edges that are too near each other, an open edge changes nothing; nor do hats know it. */
+START_TEST(where_open_edges_end)
+{
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    const PetscInt p = MpmShapeDegree((MpmShapeType)type);
+
+    for (PetscInt i = 0; i < 4000; i++) {
+      const PetscInt  cells = p == 1 || i % 2 ? 1 + i % 9 : 1 + i % p;
+      const PetscBool far   = (PetscBool)(p > 1 && cells > p);
+      const PetscReal l     = MpmShapeHasDomain((MpmShapeType)type) ? Uniform(0., 0.5) : 0.;
+      const PetscReal from  = far ? 0.5 * (PetscReal)(p + 1) + l : l;
+      PetscReal       xi;
+      Shape           linear, open;
+
+      if ((PetscReal)cells - from < from) continue;
+      xi     = Uniform(from, (PetscReal)cells - from);
+      linear = Evaluate((MpmShapeType)type, xi, l, 0, cells);
+      edge   = MPM_EDGE_OPEN;
+      open   = Evaluate((MpmShapeType)type, xi, l, 0, cells);
+      edge   = MPM_EDGE_LINEAR;
+      CheckNodes(&open, linear.first, linear.count, linear.weight, linear.gradient, 1e-300);
     }
   }
 }
@@ -334,7 +428,7 @@ END_TEST
 
 /* The gradient is the derivative of the weight at fixed domain; away from kinks, central differences see it to second
    order. */
-START_TEST(gradient_by_differences)
+static void CheckGradients(void)
 {
   const PetscReal eps = 1e-6;
 
@@ -354,6 +448,14 @@ START_TEST(gradient_by_differences)
       }
     }
   }
+}
+
+START_TEST(gradient_by_differences)
+{
+  CheckGradients();
+  edge = MPM_EDGE_OPEN;
+  CheckGradients();
+  edge = MPM_EDGE_LINEAR;
 }
 END_TEST
 
@@ -380,10 +482,10 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {
-    gimp_table,  gimp_bspline2_table, edge_values,  node_counts,        widths,
-    identities,  edge_interpolates,   shifted_edge, against_quadrature, gradient_by_differences,
-    tiny_domains};
+  const TTest *const tests[] = {gimp_table,  gimp_bspline2_table,  edge_values,        node_counts,
+                                widths,      identities,           edge_interpolates,  shifted_edge,
+                                open_edges,  where_open_edges_end, against_quadrature, gradient_by_differences,
+                                tiny_domains};
 
   return UnitRun(&argc, &argv, "shape", sizeof(tests) / sizeof(tests[0]), tests);
 }

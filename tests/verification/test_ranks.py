@@ -10,6 +10,10 @@ REACH = 1e-9  # relative to the largest value
 SCENES = {"bar_elastic": example("bar_elastic"), "bar_j2": example("bar_j2"), "cantilever": example("cantilever"),
           "shaft": Path(__file__).resolve().parent / "shaft.yaml"}
 
+# splines with open edges; on 4 ranks MUMPS needs more workspace in the third step than it expects
+OPEN = {"mpm_shape": "bspline2", "mpm_shape_edge": "open", "mpm_stabilization_ghost": 0.1, "mpm_solver": "direct",
+        "mpm_time_end": 0.2, "snes_rtol": 1e-11}
+
 
 def compare(test, label, one, other, ranks):
     steps = one.newton.size
@@ -22,11 +26,18 @@ def compare(test, label, one, other, ranks):
         test.check(f"{label}.{field}", difference(one.table(field), other.table(field)), None, REACH)
 
 
+def run_on(test, scene, path, counts, **options):
+    options = {"mpm_output_every": 1000, "mpm_quiet": None, **options}
+    alone = test.run(path, **options)
+    moved = difference(alone.table("position0", "first"), alone.table("position"))
+    test.check(f"{scene}.points_move", moved, 0.05, None)
+    for count in counts:
+        other = test.run(path, ranks=count, **options)
+        compare(test, f"{scene}_on_{count}", alone, other, count)
+        test.check(f"{scene}_on_{count}.cuts", other.results.summary["step_cuts"], None, 0)
+
+
 with Test() as test:
     for scene, path in SCENES.items():
-        options = {"mpm_output_every": 1000, "mpm_quiet": None}
-        alone = test.run(path, **options)
-        moved = difference(alone.table("position0", "first"), alone.table("position"))
-        test.check(f"{scene}.points_move", moved, 0.05, None)
-        for count in (2, 3, 4):
-            compare(test, f"{scene}_on_{count}", alone, test.run(path, ranks=count, **options), count)
+        run_on(test, scene, path, (2, 3, 4))
+    run_on(test, "open", example("slump3d"), (4,), **OPEN)
