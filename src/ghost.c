@@ -239,6 +239,18 @@ static void Fold(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscInt 
   }
 }
 
+/* The jump over the face at the nodes of its box along the normal. None where an edge has removed the knot: PETSC_FALSE. */
+static PetscBool Jump(const MpmFace *face, const MpmGroup *box, PetscReal jump[])
+{
+  PetscReal most = 0.;
+
+  for (PetscInt k = 0; k < box->count[face->axis]; k++) jump[k] = 0.;
+  for (PetscInt k = 0; k < face->degree + 2; k++)
+    Fold(face, box, face->axis, face->first[face->axis] + k, difference[face->degree - 1][k], jump);
+  for (PetscInt k = 0; k < box->count[face->axis]; k++) most = PetscMax(most, PetscAbsReal(jump[k]));
+  return (PetscBool)(most > 1e-12); /* differences are about 1 */
+}
+
 /* The face's matrix along one axis, count x count, for its Kronecker product. */
 static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal h)
 {
@@ -248,8 +260,7 @@ static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal
 
   for (PetscInt k = 0; k < n * n; k++) matrix[k] = 0.;
   if (a == face->axis) {
-    for (PetscInt k = 0; k < n; k++) jump[k] = 0.;
-    for (PetscInt k = 0; k < p + 2; k++) Fold(face, box, a, face->first[a] + k, difference[p - 1][k], jump);
+    (void)Jump(face, box, jump);
     for (PetscInt k = 0; k < n * n; k++) matrix[k] = jump[k / n] * jump[k % n] / h;
     return;
   }
@@ -266,11 +277,11 @@ static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal
   }
 }
 
-/* The box of a face's nodes between the edges; PETSC_FALSE where there is no room for it. */
+/* The box of a face's nodes between the edges; PETSC_FALSE where there is no room for it, or nothing can jump. */
 static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace *face, MpmGroup *box)
 {
   const MpmGrid *grid = rules->grid;
-  PetscReal      x[MPM_MAX_DIM];
+  PetscReal      x[MPM_MAX_DIM], jump[MPM_GHOST_WIDTH];
 
   for (PetscInt a = 0; a < grid->dim; a++)
     x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)piece[a] + (face->degree % 2 ? 0.5 : 0.));
@@ -298,7 +309,7 @@ static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace 
     box->count[a] = high - low + 1;
     box->node_count *= box->count[a];
   }
-  return PETSC_TRUE;
+  return Jump(face, box, jump);
 }
 
 /* Lists the faces whose lower piece this rank owns; counts them where `faces` is NULL. */

@@ -432,7 +432,7 @@ static PetscErrorCode RaiseWorkspace(MpmModel model, PetscBool *raised)
   if (percent > WORKSPACE_MOST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, percent));
   PetscCall(PetscOptionsSetValue(NULL, WORKSPACE, text));
-  PetscCall(MpmTerminalNote(model, "MUMPS ran out of its workspace; from here on with " WORKSPACE " %s", text));
+  PetscCall(MpmTerminalNote(model, "MUMPS ran out of its workspace and gets more (" WORKSPACE " %s)", text));
   *raised = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
