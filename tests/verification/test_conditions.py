@@ -252,8 +252,23 @@ def inclined_plane(test):
             test.check(f"{label}.same", difference(runs[0].table("displacement"), run.table("displacement")), None, 1e-8)
 
 
+def pressed_to_wall(test):
+    """A layer thinner than a cell on a plane of nodes inside the grid, pressed to it: the plane carries all of the load."""
+    thickness, pressure = 0.125, 1e3
+    layer = {"mpm_body_block_upper": text(1.0 + thickness, 3.0), "mpm_body_block_points_per_cell": "4,2",
+             "mpm_loads": "push", "mpm_load_push_type": "traction", "mpm_load_push_region": "box",
+             "mpm_load_push_lower": text(1.0 + thickness, 1.0), "mpm_load_push_upper": text(1.0 + thickness, 3.0),
+             "mpm_load_push_face": "+x", "mpm_load_push_value": text(-pressure, 0.0), "mpm_time_step": 1}
+    held = {**nodes("wall", (1, 0), (1, 4), components="x"), **nodes("all", (0, 0), (4, 4), components="y")}
+    for shape in ("gimp", "gimp_bspline2"):
+        for edge in ("linear", "open"):
+            run = test.run(BLOCK, mpm_bcs="wall,all", mpm_shape=shape, mpm_shape_edge=edge, **held, **layer)
+            test.near(f"pressed_{shape}_{edge}.reaction", run.results.column("reaction_wall_x")[-1], 2.0 * pressure, 1e-6)
+
+
 with Test() as test:
     prescribed_compression(test)
+    pressed_to_wall(test)
     prescribed_total(test)
     drawn_across(test)
     inclined_roller(test)
