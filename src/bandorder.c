@@ -10,8 +10,8 @@
 #include "band.h"
 
 /* Wider than this, a multifrontal solver is faster. */
-#define WIDTH_MOST  200
-#define BORDER_MOST 256
+#define WIDTH_MOST  400
+#define BORDER_MOST 512
 
 /* The nodes of a rank, and the walk through them. */
 typedef struct {

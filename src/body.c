@@ -8,7 +8,7 @@ struct _p_MpmBody {
   char       *name;
   MpmRegion   region;
   MpmImported imported; /* where the region is a file */
-  PetscInt    material;
+  PetscInt    dim, material;
   PetscInt    id_first, id_end;
   PetscInt    per_cell[MPM_MAX_DIM];
   PetscInt    cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
@@ -58,6 +58,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   PetscCall(PetscNew(body));
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(PetscStrallocpy(name, &(*body)->name));
+  (*body)->dim = grid->dim;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     (*body)->per_cell[a] = a < grid->dim ? 2 : 1;
     tolerance[a]         = MPM_TOLERANCE * grid->h[a];
@@ -129,6 +130,19 @@ void MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end)
 {
   *first = body->id_first;
   *end   = body->id_end;
+}
+
+PetscBool MpmBodyIsSparse(MpmBody body)
+{
+  PetscInt least = PETSC_INT_MAX;
+
+  for (PetscInt a = 0; a < body->dim; a++) least = PetscMin(least, body->per_cell[a]);
+  return (PetscBool)(!body->imported && least == 1);
+}
+
+PetscInt MpmBodyMaterial(MpmBody body)
+{
+  return body->material;
 }
 
 PetscBool MpmBodyIsImported(MpmBody body)

@@ -120,19 +120,20 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
 
 /* ---- equilibrium ---- */
 
-/* After a failed step: is there something to try? The ghost penalty, then a smaller part of the loads. */
+/* After a failed step: is there something to try? A smaller part of the loads, then a firmer ghost penalty. */
 static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, const char *why, PetscBool *again)
 {
   const PetscReal duration = model->time_end - model->time_start;
 
   PetscFunctionBeginUser;
-  *again = PETSC_TRUE;
-  if (model->ghost_rescue) {
-    PetscCall(MpmModelSwitchGhostOn(model, why));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   *grow *= 0.5;
   *again = (PetscBool)(part < 1. && *grow * duration >= model->dt_min);
+  if (!*again && model->ghost_rescue) {
+    PetscCall(MpmModelRaiseGhost(model, why));
+    *grow  = PetscMin(model->dt_nominal / duration, 1.);
+    *again = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   model->cuts++;
   model->cuts_total++;
   if (*again) PetscCall(MpmTerminalNote(model, "%s; the loads grow by parts of %.4g", why, (double)*grow));

@@ -4,7 +4,7 @@
   The grid's field is a spline of degree p, hats (p = 1) under GIMP too, and a polynomial on each piece between knots: the
   grid's cells, or for even p the cells around nodes. Pieces that a point's domain touches are material; one with a
   neighbour in the grid that is none is an edge piece. On every face F between two material pieces, one of them at least
-  an edge piece, the step's increment u gets the energy
+  an edge piece or made of a material with sparse points, the step's increment u gets the energy
 
     (gamma/2) E_s h_n^{2p-1} Int_F |[d^p u/dn^p]|^2 dA ,    h_n^p [d^p u/dn^p] = the (p + 1)-th difference of u along n
 
@@ -13,6 +13,12 @@
   tied to the polynomial extension of its neighbours, whatever sliver touches it, and the energy vanishes for any
   polynomial of degree p. Being on increments, it puts no lasting force on the material. Where a spline ends, at the
   grid's edge or a wall, nodes beyond have the coefficients that the shape functions give them.
+
+  Sparse points, one a cell on some axis, see too little of the grid's field: nodal displacements that alternate from cell
+  to cell strain no point, and a body folds up in them as it bends. These modes have the largest jumps of all, so that the
+  penalty on every face, with gamma of at least MPM_GHOST_SPARSE, gives them back their stiffness. For a smooth field the
+  jump is of order h^p and the penalty of the order of the discretisation error (Burman and Hansbo 2004,
+  doi:10.1016/j.cma.2003.12.032, stabilise convection in this way).
 
   A face is a group of nodes without points: numbering and sparsity treat it like one.
 
@@ -328,9 +334,14 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
       MpmGroup box               = {0};
 
       next[axis]++;
-      if (!IsMaterial(map, next) || !(IsEdge(map, grid, cell) || IsEdge(map, grid, next))) continue;
-      if (!FaceBox(rules, cell, &face, &box)) continue;
-      face.stiffness = PetscMax(materials[*CellAt(map, cell) - 1].penalty, materials[*CellAt(map, next) - 1].penalty);
+      if (!IsMaterial(map, next)) continue;
+      const MpmMaterial *here = &materials[*CellAt(map, cell) - 1], *there = &materials[*CellAt(map, next) - 1];
+      const PetscBool    sparse = (PetscBool)(here->sparse || there->sparse);
+
+      if (!(sparse || IsEdge(map, grid, cell) || IsEdge(map, grid, next)) || !FaceBox(rules, cell, &face, &box))
+        continue;
+      face.stiffness =
+        (sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost) * PetscMax(here->penalty, there->penalty);
       if (faces) {
         for (PetscInt a = 0; a < map->dim; a++) AxisMatrix(&face, &box, a, grid->h[a]);
         faces[count] = face;
@@ -385,7 +396,6 @@ PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscRea
     const MpmFace  *face = &space->faces[f];
     const MpmGroup *box  = &space->groups[space->group_count + f];
     const PetscInt  n = box->node_count, *nodes = &space->group_nodes[box->node_offset];
-    const PetscReal factor = sum->ghost * face->stiffness;
 
     for (PetscInt c = 0; c < dim; c++) {
       PetscInt before = 1, now = 0;
@@ -393,7 +403,7 @@ PetscErrorCode MpmGhostResidual(const MpmSum *sum, const PetscReal u[], PetscRea
       for (PetscInt i = 0; i < n; i++) value[0][i] = u[nodes[i] * bs + c];
       for (PetscInt a = 0; a < dim; before *= box->count[a], a++, now = !now)
         AxisApply(before, box->count[a], n / (before * box->count[a]), face->along[a], value[now], value[!now]);
-      for (PetscInt i = 0; i < n; i++) residual[nodes[i] * bs + c] += factor * value[now][i];
+      for (PetscInt i = 0; i < n; i++) residual[nodes[i] * bs + c] += face->stiffness * value[now][i];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -411,7 +421,7 @@ PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[])
     const PetscInt *nodes = &space->group_nodes[box->node_offset];
 
     for (PetscInt i = 0; i < box->node_count; i++) {
-      PetscReal value = sum->ghost * face->stiffness;
+      PetscReal value = face->stiffness;
       PetscInt  k     = i;
 
       for (PetscInt a = 0; a < dim; k /= box->count[a], a++)
@@ -423,7 +433,7 @@ PetscErrorCode MpmGhostDiagonal(const MpmSum *sum, PetscReal blocks[])
 }
 
 /* The face's matrix, the same for every component; returns its number of nodes. */
-static PetscInt FaceMatrix(const MpmSpace *space, PetscReal factor, PetscInt f, PetscReal matrix[])
+static PetscInt FaceMatrix(const MpmSpace *space, PetscInt f, PetscReal matrix[])
 {
   const MpmFace  *face  = &space->faces[f];
   const PetscInt *count = space->groups[space->group_count + f].count,
@@ -431,7 +441,7 @@ static PetscInt FaceMatrix(const MpmSpace *space, PetscReal factor, PetscInt f, 
 
   for (PetscInt p = 0; p < n / count[0]; p++) { /* lines of nodes along the first axis */
     for (PetscInt q = 0; q < n / count[0]; q++) {
-      PetscReal value = factor * face->stiffness * face->along[1][(p % count[1]) * count[1] + q % count[1]];
+      PetscReal value = face->stiffness * face->along[1][(p % count[1]) * count[1] + q % count[1]];
 
       if (space->dim == 3) value *= face->along[2][(p / count[1]) * count[2] + q / count[1]];
       for (PetscInt i = 0; i < count[0]; i++)
@@ -453,7 +463,7 @@ PetscErrorCode MpmGhostJacobian(const MpmSum *sum, MpmPattern *pattern)
   PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
   PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES * bs * bs), &element));
   for (PetscInt f = 0; f < space->face_count; f++) {
-    const PetscInt n = FaceMatrix(space, sum->ghost, f, matrix);
+    const PetscInt n = FaceMatrix(space, f, matrix);
 
     PetscCall(PetscArrayzero(element, n * n * bs * bs));
     for (PetscInt i = 0; i < n; i++)

@@ -105,7 +105,7 @@ PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether to penalise, and how much: `auto` follows the solver and is settled with it. */
+/* Ghost penalty and F-bar. */
 static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *options)
 {
   const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
@@ -113,15 +113,15 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
-  PetscCall(MpmOptionsText(
-    &block, "ghost",
-    "penalty on the faces of edge cells: auto (1e-4 with F-bar, boundaries, iterative solvers; with these "
-    "3e-7 for linear and gimp in 2D; else none; 1e-2 from the first step that fails with less), "
-    "off, or a factor times Young's modulus",
-    "auto", MPM_OPTIONAL, &ghost));
-  model->ghost = MPM_GHOST_AUTO;
-  if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
-  else if (ghost && strcmp(ghost, "auto")) {
+  PetscCall(MpmOptionsText(&block, "ghost",
+                           "penalty on the faces of edge cells, against small cuts: auto (1e-2 for every shape and "
+                           "solver; 1e-1 on all faces where bodies have one point a cell, and where a run would give "
+                           "up with less), off, or a factor times Young's modulus",
+                           "auto", MPM_OPTIONAL, &ghost));
+  model->ghost_auto   = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
+  model->ghost_rescue = model->ghost_auto;
+  model->ghost        = model->ghost_auto ? MPM_GHOST_FACTOR : 0.;
+  if (!model->ghost_auto && strcmp(ghost, "off")) {
     char *end;
 
     model->ghost = strtod(ghost, &end);
@@ -241,6 +241,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
                             &model->bodies[b]));
+    if (MpmBodyIsSparse(model->bodies[b])) model->materials[MpmBodyMaterial(model->bodies[b])].sparse = PETSC_TRUE;
   }
   PetscCall(MpmMemoryCheck(options, &model->grid, model->body_count, model->bodies, model->body_names));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -395,8 +396,8 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
   return model->newton <= 6 ? PetscMin(wanted * model->growth, model->dt_max) : wanted;
 }
 
-/* A step has failed: nodes that the material hardly touches are the commonest reason. The same step is tried again. */
-PetscErrorCode MpmModelSwitchGhostOn(MpmModel model, const char *why)
+/* No step is short enough: small-cut nodes that want a firmer penalty are what may still be mended. */
+PetscErrorCode MpmModelRaiseGhost(MpmModel model, const char *why)
 {
   PetscFunctionBeginUser;
   model->ghost        = MPM_GHOST_RESCUE;
@@ -423,12 +424,13 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
     PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
     if (!*why) break;
     if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
-    if (model->ghost_rescue) {
-      PetscCall(MpmModelSwitchGhostOn(model, *why));
+    again = (PetscBool)(0.5 * *dt >= model->dt_min);
+    if (!again) {
+      if (!model->ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);
+      PetscCall(MpmModelRaiseGhost(model, *why));
+      model->dt_wanted = model->dt_nominal;
       continue;
     }
-    if (0.5 * *dt < model->dt_min) PetscFunctionReturn(PETSC_SUCCESS);
-    again            = PETSC_TRUE;
     model->dt_wanted = 0.5 * *dt;
     model->cuts++;
     model->cuts_total++;

@@ -197,8 +197,7 @@ typedef struct {
   const double         *physics_parameter;
   PetscInt              state_size;
   PetscReal             dt;
-  PetscReal             ghost; /* factor of the ghost penalty */
-  PetscBool             rest;  /* nothing moves: stresses are those of the step's start */
+  PetscBool             rest; /* nothing moves: stresses are those of the step's start */
   const MpmContacts    *contacts;
   MpmMean               mean;
   const MpmTrial       *trial; /* where residuals leave the step's end; NULL: nowhere */
@@ -495,8 +494,8 @@ struct _p_MpmModel {
   MpmBodyForce    body_force;
   void           *body_force_ctx;
   PetscBool       fbar;
-  PetscReal       ghost;        /* factor of the ghost penalty, 0: none */
-  PetscBool       ghost_rescue; /* switch it on when a step fails */
+  PetscReal       ghost;                    /* factor of the ghost penalty, 0: none */
+  PetscBool       ghost_auto, ghost_rescue; /* nobody has set it; raise it before giving up */
   PetscBool       symmetric;
 
   /* time */
@@ -655,8 +654,8 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
 /* For lists of blocks: with -help, a list that the scene does not give becomes one block called NAME. */
 PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
                                  PetscInt *count, char ***names);
-/* After a step has failed: the ghost penalty on, and the same step again. */
-PetscErrorCode MpmModelSwitchGhostOn(MpmModel model, const char *why);
+/* Where a run would give up, once: a firmer ghost penalty from here on. */
+PetscErrorCode MpmModelRaiseGhost(MpmModel model, const char *why);
 /* The space of the points where they are now, without a step. */
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* The points' fields that the scene asks for (fields.c): do they exist? Into the output. */

@@ -124,9 +124,12 @@ static PetscErrorCode CheckTypes(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Direct solvers win below these numbers of unknowns: time and memory grow as their power 3/2 in 2D and 2 in 3D. */
+/*
+  Direct solvers win below these numbers of unknowns: time and memory grow as their power 3/2 in 2D and 2 in 3D. Measured
+  over two steps and more, since points on the lattice make rows half as long as later (docs/solver.md has the table).
+*/
 #define DIRECT_MOST_2D      1e6
-#define DIRECT_MOST_3D      2e4
+#define DIRECT_MOST_3D      5e3
 #define DIRECT_MOST_FBAR_3D 1e5
 
 /* About how many unknowns the material needs: the cells that its volume fills, and as many nodes. */
@@ -199,19 +202,6 @@ static PetscErrorCode TuneDirect(MpmModel model, PetscReal unknowns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  The factor that `auto` takes. F-bar takes stiffness from points at the edge of the material, too much where splines
-  reach beyond it, and boundaries push there: both want the penalty whatever the solver. Otherwise the choice of a solver
-  shall not change the answer. A direct one does without, and with hats in 2D multigrid needs but little. Slivers of
-  splines, and in 3D, are smaller powers of what the material overlaps, and need more.
-*/
-static PetscReal GhostFactor(const MpmModel model, PetscBool direct)
-{
-  if (model->fbar || model->boundary_count) return MPM_GHOST_FACTOR;
-  if (direct) return 0.;
-  return model->grid.dim == 2 && MpmShapeDegree(model->shape) == 1 ? MPM_GHOST_LEAST : MPM_GHOST_FACTOR;
-}
-
 PetscErrorCode MpmSolverChoose(MpmModel model)
 {
   const char *name     = model->solver;
@@ -236,10 +226,6 @@ PetscErrorCode MpmSolverChoose(MpmModel model)
     model->may_be_indefinite = (PetscBool)(model->symmetric && !chosen);
     PetscCall(OptionDefault("-ksp_type", model->symmetric ? "cg" : "gmres"));
     if (!model->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
-  }
-  if (model->ghost == MPM_GHOST_AUTO) {
-    model->ghost        = GhostFactor(model, direct);
-    model->ghost_rescue = (PetscBool)(model->ghost < MPM_GHOST_FACTOR);
   }
   PetscCall(CreateSNES(model));
   PetscFunctionReturn(PETSC_SUCCESS);

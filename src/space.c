@@ -256,7 +256,7 @@ PetscErrorCode MpmSpaceSetUp(MpmSpace *space, const MpmRules *rules, const MpmPo
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeGroups(space, rules, points));
   space->box_count = space->group_count;
-  if (rules->ghost) PetscCall(MpmGhostFaces(space, rules, points));
+  if (rules->ghost > 0.) PetscCall(MpmGhostFaces(space, rules, points));
   if (rules->mean) PetscCall(MpmMeanCells(space, points));
   PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));

@@ -8,10 +8,9 @@
 #define MPM_MAX_DIM        3
 #define MPM_MAX_BLOCK      8                         /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS     24                        /* inputs of a kernel */
-#define MPM_GHOST_AUTO     -1.                       /* the factor follows the solver */
-#define MPM_GHOST_LEAST    3e-7                      /* the factor for iterative solvers with hats in 2D, */
-#define MPM_GHOST_FACTOR   1e-4                      /* with all others, */
-#define MPM_GHOST_RESCUE   1e-2                      /* and where a step has failed with less */
+#define MPM_GHOST_FACTOR   1e-2                      /* of the ghost penalty; */
+#define MPM_GHOST_SPARSE   1e-1                      /* where points are sparse; */
+#define MPM_GHOST_RESCUE   1e-1                      /* and where a run would give up with less */
 #define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
 #define MPM_TOLERANCE      1e-6                      /* of a cell: what counts as "on" a region's edge */
 
@@ -78,6 +77,7 @@ typedef struct {
   MpmFunction law[MPM_FORM_COUNT];
   PetscReal   density, stiffness;
   PetscReal   penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+  PetscBool   sparse;  /* a body of it has one point a cell on some axis */
   PetscInt    state_size;
 } MpmMaterial;
 
@@ -233,6 +233,9 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
+/* Has it one point a cell on some axis? Of bodies from files nobody knows. */
+PetscBool MpmBodyIsSparse(MpmBody body);
+PetscInt  MpmBodyMaterial(MpmBody body);
 
 /* ---- limits.c ---- */
 
@@ -282,7 +285,7 @@ typedef struct {
   PetscInt    axis, degree;
   PetscInt    first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
   MpmEdgeType edge[MPM_MAX_DIM];
-  PetscReal   stiffness;                                             /* Pa */
+  PetscReal   stiffness;                                             /* gamma E_s, Pa */
   PetscReal   along[MPM_MAX_DIM][MPM_GHOST_WIDTH * MPM_GHOST_WIDTH]; /* the matrix is their Kronecker product */
 } MpmFace;
 
@@ -324,8 +327,8 @@ typedef struct {
   const MpmWall     *walls;
   MpmStretch         stretch;
   const MpmMaterial *materials;
-  PetscBool          ghost; /* with the faces of the ghost penalty */
-  PetscBool          mean;  /* with the cells of a mean */
+  PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
+  PetscBool          mean;          /* with the cells of a mean */
 } MpmRules;
 
 /* `why` is NULL, or the reason (static text) for which these points have no space; the same on all ranks. */

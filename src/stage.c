@@ -218,6 +218,7 @@ static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, Mpm
     MpmCheckInput(material >= 0, "-%smaterials %s: there is no such material in -mpm_materials", block->prefix,
                   colon + 1);
     stage->material[body] = material;
+    if (MpmBodyIsSparse(model->bodies[body])) model->materials[material].sparse = PETSC_TRUE;
   }
   PetscCall(PetscStrToArrayDestroy(count, pair));
   PetscCall(PetscFree(text));

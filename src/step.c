@@ -74,7 +74,8 @@ static MpmRules Rules(MpmModel model)
                     .walls      = model->walls,
                     .stretch    = model->stretch,
                     .materials  = model->materials,
-                    .ghost      = (PetscBool)(model->ghost > 0.),
+                    .ghost      = model->ghost,
+                    .sparse     = model->ghost_auto ? MPM_GHOST_SPARSE : 0.,
                     .mean       = (PetscBool)(model->layout.means > 0)};
 }
 
@@ -160,7 +161,6 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
                         .physics_parameter = model->physics.parameters,
                         .state_size        = model->particles.state_size,
                         .dt                = dt,
-                        .ghost             = model->ghost,
                         .contacts          = &model->contacts,
                         .mean              = model->mean};
   if (!again) PetscCall(MpmSolverSetUp(model));
