@@ -38,23 +38,15 @@
   MPM_KERNEL(name, inputs, kernel) - a physics' kernel of this instance, in plain doubles: it fills its slot of the
   kernel set
 */
+#define MPM_KERNEL_CREATE(name_, ...) \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
+  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
+  { \
+    __VA_ARGS__ \
+  }
 #if MPM_DIRECTIONS == 0
-#define MPM_KERNEL_FORM MPM_FORM_RESIDUAL
-#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_) \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
-  { \
-    set->inputs   = inputs_; \
-    set->residual = kernel_; \
-    set->mean     = mean_; \
-  }
-#define MPM_KERNEL(name_, inputs_, kernel_) \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
-  { \
-    set->inputs   = inputs_; \
-    set->residual = kernel_; \
-  }
+#define MPM_KERNEL_FORM                     MPM_FORM_RESIDUAL
+#define MPM_KERNEL(name_, inputs_, kernel_) MPM_KERNEL_CREATE(name_, set->inputs = inputs_; set->residual = kernel_;)
 #elif MPM_DIRECTIONS == 1
 #define MPM_KERNEL_FORM MPM_FORM_DIRECTION
 #define MPM_KERNEL(name_, inputs_, kernel_) \
@@ -70,11 +62,7 @@
     } \
     return failed; \
   } \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
-  { \
-    set->direction = Direction_##name_; \
-  }
+  MPM_KERNEL_CREATE(name_, set->direction = Direction_##name_;)
 #else
 #define MPM_KERNEL_FORM MPM_FORM_TANGENT
 #define MPM_KERNEL(name_, inputs_, kernel_) \
@@ -89,14 +77,19 @@
     } \
     return failed; \
   } \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
-  { \
-    set->tangent = Tangent_##name_; \
-  }
+  MPM_KERNEL_CREATE(name_, set->tangent = Tangent_##name_;)
 #endif
 
-/* MPM_KERNEL_MEAN(name, inputs, kernel, mean) - the same for a kernel whose last input is a mean over the cell */
-#if MPM_DIRECTIONS != 0
-#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_) MPM_KERNEL(name_, inputs_, kernel_)
+/*
+  MPM_KERNEL_MEAN(name, inputs, kernel, mean, tangent) - the same for a kernel whose last input is a mean over the cell;
+  it has one direction fewer than inputs, and brings its own tangent
+*/
+#if MPM_DIRECTIONS == 0
+#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \
+  MPM_KERNEL_CREATE(name_, set->inputs = inputs_; set->residual = kernel_; set->mean = mean_;)
+#elif MPM_DIRECTIONS == 1
+#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) MPM_KERNEL(name_, inputs_, kernel_)
+#else
+#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \
+  MPM_KERNEL_CREATE(name_, set->tangent = tangent_; set->mean_tangent = mean_;)
 #endif

@@ -7,7 +7,9 @@
 
     MPM_DIM          2 (plane strain) or 3
     MPM_DIRECTIONS   number of derivative directions that a Scalar carries: 0 (plain double), 1 (one direction, for
-                     Jacobian actions and colouring), or as many as the physics has inputs (its whole point Jacobian)
+                     Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). What
+                     else a kernel takes, such as a mean over the cell, it composes from these by the chain rule; a
+                     physics that asks no law may have as many directions as inputs
 
   Every symbol with external linkage carries the instance in its name through MPM_INSTANCE(). Nothing here or in a
   kernel calls PETSc, allocates, does I/O or touches a global, and all of it is in the common subset of C11 and CUDA

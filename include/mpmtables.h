@@ -70,7 +70,6 @@ typedef struct {
   const double      *stress_n;          /* Cauchy stress there, where nothing moves and the law is not asked; or NULL */
   double             volume0;           /* initial volume, m3 (2D: m2 per metre of thickness) */
   double             dt;                /* s */
-  double             mean_flux;         /* kernels with a mean: what multiplies the point's own part of it */
   unsigned           traits;            /* of the law, MpmLawTrait */
   const MpmFunction *law;               /* the material's law, by MpmForm */
   double            *state;             /* history at the step's end */
@@ -84,16 +83,18 @@ typedef struct {
 
   residual    flux[inputs]
   direction   flux and dflux = (d flux / d input) dinput
-  tangent     flux and tangent[k*inputs + l] = d flux_k / d input_l
-  mean        NULL, or m and its derivatives by the other inputs: the last input is then the mean of m over the points of
-              the cell. Where the residual derives from an energy, so must the flux of that input, and the kernel adds
-              mean_flux times the derivatives of m to the other fluxes: the engine passes the cell's sum of the mean's
-              flux times the point's share of the mean.
+  tangent     flux and tangent[k*inputs + l] = d flux_k / d input_l; with a mean d flux_k / d input_l of the others, then d
+              flux_k / d mean, then d flux_mean / d input_k, then d flux_mean / d mean
+  mean        NULL, or m, of whose mean over the points of the cell the last input is the value, and its derivatives by
+              the other inputs. Where the residual derives from an energy, so must the flux of the mean, and the engine
+              adds what the points' own m do to it to the other fluxes.
+  mean_tangent  the same, and the second derivatives too: ddm[k*(inputs - 1) + l], which `mean` leaves alone
 */
 typedef struct {
   int inputs;
   int (*residual)(const MpmKernelPoint *point, const double *input, double *flux);
   int (*direction)(const MpmKernelPoint *point, const double *input, const double *dinput, double *flux, double *dflux);
   int (*tangent)(const MpmKernelPoint *point, const double *input, double *flux, double *tangent);
-  int (*mean)(const MpmKernelPoint *point, const double *input, double *m, double *dm);
+  int (*mean)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
+  int (*mean_tangent)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
 } MpmKernelSet;

@@ -10,17 +10,6 @@ PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
   return PETSC_FALSE;
 }
 
-/* Where the kernel writes what the step's end would be. */
-MPM_INLINE void TrialPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
-{
-  const MpmTrial *trial = sum->trial;
-  const PetscInt  dim   = sum->space->dim;
-
-  point->F      = &trial->F[p * dim * dim];
-  point->stress = &trial->stress[p * (dim == 2 ? 4 : 6)];
-  if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
-}
-
 /* Residual of one group's points. */
 MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                         PetscBool weights, const PetscReal u[], MpmWorkspace *work,
@@ -37,8 +26,7 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
     MpmSumBasis(known, sum->space, p, weights, &work->basis);
     MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
-    MpmSumMean(sum, group, p, &point, input);
-    if (sum->trial) TrialPoint(sum, p, &point);
+    MpmSumTrial(sum, p, &point);
     if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
     else MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
@@ -46,23 +34,44 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed)
+/* Where the physics has a mean. */
+static PetscErrorCode CellsResidual(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed)
+{
+  MpmCellWork work;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmCellWorkCreate(sum, &work));
+  for (PetscInt c = 0; c < sum->space->cell_count; c++) {
+    PetscCall(MpmCellResidual(sum, &sum->space->cells[c], u, &work, failed));
+    if (!*failed) PetscCall(MpmCellScatter(sum, &sum->space->cells[c], &work, residual));
+  }
+  PetscCall(MpmCellWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GroupsResidual(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed)
 {
   const PetscBool weights = MpmLayoutUsesValues(sum->layout);
   MpmWorkspace    work;
 
   PetscFunctionBeginUser;
-  *failed = 0;
-  PetscCall(MpmMeanEvaluate(sum, u, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
     MPM_DISPATCH(sum->layout, group, ResidualGroup, sum, group, weights, u, &work, residual, failed);
   }
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  PetscCall((sum->layout->means ? CellsResidual : GroupsResidual)(sum, u, residual, failed));
   PetscCall(MpmGhostResidual(sum, u, residual));
   MpmContactsResidual(sum, u, residual);
-  PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -105,6 +105,16 @@ static void RotateEntries(const MpmFrame *frame, PetscInt dim, PetscInt stride, 
   for (PetscInt r = 0; r < dim; r++) values[r * stride] = result[r];
 }
 
+void MpmFramesRotateVector(const MpmConstraints *constraints, PetscInt bs, PetscInt n, const PetscInt nodes[],
+                           PetscReal values[])
+{
+  for (PetscInt i = 0; constraints->frame_of && i < n; i++) {
+    const MpmFrame *frame = nodes[i] < 0 ? NULL : MpmConstraintsFrame(constraints, nodes[i]);
+
+    if (frame) RotateEntries(frame, constraints->dim, 1, &values[i * bs]);
+  }
+}
+
 void MpmFramesRotateElement(const MpmConstraints *constraints, PetscInt bs, PetscInt n, const PetscInt nodes[],
                             PetscReal element[])
 {

@@ -226,9 +226,8 @@ static void CopyState(const MpmMaterial *material, PetscInt from_dim, PetscInt t
 
 static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
 {
-  const PetscInt directions[MPM_FORM_COUNT] = {0, 1, dim * dim};
-  MpmPhysics     physics;
-  PetscBool      found;
+  MpmPhysics physics;
+  PetscBool  found;
 
   PetscFunctionBeginUser;
   PetscCall(MpmPhysicsCreate("solid", &physics, &found));
@@ -237,7 +236,7 @@ static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
     MpmLawInfo info;
 
-    found = (PetscBool)(found && MpmLawFind(initial->material->info.name, dim, directions[form], &info));
+    found = (PetscBool)(found && MpmLawFind(initial->material->info.name, dim, (MpmForm)form, &info));
     PetscCheck(found, PETSC_COMM_SELF, PETSC_ERR_PLIB, "law %s is not compiled for a solid",
                initial->material->info.name);
     initial->law[form] = info.law;

@@ -64,13 +64,15 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
 }
 
 /*
-  What ties the nodes of a cell together through its mean, one value for each unknown of the cell's box, [c][i]:
+  What ties the nodes of a cell together through its mean m_bar, and f, the flux conjugate to it: one value for each
+  unknown of the cell's box, [i][c].
 
-    K_cell += flux_by_mean mean_by_u^T + mean_by_u mean_flux_by_u^T + second mean_by_u mean_by_u^T
+    K_cell += flux_by_mean mean_by_u^T + mean_by_u (f_by_u + f_by_mean mean_by_u)^T
 */
 typedef struct {
-  PetscReal *flux_by_mean, *mean_flux_by_u, *mean_by_u, second;
-  PetscReal *element, *storage;
+  PetscReal  *flux_by_mean, *mean_by_u, *f_by_u, f_by_mean;
+  PetscReal  *part[3], *storage; /* those of one group, [c][i] */
+  MpmCellWork cell;
 } Coupling;
 
 static PetscErrorCode CouplingCreate(const MpmSum *sum, Coupling *coupling)
@@ -78,112 +80,133 @@ static PetscErrorCode CouplingCreate(const MpmSum *sum, Coupling *coupling)
   const PetscInt n = PetscPowInt(sum->space->reach + 1, sum->space->dim) * sum->layout->block;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmCellWorkCreate(sum, &coupling->cell));
   coupling->storage = NULL;
   if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((3 * n + n * n), &coupling->storage));
-  coupling->flux_by_mean   = coupling->storage;
-  coupling->mean_flux_by_u = coupling->flux_by_mean + n;
-  coupling->mean_by_u      = coupling->mean_flux_by_u + n;
-  coupling->element        = coupling->mean_by_u + n;
+  PetscCall(PetscMalloc1((6 * n), &coupling->storage));
+  coupling->flux_by_mean = coupling->storage;
+  coupling->mean_by_u    = coupling->flux_by_mean + n;
+  coupling->f_by_u       = coupling->mean_by_u + n;
+  for (PetscInt v = 0; v < 3; v++) coupling->part[v] = coupling->storage + (3 + v) * n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A new cell begins. */
-static void CouplingClear(const MpmSum *sum, const MpmCell *cell, Coupling *coupling)
+static PetscErrorCode CouplingDestroy(Coupling *coupling)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmCellWorkDestroy(&coupling->cell));
+  PetscCall(PetscFree(coupling->storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A new cell begins: the tangents of its points. */
+static PetscErrorCode CouplingBegin(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], Coupling *coupling,
+                                    PetscInt *failed)
 {
   const PetscInt n = sum->space->groups[cell->box].node_count * sum->layout->block;
 
-  for (PetscInt k = 0; k < n; k++)
-    coupling->flux_by_mean[k] = coupling->mean_flux_by_u[k] = coupling->mean_by_u[k] = 0.;
-  coupling->second = 0.;
+  PetscFunctionBeginUser;
+  if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmCellTangent(sum, cell, u, &coupling->cell, failed));
+  for (PetscInt k = 0; k < n; k++) coupling->flux_by_mean[k] = coupling->mean_by_u[k] = coupling->f_by_u[k] = 0.;
+  coupling->f_by_mean = 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The place in the cell's box of a group's node k, x fastest. */
-static PetscInt PlaceInBox(const MpmGroup *group, const MpmGroup *box, PetscInt k)
+/* One group's part of the vectors goes from [c][i] to its place in the cell's box. */
+MPM_INLINE void CouplingTakePart(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, Coupling *coupling)
 {
-  const PetscInt i = k % group->count[0], j = k / group->count[0] % group->count[1];
-  const PetscInt l = k / (group->count[0] * group->count[1]);
+  const PetscInt bs = known.block, *const count = known.count;
+  const MpmGroup *box = &sum->space->groups[sum->space->cells[group->cell].box];
+  PetscInt        i   = 0;
 
-  return ((l + group->first[2] - box->first[2]) * box->count[1] + j + group->first[1] - box->first[1]) * box->count[0] +
-         i + group->first[0] - box->first[0];
-}
+  for (PetscInt l = 0; l < (known.dim == 2 ? 1 : count[2]); l++) {
+    for (PetscInt j = 0; j < count[1]; j++) {
+      const PetscInt first =
+        ((l + group->first[2] - box->first[2]) * box->count[1] + j + group->first[1] - box->first[1]) * box->count[0] +
+        group->first[0] - box->first[0];
 
-/* One point's part, and its tangent with the mean's row and column taken out. */
-static PetscErrorCode CouplingAddPoint(const MpmSum *sum, const MpmGroup *group, PetscInt p,
-                                       const MpmKernelPoint *point, const PetscReal input[], const MpmBasis *basis,
-                                       PetscReal tangent[], Coupling *coupling)
-{
-  const MpmLayout *layout = sum->layout;
-  const PetscInt   N = layout->inputs, n = group->node_count;
-  const MpmGroup  *box = &sum->space->groups[sum->space->cells[group->cell].box];
-  PetscReal        m, dm[MPM_MAX_INPUTS];
-
-  if (layout->kernel->mean(point, input, &m, dm)) return PETSC_SUCCESS; /* has failed before */
-  for (PetscInt i = 0; i < n; i++) {
-    const PetscInt at = PlaceInBox(group, box, i);
-
-    for (PetscInt k = 0; k < N; k++) {
-      const PetscReal phi = basis->basis[layout->basis_of[k]][i];
-      const PetscInt  to  = layout->component_of[k] * box->node_count + at;
-
-      coupling->flux_by_mean[to] += phi * tangent[k * (N + 1) + N];
-      coupling->mean_flux_by_u[to] += phi * tangent[N * (N + 1) + k];
-      coupling->mean_by_u[to] += phi * sum->space->share[p] * dm[k];
+      for (PetscInt k = 0; k < count[0]; k++, i++) {
+        for (PetscInt c = 0; c < bs; c++) {
+          coupling->flux_by_mean[(first + k) * bs + c] += coupling->part[0][c * known.n + i];
+          coupling->mean_by_u[(first + k) * bs + c] += coupling->part[1][c * known.n + i];
+          coupling->f_by_u[(first + k) * bs + c] += coupling->part[2][c * known.n + i];
+        }
+      }
     }
   }
-  coupling->second += tangent[N * (N + 1) + N];
-  for (PetscInt k = 1; k < N; k++)
-    for (PetscInt l = 0; l < N; l++) tangent[k * N + l] = tangent[k * (N + 1) + l];
-  return PETSC_SUCCESS;
 }
 
-static PetscReal CouplingEntry(const Coupling *coupling, PetscInt a, PetscInt b)
+/* The vectors of one group's points. */
+MPM_INLINE void CouplingAddGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, Coupling *coupling)
 {
-  return coupling->flux_by_mean[a] * coupling->mean_by_u[b] +
-         coupling->mean_by_u[a] * (coupling->mean_flux_by_u[b] + coupling->second * coupling->mean_by_u[b]);
+  for (PetscInt v = 0; v < 3; v++)
+    for (PetscInt k = 0; k < known.n * known.block; k++) coupling->part[v][k] = 0.;
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const MpmCellPoint *at = &coupling->cell.point[s - coupling->cell.begin];
+
+    MpmSumAddFlux(known, sum->layout, &at->basis, at->tangent.by_mean, coupling->part[0]);
+    MpmSumAddFlux(known, sum->layout, &at->basis, at->tangent.dm, coupling->part[1]);
+    MpmSumAddFlux(known, sum->layout, &at->basis, at->tangent.of_mean, coupling->part[2]);
+    coupling->f_by_mean += at->tangent.second[0];
+  }
+  CouplingTakePart(known, sum, group, coupling);
 }
 
-/* The cell is complete. */
-static void CouplingAddToPattern(const MpmSum *sum, const MpmCell *cell, Coupling *coupling, MpmPattern *pattern)
+/* The cell is complete: its products are flux_by_mean mean_by_u^T + mean_by_u f_by_u^T from here on. */
+static void CouplingEnd(const MpmSum *sum, const MpmCell *cell, Coupling *coupling)
 {
-  const MpmGroup *box = &sum->space->groups[cell->box];
-  const PetscInt  n = box->node_count, bs = sum->layout->block;
+  const PetscInt n = sum->space->groups[cell->box].node_count * sum->layout->block;
 
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt c = 0; c < bs; c++)
-      for (PetscInt d = 0; d < bs; d++)
-        for (PetscInt j = 0; j < n; j++)
-          coupling->element[((i * bs + c) * bs + d) * n + j] = CouplingEntry(coupling, c * n + i, d * n + j);
-  MpmPatternAddBlock(pattern, sum->space, box, sum->constraints, coupling->element);
+  for (PetscInt k = 0; k < n; k++) coupling->f_by_u[k] += coupling->f_by_mean * coupling->mean_by_u[k];
 }
 
 static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const Coupling *coupling, PetscReal blocks[])
 {
-  const MpmGroup *box = &sum->space->groups[cell->box];
-  const PetscInt  n = box->node_count, bs = sum->layout->block;
+  const MpmGroup *box   = &sum->space->groups[cell->box];
+  const PetscInt  bs    = sum->layout->block;
   const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
-  for (PetscInt i = 0; i < n; i++)
+  for (PetscInt i = 0; i < box->node_count; i++) {
+    const PetscReal *a = &coupling->flux_by_mean[i * bs], *b = &coupling->mean_by_u[i * bs],
+                    *f = &coupling->f_by_u[i * bs];
+
     for (PetscInt c = 0; nodes[i] >= 0 && c < bs; c++)
-      for (PetscInt d = 0; d < bs; d++)
-        blocks[(nodes[i] * bs + c) * bs + d] += CouplingEntry(coupling, c * n + i, d * n + i);
+      for (PetscInt d = 0; d < bs; d++) blocks[(nodes[i] * bs + c) * bs + d] += a[c] * b[d] + b[c] * f[d];
+  }
 }
 
-/* The tangent of a point, without the mean's part, and its flux; PETSC_FALSE where it has no answer. */
-MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscInt p,
-                                  PetscBool weights, MpmWorkspace *work, Coupling *coupling, PetscReal flux[],
-                                  PetscReal tangent[])
+/* A point as the sums over a group take it; where there is a mean the passes over its cell have made it. */
+typedef struct {
+  PetscReal        flux_here[MPM_MAX_INPUTS], tangent_here[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
+  const PetscReal *flux, *tangent;
+  MpmBasis         basis;
+} Point;
+
+/* PETSC_FALSE where it has no answer. */
+MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, PetscInt s, PetscBool weights,
+                                  const MpmWorkspace *work, const Coupling *coupling, Point *at)
 {
+  const PetscInt p = sum->space->order[s];
   MpmKernelPoint point;
   PetscReal      input[MPM_MAX_INPUTS];
 
+  if (sum->layout->means) {
+    const MpmCellPoint *made = &coupling->cell.point[s - coupling->cell.begin];
+
+    at->flux    = made->flux;
+    at->tangent = made->tangent.by_input;
+    at->basis   = made->basis;
+    return PETSC_TRUE;
+  }
+  MpmSumFetch(known, sum, s);
   MpmSumBasis(known, sum->space, p, weights, &work->basis);
   MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
   MpmSumPoint(sum, p, &point);
-  MpmSumMean(sum, group, p, &point, input);
-  if (sum->layout->kernel->tangent(&point, input, flux, tangent)) return PETSC_FALSE;
-  if (sum->layout->means) CouplingAddPoint(sum, group, p, &point, input, &work->basis, tangent, coupling);
-  return PETSC_TRUE;
+  at->flux    = at->flux_here;
+  at->tangent = at->tangent_here;
+  at->basis   = work->basis;
+  return (PetscBool)!sum->layout->kernel->tangent(&point, input, at->flux_here, at->tangent_here);
 }
 
 /* Where the sums over a group's points go; `residual` is NULL where nobody asks for it. */
@@ -201,16 +224,16 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
   for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
   for (PetscInt k = 0; k < known.n * known.n * known.block * known.block; k++) to->element[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    PetscReal flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
+    Point at;
 
-    MpmSumFetch(known, sum, s);
-    if (!PointTangent(known, sum, group, sum->space->order[s], weights, work, coupling, flux, tangent)) {
+    if (!PointTangent(known, sum, s, weights, work, coupling, &at)) {
       (*failed)++;
       continue;
     }
-    AddElement(known, sum->layout, &work->basis, tangent, to->rows, to->element);
-    if (to->residual) MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
+    AddElement(known, sum->layout, &at.basis, at.tangent, to->rows, to->element);
+    if (to->residual) MpmSumAddFlux(known, sum->layout, &at.basis, at.flux, work->force);
   }
+  if (sum->layout->means) CouplingAddGroup(known, sum, group, coupling);
   if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);
   return PETSC_SUCCESS;
 }
@@ -227,21 +250,25 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
 
   PetscFunctionBeginUser;
   *failed = 0;
-  PetscCall(MpmMeanEvaluate(sum, u, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(CouplingCreate(sum, &coupling));
   PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
-    if (coupling.storage) CouplingClear(sum, &groups, &coupling);
+    PetscCall(CouplingBegin(sum, &groups, u, &coupling, failed));
+    if (sum->layout->means && *failed) break;
     for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
       const MpmGroup *group = &space->groups[g];
 
       MPM_DISPATCH(sum->layout, group, ElementGroup, sum, group, weights, u, &work, &coupling, &to, failed);
       MpmPatternAddBlock(pattern, space, group, sum->constraints, to.element);
     }
-    if (coupling.storage) CouplingAddToPattern(sum, &groups, &coupling, pattern);
+    if (sum->layout->means) {
+      CouplingEnd(sum, &groups, &coupling);
+      MpmPatternAddPair(pattern, space, &space->groups[groups.box], sum->constraints, coupling.flux_by_mean,
+                        coupling.mean_by_u, coupling.f_by_u);
+    }
   }
   PetscCall(MpmGhostJacobian(sum, pattern));
   PetscCall(MpmContactsJacobian(sum, u, pattern));
@@ -250,7 +277,7 @@ PetscErrorCode MpmJacobianLocal(const MpmSum *sum, const PetscReal u[], MpmPatte
     MpmContactsResidual(sum, u, residual);
   }
   PetscCall(PetscFree2(to.element, to.rows));
-  PetscCall(PetscFree(coupling.storage));
+  PetscCall(CouplingDestroy(&coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -265,9 +292,9 @@ MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum,
 
   MpmSumGather(known, sum, group, u, work->values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    PetscReal flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
+    Point at;
 
-    if (!PointTangent(known, sum, group, sum->space->order[s], weights, work, coupling, flux, tangent)) {
+    if (!PointTangent(known, sum, s, weights, work, coupling, &at)) {
       (*failed)++;
       continue;
     }
@@ -275,15 +302,16 @@ MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum,
       PetscReal *block = &blocks[nodes[i] * bs * bs];
 
       for (PetscInt k = 0; k < N; k++) {
-        const PetscReal phi = work->basis.basis[KnownBasis(known, sum->layout, k)][i];
+        const PetscReal phi = at.basis.basis[KnownBasis(known, sum->layout, k)][i];
         PetscReal      *row = &block[KnownComponent(known, sum->layout, k) * bs];
 
         for (PetscInt l = 0; l < N; l++)
           row[KnownComponent(known, sum->layout, l)] +=
-            phi * tangent[k * N + l] * work->basis.basis[KnownBasis(known, sum->layout, l)][i];
+            phi * at.tangent[k * N + l] * at.basis.basis[KnownBasis(known, sum->layout, l)][i];
       }
     }
   }
+  if (sum->layout->means) CouplingAddGroup(known, sum, group, coupling);
   return PETSC_SUCCESS;
 }
 
@@ -297,23 +325,26 @@ PetscErrorCode MpmJacobianDiagonal(const MpmSum *sum, const PetscReal u[], Petsc
   PetscFunctionBeginUser;
   *failed = 0;
   PetscCall(PetscArrayzero(blocks, space->local * sum->layout->block * sum->layout->block));
-  PetscCall(MpmMeanEvaluate(sum, u, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(CouplingCreate(sum, &coupling));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
-    if (coupling.storage) CouplingClear(sum, &groups, &coupling);
+    PetscCall(CouplingBegin(sum, &groups, u, &coupling, failed));
+    if (sum->layout->means && *failed) break;
     for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
       const MpmGroup *group = &space->groups[g];
 
       MPM_DISPATCH(sum->layout, group, DiagonalGroup, sum, group, weights, u, &work, &coupling, blocks, failed);
     }
-    if (coupling.storage) CouplingAddToDiagonal(sum, &groups, &coupling, blocks);
+    if (sum->layout->means) {
+      CouplingEnd(sum, &groups, &coupling);
+      CouplingAddToDiagonal(sum, &groups, &coupling, blocks);
+    }
   }
   PetscCall(MpmGhostDiagonal(sum, blocks));
   MpmContactsDiagonal(sum, u, blocks);
-  PetscCall(PetscFree(coupling.storage));
+  PetscCall(CouplingDestroy(&coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

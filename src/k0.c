@@ -181,9 +181,8 @@ typedef struct {
 
 static PetscErrorCode BalanceCreate(Balance *balance)
 {
-  MpmModel       model                      = balance->model;
-  const PetscInt dim                        = model->grid.dim;
-  const PetscInt directions[MPM_FORM_COUNT] = {0, 1, model->layout.kernel->inputs};
+  MpmModel       model = balance->model;
+  const PetscInt dim   = model->grid.dim;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3(model->material_count, &balance->standins, (balance->rest->n * dim * dim), &balance->F,
@@ -194,7 +193,7 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     *standin            = model->materials[m];
     standin->state_size = 0; /* that a step would write */
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-      PetscCheck(MpmLawFind("k0", dim, directions[form], &standin->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+      PetscCheck(MpmLawFind("k0", dim, (MpmForm)form, &standin->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
                  "law k0 is not compiled");
       standin->law[form] = standin->info.law;
     }

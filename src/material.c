@@ -19,8 +19,10 @@ static const struct {
 #undef MPM_LAW_INSTANCE
 };
 
-PetscBool MpmLawFind(const char *name, PetscInt dim, PetscInt directions, MpmLawInfo *info)
+PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info)
 {
+  const PetscInt directions = form == MPM_FORM_TANGENT ? dim * dim : form == MPM_FORM_DIRECTION;
+
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
     if (laws[k].dim == dim && laws[k].directions == directions && !strcmp(laws[k].name, name)) {
       laws[k].create(info);
@@ -98,15 +100,13 @@ static PetscErrorCode PrintLaws(const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs,
-                                 MpmMaterial *material)
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material)
 {
-  const PetscInt directions[MPM_FORM_COUNT] = {0, 1, inputs};
-  char           prefix[256];
-  MpmOptions     block = {options->comm, prefix, options->record};
-  const char   **names;
-  PetscInt       type = 0;
-  PetscBool      given;
+  char         prefix[256];
+  MpmOptions   block = {options->comm, prefix, options->record};
+  const char **names;
+  PetscInt     type = 0;
+  PetscBool    given;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(material, sizeof(*material)));
@@ -116,13 +116,9 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(LawNames(&names));
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, &given));
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-    const PetscBool compiled = MpmLawFind(names[type], dim, directions[form], &material->info);
-
-    /* laws are compiled for the inputs of the built-in physics; another one brings its own stress */
-    PetscCheck(compiled || form == MPM_FORM_TANGENT, options->comm, PETSC_ERR_SUP,
-               "law %s is not compiled for %" PetscInt_FMT "D and %" PetscInt_FMT " directions", names[type], dim,
-               directions[form]);
-    material->law[form] = compiled ? material->info.law : NULL;
+    PetscCheck(MpmLawFind(names[type], dim, (MpmForm)form, &material->info), options->comm, PETSC_ERR_PLIB,
+               "law %s is not compiled", names[type]);
+    material->law[form] = material->info.law;
   }
   PetscCall(PetscFree(names));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));

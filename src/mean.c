@@ -3,8 +3,9 @@
 
     m_bar = sum_p w_p m_p ,   w_p = V_p / sum_q V_q over the points whose centres lie in the cell
 
-  V_p is the volume at the step's start. All points of a cell belong to one rank, so nothing is sent. The flux conjugate
-  to m_bar is summed over the cell; a point's own share of it is the kernel's to add (mean_flux).
+  V_p is the volume at the step's start. All points of a cell belong to one rank, so nothing is sent. With f the flux
+  conjugate to m_bar, summed over the cell, the work f delta m_bar adds f w_p dm_p to the fluxes of each point, and f w_p
+  ddm_p to their derivatives: the passes over a cell make m_bar, then fluxes and f, then that.
 */
 #include "sum.h"
 
@@ -76,51 +77,174 @@ PetscErrorCode MpmMeanCells(MpmSpace *space, const MpmPoints *points)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One group's part of its cell's mean or, with the mean known, of the flux conjugate to it. */
-MPM_INLINE PetscErrorCode MeanGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscBool weights,
-                                    PetscBool flux_wanted, const PetscReal u[], MpmWorkspace *work, PetscInt *failed)
+PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
 {
-  PetscReal *total = flux_wanted ? &sum->mean.flux[group->cell] : &sum->mean.value[group->cell];
+  const MpmSpace *space = sum->space;
+  const PetscInt  n = PetscPowInt(space->width, space->dim), bs = sum->layout->block, all = sum->layout->inputs + 1;
+  const PetscInt  size = (MPM_MAX_DIM + 1) * n + 3 * all + all * all + MpmTangentSize(sum->layout);
+  PetscInt        most = 0;
 
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(work, sizeof(*work)));
+  if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < space->cell_count; c++)
+    most = PetscMax(most, MpmCellEnd(sum, &space->cells[c]) - MpmCellBegin(sum, &space->cells[c]));
+  PetscCall(
+    PetscMalloc4(most, &work->point, (most * size), &work->storage, (n * bs), &work->values, (n * bs), &work->force));
+  for (PetscInt k = 0; k < most; k++) {
+    MpmCellPoint *at = &work->point[k];
+
+    for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) at->basis.basis[b] = &work->storage[k * size + b * n];
+    at->input   = at->basis.basis[MPM_MAX_DIM] + n;
+    at->dinput  = at->input + all;
+    at->flux    = at->dinput + all;
+    at->ddm     = at->flux + all;
+    at->tangent = MpmTangentAt(sum->layout->inputs, at->ddm + all * all);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCellWorkDestroy(MpmCellWork *work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree4(work->point, work->storage, work->values, work->force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MPM_INLINE PetscErrorCode InputsGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscBool weights,
+                                      const PetscReal u[], PetscBool change, MpmCellWork *work)
+{
   MpmSumGather(known, sum, group, u, work->values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p = sum->space->order[s];
-    MpmKernelPoint point;
-    PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS], m;
+    const MpmCellPoint *at = &work->point[s - work->begin];
 
-    MpmSumBasis(known, sum->space, p, weights, &work->basis);
-    MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
-    MpmSumPoint(sum, p, &point);
-    if (flux_wanted) {
-      input[known.inputs] = sum->mean.value[group->cell];
-      if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
-      else *total += flux[known.inputs];
-    } else if (sum->layout->kernel->mean(&point, input, &m, flux)) (*failed)++;
-    else *total += sum->space->share[p] * m;
+    MpmSumFetch(known, sum, s);
+    MpmSumBasis(known, sum->space, sum->space->order[s], weights, &at->basis);
+    MpmSumInputs(known, sum->layout, work->values, &at->basis, change ? at->dinput : at->input);
   }
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmMeanEvaluate(const MpmSum *sum, const PetscReal u[], PetscInt *failed)
+PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], PetscBool change,
+                             MpmCellWork *work)
 {
-  const MpmSpace *space   = sum->space;
   const PetscBool weights = MpmLayoutUsesValues(sum->layout);
-  MpmWorkspace    work;
 
   PetscFunctionBeginUser;
-  if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscArrayzero(sum->mean.value, space->cell_count));
-  PetscCall(PetscArrayzero(sum->mean.flux, space->cell_count));
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  for (PetscInt c = 0; c < space->cell_count; c++) {
-    for (PetscInt pass = 0; pass < 2 && !*failed; pass++) {
-      for (PetscInt g = space->cells[c].group_begin; g < space->cells[c].group_end; g++) {
-        const MpmGroup *group = &space->groups[g];
+  work->begin = MpmCellBegin(sum, cell);
+  for (PetscInt g = cell->group_begin; g < cell->group_end; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
 
-        MPM_DISPATCH(sum->layout, group, MeanGroup, sum, group, weights, (PetscBool)(pass == 1), u, &work, failed);
-      }
-    }
+    MPM_DISPATCH(sum->layout, group, InputsGroup, sum, group, weights, u, change, work);
   }
-  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MPM_INLINE PetscErrorCode CellMean(const PetscInt N, const MpmSum *sum, const MpmCell *cell, PetscBool second,
+                                   MpmCellWork *work, PetscInt *failed)
+{
+  const MpmKernelSet *kernel = sum->layout->kernel;
+  const PetscInt      end    = MpmCellEnd(sum, cell);
+
+  work->mean = 0.;
+  for (PetscInt s = work->begin; s < end; s++) {
+    MpmCellPoint   *at = &work->point[s - work->begin];
+    const PetscReal w  = sum->space->share[sum->space->order[s]];
+    PetscReal       m;
+
+    MpmSumPoint(sum, sum->space->order[s], &at->point);
+    if ((second ? kernel->mean_tangent : kernel->mean)(&at->point, at->input, &m, at->tangent.dm, at->ddm)) (*failed)++;
+    work->mean += w * m;
+    for (PetscInt k = 0; k < N; k++) at->tangent.dm[k] *= w;
+  }
+  for (PetscInt s = work->begin; s < end; s++) work->point[s - work->begin].input[N] = work->mean;
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool second, MpmCellWork *work,
+                           PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  MPM_DISPATCH_INPUTS(sum->layout, CellMean, sum, cell, second, work, failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
+                               PetscInt *failed)
+{
+  const PetscInt end = MpmCellEnd(sum, cell), N = sum->layout->inputs, before = *failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmCellInputs(sum, cell, u, PETSC_FALSE, work));
+  PetscCall(MpmCellMean(sum, cell, PETSC_FALSE, work, failed));
+  work->mean_flux = 0.;
+  for (PetscInt s = work->begin; s < end && *failed == before; s++) {
+    MpmCellPoint *at = &work->point[s - work->begin];
+
+    MpmSumTrial(sum, sum->space->order[s], &at->point);
+    if (sum->layout->kernel->residual(&at->point, at->input, at->flux)) (*failed)++;
+    work->mean_flux += at->flux[N];
+  }
+  for (PetscInt s = work->begin; s < end && *failed == before; s++) {
+    const MpmCellPoint *at = &work->point[s - work->begin];
+
+    for (PetscInt k = 0; k < N; k++) at->flux[k] += work->mean_flux * at->tangent.dm[k];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MPM_INLINE PetscErrorCode CellTangent(const PetscInt N, const MpmSum *sum, const MpmCell *cell, MpmCellWork *work,
+                                      PetscInt *failed)
+{
+  const PetscInt end = MpmCellEnd(sum, cell), before = *failed;
+
+  work->mean_flux = 0.;
+  for (PetscInt s = work->begin; s < end && *failed == before; s++) {
+    const MpmCellPoint *at = &work->point[s - work->begin];
+
+    if (sum->layout->kernel->tangent(&at->point, at->input, at->flux, at->tangent.by_input)) (*failed)++;
+    work->mean_flux += at->flux[N];
+  }
+  for (PetscInt s = work->begin; s < end && *failed == before; s++) {
+    const MpmCellPoint *at = &work->point[s - work->begin];
+    const PetscReal     f  = work->mean_flux * sum->space->share[sum->space->order[s]];
+
+    for (PetscInt k = 0; k < N; k++) at->flux[k] += work->mean_flux * at->tangent.dm[k];
+    for (PetscInt k = 0; k < N * N; k++) at->tangent.by_input[k] += f * at->ddm[k];
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmCellTangent(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
+                              PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmCellInputs(sum, cell, u, PETSC_FALSE, work));
+  PetscCall(MpmCellMean(sum, cell, PETSC_TRUE, work, failed));
+  MPM_DISPATCH_INPUTS(sum->layout, CellTangent, sum, cell, work, failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MPM_INLINE PetscErrorCode ScatterGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                       const MpmCellWork *work, PetscReal force[])
+{
+  for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const MpmCellPoint *at = &work->point[s - work->begin];
+
+    MpmSumAddFlux(known, sum->layout, &at->basis, at->flux, work->force);
+  }
+  MpmSumScatter(known, sum, group, work->force, force);
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmCellScatter(const MpmSum *sum, const MpmCell *cell, const MpmCellWork *work, PetscReal force[])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt g = cell->group_begin; g < cell->group_end; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+
+    MPM_DISPATCH(sum->layout, group, ScatterGroup, sum, group, work, force);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -49,7 +49,6 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmSpaceReset(&model->space));
   PetscCall(MpmConstraintsReset(&model->constraints));
   PetscCall(PetscFree3(model->u, model->residual, model->force));
-  PetscCall(PetscFree2(model->mean.value, model->mean.flux));
   PetscCall(MpmTrialReset(&model->trial));
   PetscCall(PetscFree(model->reaction));
   PetscCall(PetscFree(model->history_row));
@@ -228,8 +227,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscCall(PetscCalloc1(model->material_count, &model->materials));
   model->symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->material_count; m++) {
-    PetscCall(MpmMaterialCreate(options, model->material_names[m], model->grid.dim, model->layout.kernel->inputs,
-                                &model->materials[m]));
+    PetscCall(MpmMaterialCreate(options, model->material_names[m], model->grid.dim, &model->materials[m]));
     if (!(model->materials[m].info.traits & MPM_LAW_SYMMETRIC)) model->symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->materials[m].stiffness);
   }

@@ -76,6 +76,9 @@ void MpmFrameForces(const MpmFrame *frame, PetscInt dim, const PetscReal force[]
 */
 void MpmFramesToUnknowns(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);
 void MpmFramesToAxes(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);
+/* Values [i][c] of the nodes of a box. */
+void MpmFramesRotateVector(const MpmConstraints *constraints, PetscInt bs, PetscInt n, const PetscInt nodes[],
+                           PetscReal values[]);
 void MpmFramesRotateElement(const MpmConstraints *constraints, PetscInt bs, PetscInt n, const PetscInt nodes[],
                             PetscReal element[]);
 void MpmFramesRotateBlocks(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal blocks[]);
@@ -175,11 +178,6 @@ PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, 
 
 /* ---- assemble.c, mean.c, jacobian.c, action.c, coloring.c, pattern.c ---- */
 
-/* Means over cells at the displacement that was last evaluated, and the sums of the fluxes conjugate to them. */
-typedef struct {
-  PetscReal *value, *flux; /* one a cell */
-} MpmMean;
-
 /* What the points would be at the step's end, F, Cauchy stress and history, at the displacement u last evaluated. */
 typedef struct {
   PetscReal *F, *stress, *state, *u;
@@ -199,7 +197,6 @@ typedef struct {
   PetscReal             dt;
   PetscBool             rest; /* nothing moves: stresses are those of the step's start */
   const MpmContacts    *contacts;
-  MpmMean               mean;
   const MpmTrial       *trial; /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
@@ -234,8 +231,66 @@ PetscErrorCode MpmProjectToNodes(const MpmSum *sum, PetscInt components, PetscIn
 
 /* Finds the cells that means are taken over, after the groups (mean.c). */
 PetscErrorCode MpmMeanCells(MpmSpace *space, const MpmPoints *points);
-/* Means and their fluxes for a displacement; does nothing where the physics has none. */
-PetscErrorCode MpmMeanEvaluate(const MpmSum *sum, const PetscReal u[], PetscInt *failed);
+/*
+  Derivatives of a point's fluxes, in one row of numbers, as the kernel gives them; N inputs without the mean m_bar. All but
+  the first are there with means only.
+*/
+typedef struct {
+  PetscReal *by_input; /* N x N */
+  PetscReal *by_mean;  /* of the N fluxes by m_bar */
+  PetscReal *of_mean;  /* of the flux conjugate to m_bar by the N inputs */
+  PetscReal *second;   /* of that flux by m_bar */
+  PetscReal *dm;       /* of m_bar by the N inputs */
+} MpmTangent;
+static inline PetscInt MpmTangentSize(const MpmLayout *layout)
+{
+  return layout->inputs * layout->inputs + layout->means * (3 * layout->inputs + 1);
+}
+static inline MpmTangent MpmTangentAt(PetscInt N, PetscReal row[])
+{
+  return (MpmTangent){row, row + N * N, row + N * (N + 1), row + N * (N + 2), row + N * (N + 2) + 1};
+}
+/* What the passes over a cell with a mean keep of one of its points. */
+typedef struct {
+  MpmKernelPoint point;
+  MpmBasis       basis;
+  PetscReal     *input, *dinput; /* of the kernel, and their change: the mean last */
+  PetscReal     *flux;           /* conjugate to them */
+  PetscReal     *ddm;            /* second derivatives of the point's own m: N x N */
+  MpmTangent     tangent;
+} MpmCellPoint;
+/* Room for the points of one cell, and the cell's sums: m_bar and the flux conjugate to it. */
+typedef struct {
+  MpmCellPoint *point;
+  PetscInt      begin; /* where the cell's points begin in the points' order */
+  PetscReal    *storage, *values, *force;
+  PetscReal     mean, mean_flux;
+} MpmCellWork;
+PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work);
+PetscErrorCode MpmCellWorkDestroy(MpmCellWork *work);
+/* The cell's points in the points' order, [begin, end). */
+static inline PetscInt MpmCellBegin(const MpmSum *sum, const MpmCell *cell)
+{
+  return sum->space->groups[cell->group_begin].point_begin;
+}
+static inline PetscInt MpmCellEnd(const MpmSum *sum, const MpmCell *cell)
+{
+  return sum->space->groups[cell->group_end - 1].point_end;
+}
+/* Basis functions, and inputs from the nodal values u; with `change` it is dinput that they make. */
+PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], PetscBool change,
+                             MpmCellWork *work);
+/* m_bar from the inputs, and its derivatives; those of m of second order where they are asked for. */
+PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool second, MpmCellWork *work,
+                           PetscInt *failed);
+/* All of that at u, and the whole fluxes, the mean's part included; with the step's end where the sum has room for it. */
+PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
+                               PetscInt *failed);
+/* The same with tangents in place of the step's end. */
+PetscErrorCode MpmCellTangent(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
+                              PetscInt *failed);
+/* Fluxes to nodal forces. */
+PetscErrorCode MpmCellScatter(const MpmSum *sum, const MpmCell *cell, const MpmCellWork *work, PetscReal force[]);
 /* Local residual += sum over points of phi flux(u). `failed` counts points without an answer on this rank. */
 PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscReal residual[], PetscInt *failed);
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
@@ -273,6 +328,9 @@ PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, const M
 */
 void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group,
                         const MpmConstraints *constraints, PetscReal element[]);
+/* Adds a b^T + b c^T to a box, of vectors stored [i][c], likewise; the vectors are changed. */
+void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *box,
+                       const MpmConstraints *constraints, PetscReal a[], PetscReal b[], PetscReal c[]);
 
 /* The ghost penalty (ghost.c). Faces become groups of the space, before its nodes are numbered. */
 PetscErrorCode MpmGhostFaces(MpmSpace *space, const MpmRules *rules, const MpmPoints *points);
@@ -307,10 +365,12 @@ PetscErrorCode MpmJacobianDiagonal(const MpmSum *sum, const PetscReal u[], Petsc
 typedef struct {
   const MpmSum *sum;
   PetscBool     differences;
-  PetscReal    *u;       /* at the local nodes: where the derivative is taken */
-  PetscReal    *tangent; /* per place in the points' order, or NULL */
+  PetscReal    *u;         /* at the local nodes: where the derivative is taken */
+  PetscReal    *tangent;   /* per place in the points' order, or NULL */
+  PetscReal    *mean_flux; /* per cell */
   PetscReal    *values, *dvalues, *force, *storage;
   MpmBasis      basis;
+  MpmCellWork   cell;
 } MpmAction;
 PetscErrorCode MpmActionCreate(const MpmSum *sum, PetscBool stored, MpmAction *action);
 PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed);
@@ -519,7 +579,6 @@ struct _p_MpmModel {
   MpmConstraints constraints;
   MpmPattern     pattern;
   MpmSum         sum;
-  MpmMean        mean;
   MpmContacts    contacts;
   MpmTrial       trial;
   PetscReal     *u, *residual, *force; /* local nodes */

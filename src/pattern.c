@@ -333,6 +333,46 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   }
 }
 
+/* Rows of node i: the columns of box nodes [first, end), which stand side by side from `place` on. */
+static void AddPairRun(const MpmPattern *pattern, PetscInt node, PetscInt place, PetscInt length, const PetscReal a[],
+                       const PetscReal b_row[], const PetscReal b[], const PetscReal c[])
+{
+  const PetscInt bs = pattern->block, width = (pattern->row[node + 1] - pattern->row[node]) * bs;
+
+  for (PetscInt r = 0; r < bs; r++) {
+    PetscReal *restrict row = pattern->value[node] + r * width + place * bs;
+    const PetscReal left = a[r], right = b_row[r];
+
+    for (PetscInt k = 0; k < length * bs; k++) row[k] += left * b[k] + right * c[k];
+  }
+}
+
+void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *box,
+                       const MpmConstraints *constraints, PetscReal a[], PetscReal b[], PetscReal c[])
+{
+  const PetscInt  n = box->node_count, bs = pattern->block;
+  const PetscInt *nodes = &space->group_nodes[box->node_offset];
+  PetscInt        offset[MPM_MAX_WIDTH * MPM_MAX_WIDTH * MPM_MAX_WIDTH], end;
+  const PetscInt  center = WindowOffsets(pattern, box, offset);
+
+  MpmFramesRotateVector(constraints, bs, n, nodes, a);
+  MpmFramesRotateVector(constraints, bs, n, nodes, b);
+  MpmFramesRotateVector(constraints, bs, n, nodes, c);
+  for (PetscInt k = 0; constraints->any && k < n * bs; k++)
+    if (nodes[k / bs] >= 0 && constraints->condition[nodes[k / bs] * bs + k % bs] >= 0) a[k] = b[k] = c[k] = 0.;
+  for (PetscInt i = 0; i < n; i++) {
+    if (nodes[i] < 0) continue;
+    const PetscInt *slot = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
+
+    for (PetscInt j = 0; j < n; j = end) {
+      end = j + 1;
+      if (nodes[j] < 0) continue;
+      while (end < n && nodes[end] >= 0 && slot[offset[end]] == slot[offset[end - 1]] + 1) end++;
+      AddPairRun(pattern, nodes[i], slot[offset[j]], end - j, &a[i * bs], &b[i * bs], &b[j * bs], &c[j * bs]);
+    }
+  }
+}
+
 /* Are all columns of an owned row this rank's own? They stand in ascending order. */
 static PetscBool IsInside(const MpmPattern *pattern, const MpmSpace *space, PetscInt row)
 {

@@ -81,10 +81,9 @@ typedef struct {
   PetscInt    state_size;
 } MpmMaterial;
 
-/* The laws' list for one compiled instance; finds a law by name. Returns PETSC_FALSE where there is none. */
-PetscBool      MpmLawFind(const char *name, PetscInt dim, PetscInt directions, MpmLawInfo *info);
-PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, PetscInt inputs,
-                                 MpmMaterial *material);
+/* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
+PetscBool      MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Components of one history variable. */
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);

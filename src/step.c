@@ -106,8 +106,6 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
                          (model->points.count * model->particles.stress_size), &model->trial.stress,
                          (model->points.count * model->particles.state_size), &model->trial.state,
                          (model->space.local * bs), &model->trial.u));
-  PetscCall(PetscFree2(model->mean.value, model->mean.flux));
-  PetscCall(PetscMalloc2(model->space.cell_count, &model->mean.value, model->space.cell_count, &model->mean.flux));
   model->active_dofs_max = PetscMax(model->active_dofs_max, (PetscInt64)model->space.global_count * bs);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -161,8 +159,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
                         .physics_parameter = model->physics.parameters,
                         .state_size        = model->particles.state_size,
                         .dt                = dt,
-                        .contacts          = &model->contacts,
-                        .mean              = model->mean};
+                        .contacts          = &model->contacts};
   if (!again) PetscCall(MpmSolverSetUp(model));
   PetscCall(PrepareConditions(model, &rules, time));
   PetscCall(InitialGuess(model, PETSC_FALSE));

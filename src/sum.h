@@ -76,6 +76,11 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
     } \
   } while (0)
 
+/* Calls f(N, ...) with the number of inputs, a constant for a solid. */
+#define MPM_DISPATCH_INPUTS(layout, f, ...) \
+  PetscCall((layout)->solid ? (layout)->dim == 2 ? f(4, __VA_ARGS__) : f(9, __VA_ARGS__) \
+                            : f((layout)->inputs, __VA_ARGS__))
+
 /* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
 typedef struct {
   PetscReal *values, *force, *storage;
@@ -159,13 +164,24 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
   point->volume0           = points->volume0[p];
   point->dt                = sum->dt;
-  point->mean_flux         = 0.;
   point->traits            = material->info.traits;
   point->law               = material->law;
   point->state             = NULL;
   point->F                 = NULL;
   point->stress            = NULL;
   point->stress_n          = sum->rest ? &points->stress[p * (dim == 2 ? 4 : 6)] : NULL;
+}
+
+/* Where the kernel writes what the step's end would be. */
+MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
+{
+  const MpmTrial *trial = sum->trial;
+  const PetscInt  dim   = sum->space->dim;
+
+  if (!trial) return;
+  point->F      = &trial->F[p * dim * dim];
+  point->stress = &trial->stress[p * (dim == 2 ? 4 : 6)];
+  if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
 }
 
 /*
@@ -194,21 +210,12 @@ MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
   MpmFetch(sum->points->volume0, p, 1);
 }
 
-/* What a kernel with a mean gets besides: the mean as its last input, and what the mean's flux does at this point. */
-MPM_INLINE void MpmSumMean(const MpmSum *sum, const MpmGroup *group, PetscInt p, MpmKernelPoint *point,
-                           PetscReal input[])
-{
-  if (!sum->layout->means) return;
-  input[sum->layout->inputs] = sum->mean.value[group->cell];
-  point->mean_flux           = sum->mean.flux[group->cell] * sum->space->share[p];
-}
-
 /*
   The weights and derivatives of one point at its group's nodes: basis[0] weights (if wanted), basis[1..dim]
   derivatives; `count` nodes an axis, x fastest.
 */
 MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscBool weights,
-                            MpmBasis *basis)
+                            const MpmBasis *basis)
 {
   const PetscInt dim = known.dim, *const count = known.count;
   const PetscInt   W  = space->width;

@@ -17,9 +17,7 @@
   Struct. 190, 108-125, doi:10.1016/j.compstruc.2017.05.004, in the form that carries the derivative to the step's
   start.
 */
-#include "mpmkernel.h"
-
-#define INPUTS (MPM_DIM * MPM_DIM)
+#include "solid.h"
 
 /* The law's answer; where nothing moves, the stress that is there already. */
 MPM_FN int Stress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
@@ -35,33 +33,13 @@ MPM_FN int Stress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 
 static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
-  const int    small = point->traits & MPM_LAW_SMALL_STRAIN;
-  const Tensor dF    = TensorFromGradient(input);
+  const Tensor dF = TensorFromGradient(input);
   Sym          tau;
 
   if (Stress(point, &dF, &tau)) return 1;
-  if (small) {
-    for (int a = 0; a < MPM_DIM; a++) {
-      for (int b = 0; b < MPM_DIM; b++) {
-        Scalar sum = ScalarConstant(0.);
-
-        for (int c = 0; c < MPM_DIM; c++) ScalarAddScaled(&sum, point->F_n[b * MPM_DIM + c], &tau.a[SymIndex(a, c)]);
-        flux[a * MPM_DIM + b] = ScalarScale(point->volume0, sum);
-      }
-    }
-  } else {
-    const Tensor P = SymTimesInverseTranspose(&tau, &dF, point->volume0);
-
-    for (int k = 0; k < INPUTS; k++) flux[k] = P.a[k];
-  }
-  if (point->F) { /* what may become the state: Jacobians do not ask for it */
-    const Tensor F     = TensorMulArray(&dF, point->F_n);
-    const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), &tau);
-
-    TensorStore(point->F, &F);
-    SymStore(point->stress, &sigma);
-  }
+  SolidFlux(point, &tau, &dF, flux);
+  SolidKeep(point, &tau, &dF);
   return 0;
 }
 
-MPM_KERNEL(solid, INPUTS, SolidKernel)
+MPM_KERNEL(solid, MPM_DIM *MPM_DIM, SolidKernel)

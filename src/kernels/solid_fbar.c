@@ -11,8 +11,8 @@
 
     tau : delta(dF_bar) dF_bar^{-1} = (tau - (tr tau/d) I) : grad delta u + (tr tau/d) delta m_bar/m_bar
 
-  The flux of m_bar is V_0 tr tau/(d m_bar); its sum over the cell comes back, times w_p, as mean_flux, the factor of
-  delta m = cof(dF) : delta(dF). F of the converged step is that of dF_bar, so that volume and stress belong together.
+  The flux of m_bar is V_0 tr tau/(d m_bar); the engine adds the part of delta m_bar = sum_q w_q delta m_q, with delta m =
+  cof(dF) : delta(dF). F of the converged step is that of dF_bar, so that volume and stress belong together.
 
   At small strain m = 1 + tr h with h the increment of the displacement gradient by X, and h_bar = h + ((m_bar - m)/d) I.
 
@@ -20,12 +20,12 @@
   Coombs, Charlton, Cortis and Augarde (2018), doi:10.1016/j.cma.2018.01.010; the variational form is the mean dilatation
   of Simo, Taylor and Pister (1985), doi:10.1016/0045-7825(85)90033-7.
 */
-#include "mpmkernel.h"
+#include "solid.h"
 
 #define GRADIENTS (MPM_DIM * MPM_DIM)
 #define INPUTS    (GRADIENTS + 1)
 
-/* m, and m_bar's change with the point: dm[k] = d m / d input_k */
+/* m, and its change with the point: dm[k] = d m / d input_k */
 MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *dm)
 {
   if (point->traits & MPM_LAW_SMALL_STRAIN) {
@@ -45,73 +45,121 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
   return TensorCofactorDet(dF, dm);
 }
 
-/* dF_bar */
-MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scalar m, Scalar mean)
+/* A change of dF that is to dF_bar what a change of m_bar is: E = dF, or F_n^{-1} at small strain. */
+MPM_FN Tensor Dilation(const MpmKernelPoint *point, const Tensor *dF)
 {
-  if (point->traits & MPM_LAW_SMALL_STRAIN) { /* dF_bar F_n = dF F_n + ((m_bar - m)/d) I */
-    const Tensor F_n = TensorFromArray(point->F_n), inverse = TensorInverse(&F_n);
-    const Tensor shift = TensorScale(ScalarScale(1. / MPM_DIM, ScalarSub(mean, m)), &inverse);
+  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+    const Tensor F_n = TensorFromArray(point->F_n);
+
+    return TensorInverse(&F_n);
+  }
+  return *dF;
+}
+
+/* dF_bar from the ratio m_bar/m or, at small strain, m_bar - m: dF_bar F_n = dF F_n + ((m_bar - m)/d) I */
+MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scalar ratio)
+{
+  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+    const Tensor E = Dilation(point, dF), shift = TensorScale(ScalarScale(1. / MPM_DIM, ratio), &E);
 
     return TensorAdd(dF, &shift);
   }
-  return TensorScale(ScalarPow(ScalarDiv(mean, m), 1. / MPM_DIM), dF);
+  return TensorScale(MPM_DIM == 2 ? ScalarSqrt(ratio) : ScalarPow(ratio, 1. / MPM_DIM), dF);
 }
 
-static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+/* The fluxes from dF, dF_bar and m_bar. */
+MPM_FN int Fluxes(const MpmKernelPoint *point, const Tensor *dF, const Tensor *dF_bar, Scalar mean, Scalar flux[])
 {
   const MpmLawPoint law_point    = {point->parameter, point->state_n, point->state, point->F_n, point->dt};
   const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
-  const int    small             = point->traits & MPM_LAW_SMALL_STRAIN;
-  const Tensor dF                = TensorFromGradient(input);
-  const Scalar mean              = input[GRADIENTS];
-  Tensor       dm;
-  const Scalar m        = PointMean(point, &dF, &dm);
-  Scalar       pressure = ScalarConstant(0.); /* tr tau/d */
-  Sym          tau, rest;
+  Scalar pressure                = ScalarConstant(0.); /* tr tau/d */
+  Sym    tau, rest;
 
-  if (!(ScalarValue(m) > 0. && ScalarValue(mean) > 0.)) return 1;
-  const Tensor dF_bar = MeanIncrement(point, &dF, m, mean);
-
-  if (law(&law_point, &dF_bar, &tau)) return 1;
+  if (law(&law_point, dF_bar, &tau)) return 1;
   for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&pressure, 1. / MPM_DIM, &tau.a[SymIndex(a, a)]);
   rest = SymShift(&tau, ScalarNeg(pressure));
-  if (small) {
-    for (int a = 0; a < MPM_DIM; a++) {
-      for (int b = 0; b < MPM_DIM; b++) {
-        Scalar sum = ScalarConstant(0.);
-
-        for (int c = 0; c < MPM_DIM; c++) ScalarAddScaled(&sum, point->F_n[b * MPM_DIM + c], &rest.a[SymIndex(a, c)]);
-        flux[a * MPM_DIM + b] = ScalarScale(point->volume0, sum);
-      }
-    }
-    flux[GRADIENTS] = ScalarScale(point->volume0, pressure);
-  } else {
-    const Tensor P = SymTimesInverseTranspose(&rest, &dF, point->volume0);
-
-    for (int k = 0; k < GRADIENTS; k++) flux[k] = P.a[k];
-    flux[GRADIENTS] = ScalarScale(point->volume0, ScalarDiv(pressure, mean));
-  }
-  for (int k = 0; k < GRADIENTS; k++) ScalarAddScaled(&flux[k], point->mean_flux, &dm.a[k]);
-  if (point->F) { /* what may become the state: Jacobians do not ask for it */
-    const Tensor F     = TensorMulArray(&dF_bar, point->F_n);
-    const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), &tau);
-
-    TensorStore(point->F, &F);
-    SymStore(point->stress, &sigma);
-  }
+  SolidFlux(point, &rest, dF, flux);
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) pressure = ScalarDiv(pressure, mean);
+  flux[GRADIENTS] = ScalarScale(point->volume0, pressure);
+  SolidKeep(point, &tau, dF_bar);
   return 0;
 }
 
-#if MPM_DIRECTIONS == 0
-static int SolidFbarMean(const MpmKernelPoint *point, const double *input, double *m, double *dm)
+#if MPM_DIRECTIONS < 2
+static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
-  Tensor       derivative;
+  Tensor       dm;
+  const Scalar m = PointMean(point, &dF, &dm), mean = input[GRADIENTS];
 
-  *m = PointMean(point, &dF, &derivative);
+  if (!(ScalarValue(m) > 0. && ScalarValue(mean) > 0.)) return 1;
+  const Scalar ratio  = point->traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
+  const Tensor dF_bar = MeanIncrement(point, &dF, ratio);
+
+  return Fluxes(point, &dF, &dF_bar, mean, flux);
+}
+#endif
+
+#if MPM_DIRECTIONS != 1
+/* m of the point, and its first derivatives by the gradients; with directions the second ones too. */
+static int SolidFbarMean(const MpmKernelPoint *point, const double input[], double *m, double dm[], double ddm[])
+{
+  Scalar in[GRADIENTS];
+  Tensor derivative;
+
+  for (int k = 0; k < GRADIENTS; k++) in[k] = ScalarSeed(input[k], k);
+  const Tensor dF = TensorFromGradient(in);
+
+  *m = ScalarValue(PointMean(point, &dF, &derivative));
   TensorStore(dm, &derivative);
+  for (int k = 0; MPM_DIRECTIONS && k < GRADIENTS * GRADIENTS; k++)
+    ddm[k] = ScalarDirection(derivative.a[k / GRADIENTS], k % GRADIENTS);
   return !(*m > 0. && *m <= DBL_MAX);
 }
 #endif
 
-MPM_KERNEL_MEAN(solid_fbar, INPUTS, SolidFbarKernel, SolidFbarMean)
+#if MPM_DIRECTIONS > 1
+/*
+  The derivatives of all fluxes by dF and m_bar, with directions for dF alone, which is what laws are compiled for.
+
+  With the ratio m_bar/m held (small strain: m_bar - m) dF_bar goes with dF, and with it the law. Such directions give
+  A = D + d (x) dm_bar: D the derivatives by dF, d those by m_bar, dm_bar the change of m_bar that holds the ratio. With
+  m_bar held, dF_bar and tau do not change along the dilation E, so D : E = -P by the factor dF^{-T} alone (small strain:
+  0; the flux of m_bar: 0). Hence d = (A : E - D : E)/(dm_bar : E), and D.
+*/
+static int SolidFbarTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
+{
+  const int small   = point->traits & MPM_LAW_SMALL_STRAIN;
+  double   *by_mean = tangent + GRADIENTS * GRADIENTS, *of_mean = by_mean + GRADIENTS, *second = of_mean + GRADIENTS;
+  Scalar    in[GRADIENTS], out[INPUTS];
+  Tensor    dm;
+  double    E[GRADIENTS], along = 0.;
+
+  for (int k = 0; k < GRADIENTS; k++) in[k] = ScalarSeed(input[k], k);
+  const Tensor dF = TensorFromGradient(in), dilation = Dilation(point, &dF);
+  const Scalar m = PointMean(point, &dF, &dm);
+
+  if (!(ScalarValue(m) > 0. && input[GRADIENTS] > 0.)) return 1;
+  const double ratio  = small ? input[GRADIENTS] - ScalarValue(m) : input[GRADIENTS] / ScalarValue(m);
+  const Scalar mean   = small ? ScalarShift(m, ratio) : ScalarScale(ratio, m);
+  const Tensor dF_bar = MeanIncrement(point, &dF, ScalarConstant(ratio));
+
+  if (Fluxes(point, &dF, &dF_bar, mean, out)) return 1;
+  TensorStore(E, &dilation);
+  for (int l = 0; l < GRADIENTS; l++) along += ScalarDirection(mean, l) * E[l];
+  along = 1. / along;
+  for (int k = 0; k < INPUTS; k++) {
+    double *row = k < GRADIENTS ? &tangent[k * GRADIENTS] : of_mean,
+           d    = k < GRADIENTS && !small ? ScalarValue(out[k]) : 0.;
+
+    for (int l = 0; l < GRADIENTS; l++) d += ScalarDirection(out[k], l) * E[l];
+    d *= along;
+    for (int l = 0; l < GRADIENTS; l++) row[l] = ScalarDirection(out[k], l) - d * ScalarDirection(mean, l);
+    *(k < GRADIENTS ? &by_mean[k] : second) = d;
+    flux[k]                                 = ScalarValue(out[k]);
+  }
+  return 0;
+}
+#endif
+
+MPM_KERNEL_MEAN(solid_fbar, INPUTS, SolidFbarKernel, SolidFbarMean, SolidFbarTangent)
