@@ -37,8 +37,9 @@ typedef struct {
   MPM_LAW_SMALL_STRAIN  the stress is linear in the displacement gradient and is not objective: the physics then leaves
                         the geometry of the step alone, and a step takes one Newton iteration
   MPM_LAW_INTERNAL      the engine's own, not offered to scenes
+  MPM_LAW_PLASTIC       the law flows: its volume then follows from its shear, and low-order shapes lock without F-bar
 */
-typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2, MPM_LAW_INTERNAL = 4 } MpmLawTrait;
+typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2, MPM_LAW_INTERNAL = 4, MPM_LAW_PLASTIC = 8 } MpmLawTrait;
 
 /* A constitutive law as the registry sees it; `law` holds one entry per compiled instance. */
 typedef struct {

@@ -155,5 +155,5 @@ static int MpmMaterialCheck_drucker_prager(const double *parameter, const char *
   return 0;
 }
 
-MPM_LAW(drucker_prager, 0, "Drucker-Prager plasticity with cohesion, dilation and volume correction", parameters,
-        states, MpmMaterialCheck_drucker_prager, ElasticStiffness, MpmMaterialEvaluate_drucker_prager)
+MPM_LAW(drucker_prager, MPM_LAW_PLASTIC, "Drucker-Prager plasticity with cohesion, dilation and volume correction",
+        parameters, states, MpmMaterialCheck_drucker_prager, ElasticStiffness, MpmMaterialEvaluate_drucker_prager)

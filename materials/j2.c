@@ -61,5 +61,5 @@ MPM_FN int MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sy
   return 0;
 }
 
-MPM_LAW(j2, MPM_LAW_SYMMETRIC, "von Mises plasticity with linear isotropic hardening", parameters, states, NULL,
-        ElasticStiffness, MpmMaterialEvaluate_j2)
+MPM_LAW(j2, MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC, "von Mises plasticity with linear isotropic hardening", parameters,
+        states, NULL, ElasticStiffness, MpmMaterialEvaluate_j2)

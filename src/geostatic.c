@@ -129,7 +129,7 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
   *grow *= 0.5;
   *again = (PetscBool)(part < 1. && *grow * duration >= model->dt_min);
   if (!*again && model->ghost_rescue) {
-    PetscCall(MpmModelRaiseGhost(model, why));
+    PetscCall(MpmStabilizationRaiseGhost(model, why));
     *grow  = PetscMin(model->dt_nominal / duration, 1.);
     *again = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);

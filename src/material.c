@@ -127,6 +127,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
     PetscCall(ReadParameter(&block, &material->info.parameters[i], &material->parameter[i]));
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
   }
   if (material->info.check) {
     const char *why = "contradictory parameters";

@@ -104,37 +104,7 @@ PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ghost penalty and F-bar. */
-static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *options)
-{
-  const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
-  char            *ghost;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsHeading(&block, "Stabilization"));
-  PetscCall(MpmOptionsText(&block, "ghost",
-                           "penalty on the faces of edge cells, against small cuts: auto (1e-2 for every shape and "
-                           "solver; 1e-1 on all faces where bodies have one point a cell, and where a run would give "
-                           "up with less), off, or a factor times Young's modulus",
-                           "auto", MPM_OPTIONAL, &ghost));
-  model->ghost_auto   = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
-  model->ghost_rescue = model->ghost_auto;
-  model->ghost        = model->ghost_auto ? MPM_GHOST_FACTOR : 0.;
-  if (!model->ghost_auto && strcmp(ghost, "off")) {
-    char *end;
-
-    model->ghost = strtod(ghost, &end);
-    MpmCheckInput(!*end && model->ghost >= 0. && model->ghost < PETSC_INFINITY,
-                  "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
-  }
-  PetscCall(PetscFree(ghost));
-  PetscCall(MpmOptionsBool(&block, "fbar",
-                           "average the volume change over cells, against locking of nearly incompressible material",
-                           &model->fbar, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The physics of that name, or its form with a mean, and the layout of its unknowns. */
+/* The physics of that name, and the layout of its unknowns. */
 static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt dim)
 {
   PetscBool found = PETSC_TRUE, solid;
@@ -143,12 +113,8 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
   PetscCall(PetscStrcmp(name, "solid", &solid));
   if (!model->physics.name) {
     MpmCheckInput(solid, "-mpm_physics %s: must be one of solid", name);
-    PetscCall(MpmPhysicsCreate(model->fbar ? "solid_fbar" : name, &model->physics, &found));
+    PetscCall(MpmPhysicsCreate(name, &model->physics, &found));
     PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", name);
-    model->physics.name = "solid";
-  } else {
-    MpmCheckInput(!model->fbar, "-mpm_stabilization_fbar true: not available for physics %s, must be false",
-                  model->physics.name);
   }
   PetscCall(MpmLayoutCreate(&model->physics, dim, &model->layout));
   model->stretch = MpmStretchFind(dim);
@@ -174,7 +140,7 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
   PetscCall(
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
-  PetscCall(ReadStabilization(model, options));
+  PetscCall(MpmStabilizationRead(model, options));
   PetscCall(CreatePhysics(model, name, dim));
   PetscCall(PetscFree(name));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -353,6 +319,7 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
   PetscCall(MpmStagesRead(model, &options));
+  PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, &options));
   PetscCall(MpmCheckpointSetFromOptions(model, &options));
   PetscCall(MpmSolverSetFromOptions(model, &options));
@@ -394,16 +361,6 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
   return model->newton <= 6 ? PetscMin(wanted * model->growth, model->dt_max) : wanted;
 }
 
-/* No step is short enough: small-cut nodes that want a firmer penalty are what may still be mended. */
-PetscErrorCode MpmModelRaiseGhost(MpmModel model, const char *why)
-{
-  PetscFunctionBeginUser;
-  model->ghost        = MPM_GHOST_RESCUE;
-  model->ghost_rescue = PETSC_FALSE;
-  PetscCall(MpmTerminalNote(model, "%s; from here on with -mpm_stabilization_ghost %g", why, (double)model->ghost));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* One step, cut as often as needed. `why` tells the reason when it was given up. */
 static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
 {
@@ -425,7 +382,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
     again = (PetscBool)(0.5 * *dt >= model->dt_min);
     if (!again) {
       if (!model->ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);
-      PetscCall(MpmModelRaiseGhost(model, *why));
+      PetscCall(MpmStabilizationRaiseGhost(model, *why));
       model->dt_wanted = model->dt_nominal;
       continue;
     }

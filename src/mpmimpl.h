@@ -553,7 +553,8 @@ struct _p_MpmModel {
   MpmParticles    particles;
   MpmBodyForce    body_force;
   void           *body_force_ctx;
-  PetscBool       fbar;
+  PetscBool       fbar, fbar_auto;
+  const char     *fbar_why;                 /* what `auto` went by, or NULL */
   PetscReal       ghost;                    /* factor of the ghost penalty, 0: none */
   PetscBool       ghost_auto, ghost_rescue; /* nobody has set it; raise it before giving up */
   PetscBool       symmetric;
@@ -713,8 +714,14 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
 /* For lists of blocks: with -help, a list that the scene does not give becomes one block called NAME. */
 PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
                                  PetscInt *count, char ***names);
-/* Where a run would give up, once: a firmer ghost penalty from here on. */
-PetscErrorCode MpmModelRaiseGhost(MpmModel model, const char *why);
+/*
+  Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
+  bodies, conditions and stages are known. RaiseGhost: where a run would give up, once, a firmer penalty from here on.
+*/
+PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmStabilizationSettle(MpmModel model);
+PetscErrorCode MpmStabilizationRaiseGhost(MpmModel model, const char *why);
+PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[]);
 /* The space of the points where they are now, without a step. */
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* The points' fields that the scene asks for (fields.c): do they exist? Into the output. */

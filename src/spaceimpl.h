@@ -75,7 +75,7 @@ typedef struct {
   MpmLawInfo  info;
   double     *parameter;
   MpmFunction law[MPM_FORM_COUNT];
-  PetscReal   density, stiffness;
+  PetscReal   density, stiffness, nu; /* nu: Poisson's ratio, 0 where the law has none */
   PetscReal   penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
   PetscBool   sparse;  /* a body of it has one point a cell on some axis */
   PetscInt    state_size;

@@ -21,7 +21,7 @@ static PetscErrorCode PrintTitles(MpmModel model)
 PetscErrorCode MpmTerminalBegin(MpmModel model)
 {
   const MpmGrid *grid = &model->grid;
-  char          *title;
+  char          *title, text[512];
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&model->terminal.since));
@@ -34,6 +34,8 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
                         model->edge == MPM_EDGE_OPEN ? " with open edges" : "", MpmJacobianTypes[model->jacobian_type],
                         model->solver, model->solver_why ? " (" : "", model->solver_why ? model->solver_why : "",
                         model->solver_why ? ")" : "", model->size, model->size > 1 ? "s" : ""));
+  PetscCall(MpmStabilizationText(model, sizeof(text), text));
+  PetscCall(PetscPrintf(model->comm, "  %s\n", text));
   PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " point%s, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
                         model->particles.total, model->particles.total == 1 ? "" : "s", grid->cells[0],
                         grid->cells[1]));
