@@ -248,11 +248,8 @@ static PetscErrorCode ApplyCell(MpmAction *action, PetscInt c, const PetscReal d
   const MpmCell *cell = &sum->space->cells[c];
 
   PetscFunctionBeginUser;
-  if (!action->tangent) {
-    PetscCall(MpmCellInputs(sum, cell, action->u, PETSC_FALSE, &action->cell));
-    PetscCall(MpmCellMean(sum, cell, PETSC_TRUE, &action->cell, failed));
-  }
-  PetscCall(MpmCellInputs(sum, cell, du, PETSC_TRUE, &action->cell));
+  PetscCall(MpmCellInputs(sum, cell, action->tangent ? NULL : action->u, du, &action->cell));
+  if (!action->tangent) PetscCall(MpmCellMean(sum, cell, PETSC_TRUE, &action->cell, failed));
   MPM_DISPATCH_INPUTS(sum->layout, ChangeCell, action, c, failed);
   PetscCall(MpmCellScatter(sum, cell, &action->cell, y));
   PetscFunctionReturn(PETSC_SUCCESS);

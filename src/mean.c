@@ -89,8 +89,8 @@ PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
   if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < space->cell_count; c++)
     most = PetscMax(most, MpmCellEnd(sum, &space->cells[c]) - MpmCellBegin(sum, &space->cells[c]));
-  PetscCall(
-    PetscMalloc4(most, &work->point, (most * size), &work->storage, (n * bs), &work->values, (n * bs), &work->force));
+  PetscCall(PetscMalloc5(most, &work->point, (most * size), &work->storage, (n * bs), &work->values, (n * bs),
+                         &work->dvalues, (n * bs), &work->force));
   for (PetscInt k = 0; k < most; k++) {
     MpmCellPoint *at = &work->point[k];
 
@@ -107,25 +107,27 @@ PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
 PetscErrorCode MpmCellWorkDestroy(MpmCellWork *work)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree4(work->point, work->storage, work->values, work->force));
+  PetscCall(PetscFree5(work->point, work->storage, work->values, work->dvalues, work->force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 MPM_INLINE PetscErrorCode InputsGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscBool weights,
-                                      const PetscReal u[], PetscBool change, MpmCellWork *work)
+                                      const PetscReal u[], const PetscReal du[], MpmCellWork *work)
 {
-  MpmSumGather(known, sum, group, u, work->values);
+  if (u) MpmSumGather(known, sum, group, u, work->values);
+  if (du) MpmSumGather(known, sum, group, du, work->dvalues);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const MpmCellPoint *at = &work->point[s - work->begin];
 
     MpmSumFetch(known, sum, s);
     MpmSumBasis(known, sum->space, sum->space->order[s], weights, &at->basis);
-    MpmSumInputs(known, sum->layout, work->values, &at->basis, change ? at->dinput : at->input);
+    if (u) MpmSumInputs(known, sum->layout, work->values, &at->basis, at->input);
+    if (du) MpmSumInputs(known, sum->layout, work->dvalues, &at->basis, at->dinput);
   }
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], PetscBool change,
+PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], const PetscReal du[],
                              MpmCellWork *work)
 {
   const PetscBool weights = MpmLayoutUsesValues(sum->layout);
@@ -135,7 +137,7 @@ PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const Petsc
   for (PetscInt g = cell->group_begin; g < cell->group_end; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group, InputsGroup, sum, group, weights, u, change, work);
+    MPM_DISPATCH(sum->layout, group, InputsGroup, sum, group, weights, u, du, work);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -175,7 +177,7 @@ PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const Pet
   const PetscInt end = MpmCellEnd(sum, cell), N = sum->layout->inputs, before = *failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmCellInputs(sum, cell, u, PETSC_FALSE, work));
+  PetscCall(MpmCellInputs(sum, cell, u, NULL, work));
   PetscCall(MpmCellMean(sum, cell, PETSC_FALSE, work, failed));
   work->mean_flux = 0.;
   for (PetscInt s = work->begin; s < end && *failed == before; s++) {
@@ -219,7 +221,7 @@ PetscErrorCode MpmCellTangent(const MpmSum *sum, const MpmCell *cell, const Pets
                               PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmCellInputs(sum, cell, u, PETSC_FALSE, work));
+  PetscCall(MpmCellInputs(sum, cell, u, NULL, work));
   PetscCall(MpmCellMean(sum, cell, PETSC_TRUE, work, failed));
   MPM_DISPATCH_INPUTS(sum->layout, CellTangent, sum, cell, work, failed);
   PetscFunctionReturn(PETSC_SUCCESS);

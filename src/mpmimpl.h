@@ -263,7 +263,7 @@ typedef struct {
 typedef struct {
   MpmCellPoint *point;
   PetscInt      begin; /* where the cell's points begin in the points' order */
-  PetscReal    *storage, *values, *force;
+  PetscReal    *storage, *values, *dvalues, *force;
   PetscReal     mean, mean_flux;
 } MpmCellWork;
 PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work);
@@ -277,8 +277,8 @@ static inline PetscInt MpmCellEnd(const MpmSum *sum, const MpmCell *cell)
 {
   return sum->space->groups[cell->group_end - 1].point_end;
 }
-/* Basis functions, and inputs from the nodal values u; with `change` it is dinput that they make. */
-PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], PetscBool change,
+/* Basis functions, inputs from the nodal values u, and their change from du; either may be NULL. */
+PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], const PetscReal du[],
                              MpmCellWork *work);
 /* m_bar from the inputs, and its derivatives; those of m of second order where they are asked for. */
 PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool second, MpmCellWork *work,

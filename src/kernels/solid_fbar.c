@@ -149,12 +149,13 @@ static int SolidFbarTangent(const MpmKernelPoint *point, const double input[], d
   for (int l = 0; l < GRADIENTS; l++) along += ScalarDirection(mean, l) * E[l];
   along = 1. / along;
   for (int k = 0; k < INPUTS; k++) {
-    double *row = k < GRADIENTS ? &tangent[k * GRADIENTS] : of_mean,
-           d    = k < GRADIENTS && !small ? ScalarValue(out[k]) : 0.;
+    double *row = k < GRADIENTS ? &tangent[k * GRADIENTS] : of_mean;
+    double  d   = k < GRADIENTS && !small ? ScalarValue(out[k]) : 0.;
 
     for (int l = 0; l < GRADIENTS; l++) d += ScalarDirection(out[k], l) * E[l];
     d *= along;
-    for (int l = 0; l < GRADIENTS; l++) row[l] = ScalarDirection(out[k], l) - d * ScalarDirection(mean, l);
+    ScalarAddDirections(&out[k], -d, &mean);
+    for (int l = 0; l < GRADIENTS; l++) row[l] = ScalarDirection(out[k], l);
     *(k < GRADIENTS ? &by_mean[k] : second) = d;
     flux[k]                                 = ScalarValue(out[k]);
   }
