@@ -374,7 +374,7 @@ PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *c
 PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply);
 PetscErrorCode MpmRestartDestroy(MpmRestart *restart);
 
-/* From Catch to Release, SIGTERM and SIGUSR1 only leave a note. */
+/* From Catch to Release, SIGTERM, SIGUSR1 and a first SIGINT only leave a note. */
 PetscErrorCode MpmSignalsCatch(void);
 PetscErrorCode MpmSignalsRelease(void);
 PetscBool      MpmSignalsCaught(void);
