@@ -455,12 +455,22 @@ static PetscErrorCode OpenResults(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
+{
+  const MpmOptions options = {model->comm, NULL, model->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWarnUnused(&options, moment));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What a converged step leaves: its row, its line, and at times the points. */
 static PetscErrorCode Report(MpmModel model, PetscReal dt)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmModelWriteHistory(model, dt));
   PetscCall(MpmTerminalStep(model, dt));
+  if (model->linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
   if (model->output_every && (model->step % model->output_every == 0)) PetscCall(MpmModelWriteOutput(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -510,6 +520,7 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
                            model->step, (double)model->time, why));
   }
   PetscCall(MpmModelWriteSummary(model, why ? why : stop ? "interrupted" : "completed"));
+  PetscCall(WarnUnused(model, MPM_AT_END));
   PetscCall(MpmSignalsRelease());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -43,6 +43,10 @@ PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options
 /* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
 PetscErrorCode MpmForeignOptionsCheck(void);
 
+/* Keeps the user's among them for MpmOptionsWarnUnused(), and lets go of them (unused.c). */
+PetscErrorCode MpmForeignOptionsKeep(MpmRecord record);
+PetscErrorCode MpmForeignOptionsForget(MpmRecord record);
+
 /* One option that a reader has asked for. */
 typedef struct {
   char     *name;
@@ -52,9 +56,18 @@ typedef struct {
   PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
 } MpmRecordEntry;
 
+/* An option of PETSc's that the user gave. */
+typedef struct {
+  char     *name, *value; /* fit for a message; empty where it has none */
+  PetscBool told;         /* that nobody used it */
+} MpmGivenOption;
+
 struct _p_MpmRecord {
   PetscInt        count, capacity;
   MpmRecordEntry *entries;
+  PetscInt        foreign_count;
+  MpmGivenOption *foreign; /* unused.c */
+  MpmMoment       moment;  /* up to which they have been looked through */
 };
 
 /* Lends the option's entry, which is made where there is none; it lives until the next call. */
