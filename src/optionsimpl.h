@@ -5,6 +5,9 @@
 #include "mpmcompat.h"
 #include "mpmoptions.h"
 
+/* What is wrong with a file in YAML, as "line N ...": no YAML, or an option stands in it twice; empty for nothing. */
+PetscErrorCode MpmYAMLCheck(const char path[], char fault[], size_t size);
+
 /* Room for a number or a range as text. */
 #define MPM_NUMBER_TEXT 64
 

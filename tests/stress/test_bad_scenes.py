@@ -280,8 +280,29 @@ CASES = [
 FILES = [
     ("scene that is not there", None, "scene.yaml"),
     ("empty scene", "", "-mpm_dim"),
-    ("broken YAML", "mpm:\n  dim: 2\n grid: {cells: [1, 2\n", "scene.yaml"),
+    ("broken YAML", "mpm:\n  dim: 2\n grid: {cells: [1, 2\n", "scene.yaml: line 3 is no YAML"),
     ("not YAML", "\x01\x02\x03 { [ : \n", "scene.yaml"),
+]
+
+# name, lines before and behind the good scene's (which has an option a line), what the line must contain
+TWICE = [
+    ("option twice", "", 'mpm_dim: 2\n', "line 32: mpm_dim stands here for the second time, the first is in line 1"),
+    ("option twice but for case", "", 'MPM_Dim: 2\n', "MPM_Dim"),
+    ("option twice in braces", "", "mpm_material_soil: {x: 1, x: 2}\n", "line 32: mpm_material_soil_x"),
+    ("block twice", "", "mpm:\n  title: one\nmpm:\n  quiet: false\n", "line 34: mpm stands"),
+    ("block of a block twice", "", "mpm:\n  a: {b: 1}\n  # remark\n  a: {c: 1}\n", "line 35: mpm_a stands"),
+    ("option twice in lines and blocks", "", "mpm:\n  dim: 2\n", "line 33: mpm_dim"),
+    ("option of PETSc's twice", "snes: {rtol: 1e-8}\n", "snes_rtol: 1e-9\n", "line 33: snes_rtol"),
+    ("option twice in a list of maps", "", "snes: [{rtol: 1e-8}, {rtol: 1e-9}]\n", "snes_rtol"),
+    ("block that holds itself", "", "mpm_block: &block {inner: *block}\n", "nested more than 100 deep"),
+    ("blocks by the million", "".join(f"$$k{i}: &k{i} {{{', '.join(f'a{j}: *k{i - 1}' for j in range(9)) if i else 'a: 1'}}}\n"
+                                      for i in range(9)), "mpm_x: *k8\n", "10000"),
+]
+# the same, of files in which nothing stands twice
+ONCE = [
+    ("equal keys of two blocks", "", "snes: {rtol: 1e-8}\nksp: {rtol: 1e-8}\n"),
+    ("merged block that is overridden", "$$few: &few {rtol: 1e-8, max_it: 20}\n", "snes: {<<: *few, rtol: 1e-9}\n"),
+    ("remarks and a second document", "# mpm_dim: 2\n", "---\nmpm_dim: 2\n"),
 ]
 
 # name, text of points.csv, what the line must contain besides the option
@@ -306,7 +327,7 @@ POINTS = [
 TWO_RANKS = {"points with NaN", "points with a short line", "points outside the grid", "file of points without points",
              "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
              "condition between the nodes", "normal without length", "plane through the body",
-             "boundary for no points", "results in a folder that is not there", "broken YAML"}
+             "boundary for no points", "results in a folder that is not there", "broken YAML", "option twice"}
 
 
 def write_scene(folder, options):
@@ -362,6 +383,16 @@ with Test() as test:
             if text is not None:
                 (place / "scene.yaml").write_text(text, encoding="utf-8")
             refuse(test, case, place, contains, count)
+    lines = write_scene(place, GOOD).read_text(encoding="utf-8")
+    for case, head, tail, contains in TWICE:
+        for count in (1, 2) if case in TWO_RANKS else (1,):
+            place = test.folder()
+            (place / "scene.yaml").write_text(head + lines + tail, encoding="utf-8")
+            refuse(test, case, place, contains, count)
+    for case, head, tail in ONCE:
+        (place / "scene.yaml").write_text(head + lines + tail, encoding="utf-8")
+        once = Run(test.program, place / "scene.yaml", 1, {"mpm_dim": 2}, place)  # the command line overrides
+        test.check(case.replace(" ", "_"), once.status, 0, 0)
     for case, text, contains in POINTS:
         for count in (1, 2) if case in TWO_RANKS else (1,):
             place = test.folder()
