@@ -2,6 +2,7 @@
   The model: the scene read from options, and the loop over steps.
 */
 #include "mpmimpl.h"
+#include "optionsimpl.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
 
@@ -122,10 +123,7 @@ static PetscErrorCode ReadStabilization(MpmModel model, const MpmOptions *option
   model->ghost = MPM_GHOST_AUTO;
   if (ghost && !strcmp(ghost, "off")) model->ghost = 0.;
   else if (ghost && strcmp(ghost, "auto")) {
-    char *end;
-
-    model->ghost = strtod(ghost, &end);
-    MpmCheckInput(!*end && model->ghost >= 0. && model->ghost < PETSC_INFINITY,
+    MpmCheckInput(MpmParseReal(ghost, &model->ghost) && model->ghost >= 0.,
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));

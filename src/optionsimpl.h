@@ -24,6 +24,12 @@ PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIB
    PetscFree(). */
 PetscErrorCode MpmTextQuote(const char value[], char **quoted);
 
+/*
+  Splits at commas, blanks around each part dropped; "" has no parts, "a," has an empty second one. Free with
+  MpmNamesDestroy().
+*/
+PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts);
+
 /* One option of the manual: its name, and its text in a column of its own. */
 PetscErrorCode MpmHelpEntry(MPI_Comm comm, const char name[], const char text[]);
 
