@@ -233,8 +233,10 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
   model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
-  PetscCall(MpmModelReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count,
-                              &model->body_names));
+  PetscCall(MpmModelReadNames(options, "bodies",
+                              "names of the body blocks; bodies must not overlap, and are welded where they share "
+                              "nodes",
+                              MPM_REQUIRED, &model->body_count, &model->body_names));
   PetscCall(PetscCalloc1(model->body_count, &model->bodies));
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
@@ -327,9 +329,11 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
+  PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->boundary_count; k++)
     PetscCall(MpmBoundaryCheck(&model->boundaries[k], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)

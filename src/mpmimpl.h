@@ -625,6 +625,14 @@ PetscBool MpmStagesKeepMass(const MpmModel model);
 PetscBool MpmStagesAreGeostatic(const MpmModel model);
 /* Once the points are there: finds those that carry loads, and puts those aside that later stages add. */
 PetscErrorCode MpmStagesSelect(MpmModel model);
+/*
+  Bodies side by side (overlap.c): points on edges that two of them share are made once; and a scene in which two
+  overlap that are there at the same time is refused, once the points are with their ranks.
+*/
+PetscErrorCode MpmBodiesShareEdges(MpmModel model);
+PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
+/* A line of the run's header where bodies share nodes (weld.c). */
+PetscErrorCode MpmWeldsPrint(MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (rematerial.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
