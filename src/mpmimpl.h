@@ -536,7 +536,7 @@ struct _p_MpmModel {
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
   Vec            x, f;
-  char           lost[128]; /* tells of a point that left the grid */
+  char           lost[256]; /* tells of a point that left the grid, or of what nothing holds */
   PetscBool      predict;   /* start from the last step's increment */
   PetscReal      dt_last;   /* of the last step, 0 before the first; */
   PetscReal      dt_before; /* of the one before */
@@ -631,6 +631,11 @@ PetscErrorCode MpmStagesSelect(MpmModel model);
 */
 PetscErrorCode MpmBodiesShareEdges(MpmModel model);
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
+/*
+  After a failed step (held.c): where nothing holds the material, or a piece of it, `why` says so; `hopeless` where the
+  loads push along such a motion and no boundary may catch it.
+*/
+PetscErrorCode MpmHeldExplain(MpmModel model, const char **why, PetscBool *hopeless);
 /* A line of the run's header where bodies share nodes (weld.c). */
 PetscErrorCode MpmWeldsPrint(MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (rematerial.c). */
