@@ -91,6 +91,13 @@ PetscErrorCode MpmOptionsCheckFile(MPI_Comm comm, const char option[], const cha
   and so does an option of PETSc's that is not a number where it must be one.
 */
 PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options);
+/* When options are looked through that nobody has used: after the first linear solve, and at the end of the run. */
+typedef enum { MPM_BEFORE_SOLVE, MPM_AFTER_SOLVE, MPM_AT_END } MpmMoment;
+/*
+  Collective. Says on stderr, once for each, which options of PETSc's nobody has used that the user gave and that would
+  have been asked for by now. For a record that MpmOptionsCheckUnknown() has seen.
+*/
+PetscErrorCode MpmOptionsWarnUnused(const MpmOptions *options, MpmMoment moment);
 /* The option of PETSc's, "-name value", whose value an error message of PETSc's quotes; empty where there is none. */
 PetscErrorCode MpmForeignOptionsFind(const char message[], char name[], size_t size);
 /* Writes what was in force, defaults included, and all other PETSc options, as YAML that can be run again (rank 0). */

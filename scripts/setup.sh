@@ -2,10 +2,10 @@
 # Installs what building and testing need on Debian 12: only what is missing, and nothing otherwise. As root or with sudo.
 set -euo pipefail
 
-# OpenBLAS because Debian's default BLAS is the reference one, several times slower in 3D; libyaml comes with PETSc.
+# OpenBLAS because Debian's default BLAS is the reference one, several times slower in 3D.
 packages=(
   gcc libc6-dev make cmake pkg-config check
-  petsc-dev libhypre-dev libmumps-dev libmetis-dev liblapack-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin libopenblas0-serial
+  petsc-dev libhypre-dev libmumps-dev libmetis-dev liblapack-dev libhdf5-openmpi-dev libyaml-dev libopenmpi-dev openmpi-bin libopenblas0-serial
   python3 python3-numpy python3-h5py python3-matplotlib
 )
 

@@ -12,6 +12,8 @@ struct _p_MpmBody {
   PetscInt    id_first, id_end;
   PetscInt    per_cell[MPM_MAX_DIM];
   PetscInt    cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
+  PetscInt    before_count;
+  MpmBody    *before; /* bodies whose points on a shared edge are not this one's */
 };
 
 /* The cells that the region meets; a bounded region must lie inside the grid. */
@@ -86,6 +88,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscCall(PetscFree((*body)->name));
   PetscCall(MpmRegionDestroy(&(*body)->region));
   PetscCall(MpmImportedDestroy(&(*body)->imported));
+  PetscCall(PetscFree((*body)->before));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -150,6 +153,66 @@ PetscBool MpmBodyIsImported(MpmBody body)
   return (PetscBool)(body->imported != NULL);
 }
 
+/* ---- whose a place is ---- */
+
+#define INTERIOR 1e-3 /* of a cell: what is further than this from the edge is inside a region, not on its edge */
+
+MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
+{
+  PetscReal y[MPM_MAX_DIM] = {0., 0., 0.};
+
+  if (body->imported) return MPM_HOLD_NONE;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal cell = (x[a] - grid->lower[a]) / grid->h[a];
+
+    if (cell < (PetscReal)body->cell_lower[a] || cell > (PetscReal)body->cell_upper[a]) return MPM_HOLD_NONE;
+    y[a] = x[a];
+  }
+  if (!MpmRegionContains(body->region, x)) return MPM_HOLD_NONE;
+  for (PetscInt k = 0; k < 2 * grid->dim; k++) {
+    const PetscInt a = k / 2;
+
+    y[a] = x[a] + (k % 2 ? INTERIOR : -INTERIOR) * grid->h[a];
+    if (!MpmRegionContains(body->region, y)) return MPM_HOLD_EDGE;
+    y[a] = x[a];
+  }
+  return MPM_HOLD_INSIDE;
+}
+
+PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other)
+{
+  PetscBool same = (PetscBool)(!one->imported && !other->imported);
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) same = (PetscBool)(same && one->per_cell[a] == other->per_cell[a]);
+  return same;
+}
+
+void MpmBodyHalfLengths(MpmBody body, const MpmGrid *grid, PetscReal half[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++) half[a] = 0.5 * grid->h[a] / (PetscReal)body->per_cell[a];
+}
+
+PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody before[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(count, &body->before));
+  for (PetscInt b = 0; b < count; b++)
+    if (MpmBodiesShareLattice(body, before[b])) body->before[body->before_count++] = before[b];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does the point stand on an edge that the body shares with one before it, which has a point at this very place? */
+static PetscBool IsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
+{
+  for (PetscInt b = 0; b < body->before_count; b++) {
+    if (MpmBodyHolds(body->before[b], grid, x) == MPM_HOLD_EDGE && MpmBodyHolds(body, grid, x) == MPM_HOLD_EDGE)
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* ---- points ---- */
+
 /*
   Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where
   points is given.
@@ -181,7 +244,7 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
         x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)(body->cell_lower[a] + cell[a]) +
                                               ((PetscReal)sub[a] + 0.5) / (PetscReal)body->per_cell[a]);
       }
-      if (!MpmRegionContains(body->region, x)) continue;
+      if (!MpmRegionContains(body->region, x) || IsTaken(body, grid, x)) continue;
       count++;
       if (!points) continue;
       points->id[p]       = (PetscInt)(id + count - 1);
@@ -266,4 +329,14 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
              "%" PetscInt64_FMT " points need PETSc with 64-bit indices", id);
   PetscCall(PetscFree3(count, before, total));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[])
+{
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscInt b = 0;
+
+    while (b + 1 < body_count && points->id[p] >= bodies[b]->id_end) b++;
+    body_of[p] = b;
+  }
 }

@@ -28,7 +28,7 @@ PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *opt
   checkpoint->options    = MPM_TEXT_FILE_EMPTY;
   PetscCall(MpmOptionsHeading(&block, "Checkpoints"));
   PetscCall(MpmOptionsInt(&block, "every",
-                          "steps between checkpoints; 0: only on SIGTERM, SIGUSR1 and when the run gives up", 0,
+                          "steps between checkpoints; 0: only on SIGINT, SIGTERM, SIGUSR1 and when the run gives up", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &checkpoint->every, NULL));
   PetscCall(MpmOptionsReal(&block, "wall", "s", "wall time between checkpoints; 0: not by wall time",
                            MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &checkpoint->wall, NULL));

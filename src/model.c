@@ -2,6 +2,7 @@
   The model: the scene read from options, and the loop over steps.
 */
 #include "mpmimpl.h"
+#include "optionsimpl.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
 
@@ -199,8 +200,10 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->physics.field_count > 1) model->symmetric = PETSC_FALSE;
   model->diagonal = stiffest * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
-  PetscCall(MpmModelReadNames(options, "bodies", "names of the body blocks", MPM_REQUIRED, &model->body_count,
-                              &model->body_names));
+  PetscCall(MpmModelReadNames(options, "bodies",
+                              "names of the body blocks; bodies must not overlap, and are welded where they share "
+                              "nodes",
+                              MPM_REQUIRED, &model->body_count, &model->body_names));
   PetscCall(PetscCalloc1(model->body_count, &model->bodies));
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
@@ -294,9 +297,11 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->body_count, model->bodies, model->materials, &model->grid, &model->particles));
   PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
+  PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->boundary_count; k++)
     PetscCall(MpmBoundaryCheck(&model->boundaries[k], &model->grid, &model->particles));
   for (PetscInt t = 0; t < model->track_count; t++)
@@ -412,12 +417,22 @@ static PetscErrorCode OpenResults(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
+{
+  const MpmOptions options = {model->comm, NULL, model->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWarnUnused(&options, moment));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What a converged step leaves: its row, its line, and at times the points. */
 static PetscErrorCode Report(MpmModel model, PetscReal dt)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmModelWriteHistory(model, dt));
   PetscCall(MpmTerminalStep(model, dt));
+  if (model->linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
   if (model->output_every && (model->step % model->output_every == 0)) PetscCall(MpmModelWriteOutput(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -467,6 +482,7 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
                            model->step, (double)model->time, why));
   }
   PetscCall(MpmModelWriteSummary(model, why ? why : stop ? "interrupted" : "completed"));
+  PetscCall(WarnUnused(model, MPM_AT_END));
   PetscCall(MpmSignalsRelease());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -433,7 +433,7 @@ PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *c
 PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply);
 PetscErrorCode MpmRestartDestroy(MpmRestart *restart);
 
-/* From Catch to Release, SIGTERM and SIGUSR1 only leave a note. */
+/* From Catch to Release, SIGTERM, SIGUSR1 and a first SIGINT only leave a note. */
 PetscErrorCode MpmSignalsCatch(void);
 PetscErrorCode MpmSignalsRelease(void);
 PetscBool      MpmSignalsCaught(void);
@@ -595,7 +595,7 @@ struct _p_MpmModel {
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
   Vec            x, f;
-  char           lost[128]; /* tells of a point that left the grid */
+  char           lost[256]; /* tells of a point that left the grid, or of what nothing holds */
   PetscBool      predict;   /* start from the last step's increment */
   PetscReal      dt_last;   /* of the last step, 0 before the first; */
   PetscReal      dt_before; /* of the one before */
@@ -684,6 +684,19 @@ PetscBool MpmStagesKeepMass(const MpmModel model);
 PetscBool MpmStagesAreGeostatic(const MpmModel model);
 /* Once the points are there: finds those that carry loads, and puts those aside that later stages add. */
 PetscErrorCode MpmStagesSelect(MpmModel model);
+/*
+  Bodies side by side (overlap.c): points on edges that two of them share are made once; and a scene in which two
+  overlap that are there at the same time is refused, once the points are with their ranks.
+*/
+PetscErrorCode MpmBodiesShareEdges(MpmModel model);
+PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
+/*
+  After a failed step (held.c): where nothing holds the material, or a piece of it, `why` says so; `hopeless` where the
+  loads push along such a motion and no boundary may catch it.
+*/
+PetscErrorCode MpmHeldExplain(MpmModel model, const char **why, PetscBool *hopeless);
+/* A line of the run's header where bodies share nodes (weld.c). */
+PetscErrorCode MpmWeldsPrint(MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (rematerial.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */

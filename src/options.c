@@ -138,6 +138,18 @@ static PetscErrorCode ItemRefuse(const Item *item, const ItemSpec *spec, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Ends the run, and says what the option means: "-name value: must ...: Young's modulus (Pa), > 0". */
+static PetscErrorCode ItemRefuseForm(const Item *item, const ItemSpec *spec, const char verb[])
+{
+  char *text = NULL, *meaning;
+
+  PetscFunctionBegin;
+  PetscCall(ItemMeaning(spec, &meaning));
+  PetscCall(MpmTextAppend(&text, "%s: %s", verb, meaning));
+  PetscCall(ItemRefuse(item, spec, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- ranges and lists ---- */
 
 #define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
@@ -196,8 +208,7 @@ static void ListText(PetscInt count, const char range[], char text[2 * MPM_RANGE
   else snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values", (long long)count);
 }
 
-/* Splits at commas, blanks around each part dropped; "" has no parts, "a," has an empty second one. */
-static PetscErrorCode SplitList(const char text[], PetscInt *count, char ***parts)
+PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts)
 {
   PetscInt n = 0, commas = 0;
 
@@ -235,7 +246,7 @@ static PetscErrorCode CheckCount(const Item *item, const ItemSpec *spec, PetscIn
   if (wanted == count) PetscFunctionReturn(PETSC_SUCCESS);
   snprintf(text, sizeof(text), "must have %lld value%s, has %lld", (long long)wanted, wanted == 1 ? "" : "s",
            (long long)count);
-  PetscCall(ItemRefuse(item, spec, text));
+  PetscCall(ItemRefuseForm(item, spec, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -296,14 +307,14 @@ PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, cons
   const ItemSpec spec = {name, help, unit, accepts, fallback, need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
-    PetscCall(SplitList(item.raw ? item.raw : "", &part_count, &parts));
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
     if (part_count == 0) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
     PetscCall(CheckCount(&item, &spec, count, part_count));
     for (PetscInt i = 0; i < count; i++) {
       PetscReal value;
 
       if (!MpmParseReal(parts[i], &value))
-        PetscCall(ItemRefuse(&item, &spec, count == 1 ? "not a number" : "not a list of numbers"));
+        PetscCall(ItemRefuseForm(&item, &spec, count == 1 ? "not a number" : "not a list of numbers"));
       if (!RangeHolds(range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
       values[i] = value;
     }
@@ -341,14 +352,14 @@ PetscErrorCode MpmOptionsInts(const MpmOptions *options, const char *name, const
   const ItemSpec spec = {name, help, "-", accepts, fallback, need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
-    PetscCall(SplitList(item.raw ? item.raw : "", &part_count, &parts));
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
     if (part_count == 0) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
     PetscCall(CheckCount(&item, &spec, count, part_count));
     for (PetscInt i = 0; i < count; i++) {
       PetscInt value;
 
       if (!MpmParseInt(parts[i], &value)) {
-        PetscCall(ItemRefuse(&item, &spec, count == 1 ? "not a whole number" : "not a list of whole numbers"));
+        PetscCall(ItemRefuseForm(&item, &spec, count == 1 ? "not a whole number" : "not a list of whole numbers"));
       }
       if (value < lower || value > upper) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
       values[i] = value;
@@ -380,11 +391,11 @@ PetscErrorCode MpmOptionsRealList(const MpmOptions *options, const char *name, c
   *values = NULL;
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
-    PetscCall(SplitList(item.raw ? item.raw : "", count, &parts));
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", count, &parts));
     if (*count == 0) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
     PetscCall(PetscMalloc1((size_t)*count, values));
     for (PetscInt i = 0; i < *count; i++) {
-      if (!MpmParseReal(parts[i], &(*values)[i])) PetscCall(ItemRefuse(&item, &spec, "not a list of numbers"));
+      if (!MpmParseReal(parts[i], &(*values)[i])) PetscCall(ItemRefuseForm(&item, &spec, "not a list of numbers"));
     }
     PetscCall(MpmNamesDestroy(*count, &parts));
   }
@@ -505,7 +516,7 @@ PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, cons
   *names = NULL;
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
-    PetscCall(SplitList(item.raw ? item.raw : "", count, names));
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", count, names));
     if (*count == 0 && need == MPM_REQUIRED) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
     for (PetscInt i = 0; i < *count; i++) PetscCall(CheckName(&item, &spec, i, *names));
     if (*count == 0) PetscCall(PetscFree(*names));

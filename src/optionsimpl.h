@@ -5,6 +5,9 @@
 #include "mpmcompat.h"
 #include "mpmoptions.h"
 
+/* What is wrong with a file in YAML, as "line N ...": no YAML, or an option stands in it twice; empty for nothing. */
+PetscErrorCode MpmYAMLCheck(const char path[], char fault[], size_t size);
+
 /* Room for a number or a range as text. */
 #define MPM_NUMBER_TEXT 64
 
@@ -20,6 +23,12 @@ PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIB
 /* `value` fit for a one-line message: control characters become blanks, and a long one is cut short. Free with
    PetscFree(). */
 PetscErrorCode MpmTextQuote(const char value[], char **quoted);
+
+/*
+  Splits at commas, blanks around each part dropped; "" has no parts, "a," has an empty second one. Free with
+  MpmNamesDestroy().
+*/
+PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts);
 
 /* One option of the manual: its name, and its text in a column of its own. */
 PetscErrorCode MpmHelpEntry(MPI_Comm comm, const char name[], const char text[]);
@@ -43,6 +52,10 @@ PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options
 /* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
 PetscErrorCode MpmForeignOptionsCheck(void);
 
+/* Keeps the user's among them for MpmOptionsWarnUnused(), and lets go of them (unused.c). */
+PetscErrorCode MpmForeignOptionsKeep(MpmRecord record);
+PetscErrorCode MpmForeignOptionsForget(MpmRecord record);
+
 /* One option that a reader has asked for. */
 typedef struct {
   char     *name;
@@ -52,9 +65,18 @@ typedef struct {
   PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
 } MpmRecordEntry;
 
+/* An option of PETSc's that the user gave. */
+typedef struct {
+  char     *name, *value; /* fit for a message; empty where it has none */
+  PetscBool told;         /* that nobody used it */
+} MpmGivenOption;
+
 struct _p_MpmRecord {
   PetscInt        count, capacity;
   MpmRecordEntry *entries;
+  PetscInt        foreign_count;
+  MpmGivenOption *foreign; /* unused.c */
+  MpmMoment       moment;  /* up to which they have been looked through */
 };
 
 /* Lends the option's entry, which is made where there is none; it lives until the next call. */

@@ -142,6 +142,7 @@ PetscErrorCode MpmRecordDestroy(MpmRecord *record)
     PetscCall(PetscFree((*record)->entries[i].value));
   }
   PetscCall(PetscFree((*record)->entries));
+  PetscCall(MpmForeignOptionsForget(*record));
   PetscCall(PetscFree(*record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -255,6 +256,7 @@ PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options)
   PetscCall(PetscFree(pairs));
   PetscCall(PetscFree(text));
   MpmCheckInput(!unknown, "%s", unknown);
+  PetscCall(MpmForeignOptionsKeep(options->record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

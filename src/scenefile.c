@@ -52,7 +52,7 @@ static const char *FileFault(const char path[], PetscBool yaml, long long *numbe
 PetscErrorCode MpmOptionsCheckFile(MPI_Comm comm, const char option[], const char path[], PetscBool yaml)
 {
   const char *ending    = strrchr(path, '.');
-  char        text[128] = "";
+  char        text[256] = "";
   PetscMPIInt rank;
 
   PetscFunctionBegin;
@@ -63,6 +63,7 @@ PetscErrorCode MpmOptionsCheckFile(MPI_Comm comm, const char option[], const cha
     const char *fault = FileFault(path, yaml, &line);
 
     if (fault) snprintf(text, sizeof(text), "line %lld %s", line, fault);
+    else if (yaml) PetscCall(MpmYAMLCheck(path, text, sizeof(text)));
   }
   PetscCallMPI(MPI_Bcast(text, (int)sizeof(text), MPI_CHAR, 0, comm));
   MpmCheckInput(!*text, "%s %s: %s", option, path, text);

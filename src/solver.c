@@ -3,6 +3,7 @@
 */
 #include "band.h"
 #include "mpmimpl.h"
+#include "optionsimpl.h"
 
 /* The presets, embedded by the build from options/: {name, text of the file}. */
 static const struct {
@@ -11,13 +12,13 @@ static const struct {
 #include "mpm_presets.h"
 };
 
-/* Sets an option that the user has not set. */
+/* Sets an option that the user has not set; that is no use of it. */
 static PetscErrorCode OptionDefault(const char *name, const char *value)
 {
   PetscBool set;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsHasName(NULL, NULL, name, &set));
+  PetscCall(MpmDatabaseHas(name + 1, &set));
   if (!set) PetscCall(PetscOptionsSetValue(NULL, name, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -229,12 +229,23 @@ PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt
                                PetscReal *points);
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
+/* Where a place is to the region of a body; one from a file has none. */
+typedef enum { MPM_HOLD_NONE, MPM_HOLD_EDGE, MPM_HOLD_INSIDE } MpmHold;
+MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[]);
+/* Would both have a point at the same places of a cell? */
+PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other);
+/* Of the points' domains, in a body that is not from a file. */
+void MpmBodyHalfLengths(MpmBody body, const MpmGrid *grid, PetscReal half[]);
+/* Points on an edge that the body shares with one of these are theirs. To be called before the points are made. */
+PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody before[]);
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
 /* Has it one point a cell on some axis? Of bodies from files nobody knows. */
 PetscBool MpmBodyIsSparse(MpmBody body);
 PetscInt  MpmBodyMaterial(MpmBody body);
+/* Which body each point belongs to; ids ascend from body to body. */
+void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[]);
 
 /* ---- limits.c ---- */
 

@@ -34,10 +34,7 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   model->ghost_rescue = model->ghost_auto;
   model->ghost        = model->ghost_auto ? MPM_GHOST_FACTOR : 0.;
   if (!model->ghost_auto && strcmp(ghost, "off")) {
-    char *end;
-
-    model->ghost = strtod(ghost, &end);
-    MpmCheckInput(!*end && end != ghost && model->ghost >= 0. && model->ghost < PETSC_INFINITY,
+    MpmCheckInput(MpmParseReal(ghost, &model->ghost) && model->ghost >= 0.,
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));

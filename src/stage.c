@@ -15,6 +15,7 @@
   body that goes takes its shares with it.
 */
 #include "mpmimpl.h"
+#include "optionsimpl.h"
 
 /* ---- time ---- */
 
@@ -196,31 +197,33 @@ PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options)
 /* "body:material" pairs. */
 static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, MpmStage *stage)
 {
-  char *text, **pair;
-  int   count;
+  char    *text, **pair;
+  PetscInt count;
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->body_count; b++) stage->material[b] = -1;
   PetscCall(MpmOptionsText(block, "materials", "body:material pairs: what bodies are made of from here on", NULL,
                            MPM_OPTIONAL, &text));
   if (!text || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscStrToArray(text, ',', &count, &pair));
+  PetscCall(MpmTextSplit(text, &count, &pair));
   MpmCheckInput(count > 0, "-%smaterials: the list is empty; body:material pairs are wanted", block->prefix);
-  for (int k = 0; k < count; k++) {
+  for (PetscInt k = 0; k < count; k++) {
     char    *colon = strchr(pair[k], ':');
     PetscInt body, material;
 
-    MpmCheckInput(colon, "-%smaterials %s: must be body:material pairs, separated by commas", block->prefix, pair[k]);
+    MpmCheckInput(colon, "-%smaterials %s: must be body:material pairs, separated by commas", block->prefix, text);
     *colon   = '\0';
     body     = FindName(model->body_count, model->body_names, pair[k]);
     material = FindName(model->material_count, model->material_names, colon + 1);
-    MpmCheckInput(body >= 0, "-%smaterials %s: there is no such body in -mpm_bodies", block->prefix, pair[k]);
-    MpmCheckInput(material >= 0, "-%smaterials %s: there is no such material in -mpm_materials", block->prefix,
+    MpmCheckInput(body >= 0, "-%smaterials %s: there is no body %s in -mpm_bodies", block->prefix, text, pair[k]);
+    MpmCheckInput(material >= 0, "-%smaterials %s: there is no material %s in -mpm_materials", block->prefix, text,
                   colon + 1);
+    MpmCheckInput(stage->material[body] < 0, "-%smaterials %s: body %s stands there twice", block->prefix, text,
+                  pair[k]);
     stage->material[body] = material;
     if (MpmBodyIsSparse(model->bodies[body])) model->materials[material].sparse = PETSC_TRUE;
   }
-  PetscCall(PetscStrToArrayDestroy(count, pair));
+  PetscCall(MpmNamesDestroy(count, &pair));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -359,6 +359,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
   if (reason < 0) {
     *hopeless = PETSC_FALSE;
     *why      = ReasonText(reason);
+    PetscCall(MpmHeldExplain(model, why, hopeless));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(FindLost(model, why));

@@ -43,6 +43,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));
   if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
   PetscCall(PetscPrintf(model->comm, " m\n"));
+  PetscCall(MpmWeldsPrint(model));
   PetscCall(PrintTitles(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

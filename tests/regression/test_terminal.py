@@ -64,7 +64,47 @@ def check_lines(test):
         test.check("quiet", len(run.output + (run.errors if ranks == 1 else "")), None, 0)
 
 
+def warnings(test, ranks=1, scene=example("bar_elastic"), status=0, **options):
+    """The lines of warning of a run."""
+    run = test.run(scene, ranks, status, **{"mpm_time_step": 0.5, "mpm_output_every": 0, **options})
+    return [line for line in run.errors.splitlines() if line.startswith("talus: warning: ")]
+
+
+def check_unused(test):
+    """Options of PETSc's that the user gave and nobody used; what PETSc asks for late, and presets, are none."""
+    slips = {"snes_typ": "newtonls", "pc_gamg_thresold": "0.1", "mat_mumps_icntl_4x": "1", "log_vew": None}
+    good = {"snes_rtol": "1e-9", "snes_monitor": None, "log_view": ":log.txt", "malloc_dump": None, "citations": "cite.txt",
+            "options_left": None, "ksp_converged_reason": None, "snes_view": ":view.txt", "mat_view": "::ascii_info"}
+    for ranks in (1, 2):
+        lines = warnings(test, ranks, mpm_quiet=None, **slips, **good)
+        test.check("unused.lines", len(lines), len(slips), len(slips))
+        for name, value in slips.items():
+            test.check(f"unused.{name}", sum(f": -{name}{' ' + value if value else ''}: " in line for line in lines), 1, 1)
+    other = warnings(test, mpm_solver="amg", pc_type="lu", pc_gamg_threshold="0.1")
+    test.check("unused.of_another_solver", len(other) == 1 and "-pc_gamg_threshold 0.1" in other[0], 1, 1)
+    multigrid = {"pc_gamg_threshold": "0.01", "mg_coarse_pc_type": "lu", "mg_levels_ksp_max_it": "3", "ksp_type": "cg"}
+    for label, options in (("direct", {"mpm_solver": "direct"}), ("amg", {"mpm_solver": "amg", **multigrid}),
+                           ("boomeramg", {"mpm_solver": "boomeramg", "pc_hypre_boomeramg_P_max": "4"}),
+                           ("matfree", {"mpm_jacobian": "matfree"})):
+        test.check(f"used.{label}", len(warnings(test, mpm_output_prefix="x", **options)), None, 0)
+    for path in sorted(EXAMPLES.glob("*/case*.yaml")):
+        short = {"mpm_time_end": 1e-3, "mpm_time_step": 1e-3, "mpm_time_step_min": 1e-3}  # one may give up so soon
+        test.check(f"used.{path.parent.name}", len(warnings(test, 1, path, None, **short)), None, 0)
+
+
+def check_unused_early(test):
+    """A slip in an option of Newton's or the linear solver's is told of after the first step, not at the end."""
+    command = [test.program, "-options_file", example("bar_elastic"), "-mpm_time_step", 0.1, "-mpm_output_every", 0]
+    joined = ["sh", "-c", '"$@" 2>&1', "sh", *command, "-snes_typ", "newtonls", "-pc_typ", "lu"]
+    lines = call(joined, test.folder()).stdout.splitlines()
+    steps = [index for index, line in enumerate(lines) if LINE.fullmatch(line)]
+    places = [next(index for index, line in enumerate(lines) if name in line) for name in ("-snes_typ", "-pc_typ")]
+    test.check("unused.early", steps[0] < places[0] < steps[1] and places[1] > steps[-1], 1, 1)
+
+
 with Test() as test:
     check_manual(test)
     check_usage(test)
     check_lines(test)
+    check_unused(test)
+    check_unused_early(test)

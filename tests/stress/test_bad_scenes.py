@@ -215,6 +215,35 @@ CASES = [
     ("empty ramp", {"mpm_load_push_ramp": ""}, "-mpm_load_push_ramp"),
     ("track at no place", {"mpm_track_top_at": None}, "-mpm_track_top_at"),
     ("track without a block", {"mpm_tracks": "top,toe"}, "-mpm_track_toe_at"),
+    # units, and commas too many: the line says what is accepted
+    ("number with a unit", {"mpm_material_soil_E": "12e6 Pa"}, "-mpm_material_soil_E 12e6 Pa: not a number: Young's modulus (Pa), > 0"),
+    ("number with a unit that touches it", {"mpm_time_step": "0.5s"}, "-mpm_time_step 0.5s: not a number: length of a step (s), > 0"),
+    ("number with a comma", {"mpm_material_soil_E": "12e6,"}, "12e6,: must have 1 value, has 2: Young's modulus (Pa), > 0"),
+    ("number with a decimal comma", {"mpm_time_step": "0,5"}, "-mpm_time_step 0,5: must have 1 value, has 2: length of"),
+    ("whole number with a unit", {"mpm_dim": "2D"}, "-mpm_dim 2D: not a whole number: dimension"),
+    ("whole number with a comma", {"mpm_output_every": "1,"}, "-mpm_output_every 1,: must have 1 value, has 2: steps between"),
+    ("list with a comma behind it", {"mpm_grid_lower": "0,0,"}, "-mpm_grid_lower 0,0,: must have 2 values, has 3: "),
+    ("list with a comma before it", {"mpm_grid_lower": ",0,0"}, "-mpm_grid_lower ,0,0: must have 2 values, has 3: "),
+    ("list with two commas", {"mpm_grid_lower": "0,,0"}, "-mpm_grid_lower 0,,0: must have 2 values, has 3: "),
+    ("list with an empty part", {"mpm_grid_lower": "0,"}, "-mpm_grid_lower 0,: not a list of numbers: "),
+    ("list with a unit", {"mpm_load_push_value": "10,0 N"}, "-mpm_load_push_value 10,0 N: not a list of numbers: "),
+    ("list without commas", {"mpm_grid_cells": "4 4"}, "-mpm_grid_cells 4 4: must have 2 values, has 1: "),
+    ("vertices with a comma", {**NO_BOX, "mpm_body_block_region": "polygon", "mpm_body_block_vertices": "0,0,2,0,2,2,"},
+     "-mpm_body_block_vertices 0,0,2,0,2,2,: not a list of numbers: "),
+    ("word with a comma", {"mpm_shape": "gimp,"}, "-mpm_shape gimp,: must be one of linear, gimp"),
+    ("true with a comma", {"mpm_quiet": "true,"}, "-mpm_quiet true,: must be true or false"),
+    ("names with two commas", {"mpm_bc_base_components": "x,,y"}, "-mpm_bc_base_components x,,y: a name is empty"),
+    ("ramp with a unit", {"mpm_load_push_ramp": "0s:0,1s:1"}, "-mpm_load_push_ramp 0s:0,1s:1: must be time:factor pairs of numbers"),
+    ("ramp with two commas", {"mpm_load_push_ramp": "0:0,,1:1"}, "-mpm_load_push_ramp 0:0,,1:1: must be time:factor pairs"),
+    ("ghost penalty without a number", {"mpm_stabilization_ghost": ""}, "-mpm_stabilization_ghost : must be auto, off or a factor >= 0"),
+    ("ghost penalty with a comma", {"mpm_stabilization_ghost": "1e-4,"}, "-mpm_stabilization_ghost 1e-4,: must be auto, off or"),
+    ("materials of a stage with a comma", {**STAGES, "mpm_stage_two_materials": "block:soil,"},
+     "-mpm_stage_two_materials block:soil,: must be body:material pairs"),
+    ("materials of a stage with two commas", {**STAGES, **TOP, "mpm_stage_two_materials": "block:soil,,top:soil"},
+     "-mpm_stage_two_materials block:soil,,top:soil: must be body:material pairs"),
+    ("body of a stage twice", {**STAGES, "mpm_stage_two_materials": "block:soil,block:soil"}, "body block stands there twice"),
+    ("number of PETSc's with a unit", {"ksp_rtol": "1e-8 -"}, "-ksp_rtol 1e-8 -: must be a number >= 0"),
+    ("whole number of PETSc's with a comma", {"snes_max_it": "20,"}, "-snes_max_it 20,: must be a number >= 1"),
     # stages
     ("empty list of stages", {"mpm_stages": ""}, "-mpm_stages"),
     ("equal stages", {"mpm_stages": "one,one"}, "-mpm_stages"),
@@ -280,8 +309,29 @@ CASES = [
 FILES = [
     ("scene that is not there", None, "scene.yaml"),
     ("empty scene", "", "-mpm_dim"),
-    ("broken YAML", "mpm:\n  dim: 2\n grid: {cells: [1, 2\n", "scene.yaml"),
+    ("broken YAML", "mpm:\n  dim: 2\n grid: {cells: [1, 2\n", "scene.yaml: line 3 is no YAML"),
     ("not YAML", "\x01\x02\x03 { [ : \n", "scene.yaml"),
+]
+
+# name, lines before and behind the good scene's (which has an option a line), what the line must contain
+TWICE = [
+    ("option twice", "", 'mpm_dim: 2\n', "line 32: mpm_dim stands here for the second time, the first is in line 1"),
+    ("option twice but for case", "", 'MPM_Dim: 2\n', "MPM_Dim"),
+    ("option twice in braces", "", "mpm_material_soil: {x: 1, x: 2}\n", "line 32: mpm_material_soil_x"),
+    ("block twice", "", "mpm:\n  title: one\nmpm:\n  quiet: false\n", "line 34: mpm stands"),
+    ("block of a block twice", "", "mpm:\n  a: {b: 1}\n  # remark\n  a: {c: 1}\n", "line 35: mpm_a stands"),
+    ("option twice in lines and blocks", "", "mpm:\n  dim: 2\n", "line 33: mpm_dim"),
+    ("option of PETSc's twice", "snes: {rtol: 1e-8}\n", "snes_rtol: 1e-9\n", "line 33: snes_rtol"),
+    ("option twice in a list of maps", "", "snes: [{rtol: 1e-8}, {rtol: 1e-9}]\n", "snes_rtol"),
+    ("block that holds itself", "", "mpm_block: &block {inner: *block}\n", "nested more than 100 deep"),
+    ("blocks by the million", "".join(f"$$k{i}: &k{i} {{{', '.join(f'a{j}: *k{i - 1}' for j in range(9)) if i else 'a: 1'}}}\n"
+                                      for i in range(9)), "mpm_x: *k8\n", "10000"),
+]
+# the same, of files in which nothing stands twice
+ONCE = [
+    ("equal keys of two blocks", "", "snes: {rtol: 1e-8}\nksp: {rtol: 1e-8}\n"),
+    ("merged block that is overridden", "$$few: &few {rtol: 1e-8, max_it: 20}\n", "snes: {<<: *few, rtol: 1e-9}\n"),
+    ("remarks and a second document", "# mpm_dim: 2\n", "---\nmpm_dim: 2\n"),
 ]
 
 # name, text of points.csv, what the line must contain besides the option
@@ -306,7 +356,7 @@ POINTS = [
 TWO_RANKS = {"points with NaN", "points with a short line", "points outside the grid", "file of points without points",
              "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
              "condition between the nodes", "normal without length", "plane through the body",
-             "boundary for no points", "results in a folder that is not there", "broken YAML"}
+             "boundary for no points", "results in a folder that is not there", "broken YAML", "option twice"}
 
 
 def write_scene(folder, options):
@@ -362,6 +412,16 @@ with Test() as test:
             if text is not None:
                 (place / "scene.yaml").write_text(text, encoding="utf-8")
             refuse(test, case, place, contains, count)
+    lines = write_scene(place, GOOD).read_text(encoding="utf-8")
+    for case, head, tail, contains in TWICE:
+        for count in (1, 2) if case in TWO_RANKS else (1,):
+            place = test.folder()
+            (place / "scene.yaml").write_text(head + lines + tail, encoding="utf-8")
+            refuse(test, case, place, contains, count)
+    for case, head, tail in ONCE:
+        (place / "scene.yaml").write_text(head + lines + tail, encoding="utf-8")
+        once = Run(test.program, place / "scene.yaml", 1, {"mpm_dim": 2}, place)  # the command line overrides
+        test.check(case.replace(" ", "_"), once.status, 0, 0)
     for case, text, contains in POINTS:
         for count in (1, 2) if case in TWO_RANKS else (1,):
             place = test.folder()

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Runs that are told to end, and runs that cannot write.
 
-SIGTERM and SIGUSR1, be it to one rank alone, end the step, write a checkpoint and leave exit status 0; the job script of
+SIGINT, SIGTERM and SIGUSR1, be it to one rank alone, end the step, write a checkpoint and leave exit status 0; a second
+SIGINT ends a run at once, and where SIGINT was ignored it stays so; the job script of
 scripts/slurm brings a run to its end in three jobs. A full disk and a limit on the size of files end a run with one line
 and the last checkpoint whole, from which it goes on where there is room.
 """
@@ -52,6 +53,32 @@ def interrupt(test, reference, label, number, ranks, to_rank):
     status, _ = Background(test.program, folder, folder / "run_restart.yaml", ranks=ranks).wait()
     test.check(label + "_continued", status, 0, 0)
     compare(test, label, reference, folder)
+
+
+def interrupt_twice(test):
+    """The second Ctrl-C does not wait for the end of the step."""
+    folder = test.folder()
+    run = Background(test.program, folder, example("cantilever"), ranks=1, mpm_grid_refine=8, mpm_output_every=0)
+    run.wait_for(lambda: (folder / "run_history.csv").exists())
+    os.kill(run.process.pid, signal.SIGINT)
+    time.sleep(0.2)
+    test.check("int_once_still_running", int(run.process.poll() is None), 1, 1)
+    os.kill(run.process.pid, signal.SIGINT)
+    status, _ = run.wait()
+    test.check("int_twice_status", status, -signal.SIGINT, -signal.SIGINT)
+    test.check("int_twice_checkpoints", len(list(folder.glob("*checkpoint*"))), 0, 0)
+
+
+def interrupt_ignored(test):
+    """A shell's job in the background shares the terminal and has been told to ignore its Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    folder = test.folder()
+    run = Background(test.program, folder, example(SCENE), ranks=1, **OPTIONS)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    run.wait_for(lambda: run.steps() >= 2)
+    os.kill(run.process.pid, signal.SIGINT)
+    status, _ = run.wait()
+    test.check("int_ignored", int(status == 0 and summary(folder)["status"] == "completed"), 1, 1)
 
 
 def jobs(test, reference):
@@ -178,6 +205,7 @@ def full_disk(test, reference, sizes):
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # runs must not inherit that it is ignored
     with Test() as test:
         folder = test.folder()
         Background(test.program, folder, example(SCENE), **OPTIONS, mpm_checkpoint_every=10).wait()
@@ -186,6 +214,10 @@ def main():
         interrupt(test, reference, "usr1_to_mpiexec", signal.SIGUSR1, 2, None)
         interrupt(test, reference, "term_to_the_last_rank", signal.SIGTERM, 2, 1)
         interrupt(test, reference, "term_to_one_process", signal.SIGTERM, 1, None)
+        interrupt(test, reference, "int_to_the_first_rank", signal.SIGINT, 2, 0)
+        interrupt(test, reference, "int_to_one_process", signal.SIGINT, 1, None)
+        interrupt_twice(test)
+        interrupt_ignored(test)
         jobs(test, reference)
         gave_up(test)
         limited(test, reference, sizes)

@@ -59,12 +59,6 @@ BODIES = {
   body_slab: {region: box, lower: "0.5,0", upper: "5.5,1", points_per_cell: "2,3", material: soil}
   body_disc: {region: sphere, center: "3,1.9", radius: "0.95", points_per_cell: "4,4", material: soil}
 """,
-    # bodies in the same place, with points that do not coincide
-    "overlap": """
-  bodies: one,other
-  body_one: {region: box, lower: "1,0", upper: "3,2", points_per_cell: "2,2", material: soil}
-  body_other: {region: box, lower: "2.2,0", upper: "4.3,1.7", points_per_cell: "3,5", material: soil}
-""",
     # as irregular as it gets: strips with other numbers of points side by side
     "patchwork": """
   bodies: a,b,c,d

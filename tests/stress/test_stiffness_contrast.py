@@ -45,8 +45,11 @@ mpm:
 """
 FREE_SIDES = {"mpm_bc_sides_upper": "0,6", "mpm_material_low_nu": 0.3, "mpm_material_high_nu": 0.3}
 BESIDE = {**FREE_SIDES, "mpm_body_upper_lower": "2,0", "mpm_body_upper_upper": "4,2", "mpm_track_top_at": "0,2"}
-INCLUSION = {**FREE_SIDES, "mpm_body_lower_upper": "4,4", "mpm_body_upper_lower": "1.2,1.2",
-             "mpm_body_upper_upper": "2.6,2.6"}  # the two fill the same space: their stiffnesses and weights add
+INCLUSION = {**FREE_SIDES, "mpm_bodies": "lower,left,right,cap,upper", "mpm_body_lower_upper": "4,1.2",
+             "mpm_body_upper_lower": "1.2,1.2", "mpm_body_upper_upper": "2.6,2.6"}  # in a frame, none of whose edges is on the grid
+for _name, _lower, _upper in (("left", "0,1.2", "1.2,2.6"), ("right", "2.6,1.2", "4,2.6"), ("cap", "0,2.6", "4,4")):
+    INCLUSION.update({f"mpm_body_{_name}_region": "box", f"mpm_body_{_name}_lower": _lower, f"mpm_body_{_name}_upper": _upper,
+                      f"mpm_body_{_name}_points_per_cell": "3,3", f"mpm_body_{_name}_material": "low"})
 SOLVERS = ("direct", "amg", "boomeramg")
 
 

@@ -88,13 +88,13 @@ START_TEST(real_refuses)
   } cases[] = {
     {"0.5", "-mpm_a_nu 0.5: must lie in (-1, 0.5)"},
     {"-1", "-mpm_a_nu -1: must lie in (-1, 0.5)"},
-    {"0.1x", "-mpm_a_nu 0.1x: not a number"},
-    {"x", "-mpm_a_nu x: not a number"},
-    {"nan", "-mpm_a_nu nan: not a number"},
-    {"inf", "-mpm_a_nu inf: not a number"},
-    {"1e999", "-mpm_a_nu 1e999: not a number"},
-    {"0.1,0.2", "-mpm_a_nu 0.1,0.2: must have 1 value, has 2"},
-    {"0.1\n2", "-mpm_a_nu 0.1 2: not a number"},
+    {"0.1x", "-mpm_a_nu 0.1x: not a number: Poisson's ratio (-), in (-1, 0.5)"},
+    {"x", "-mpm_a_nu x: not a number: Poisson's ratio (-), in (-1, 0.5)"},
+    {"nan", "-mpm_a_nu nan: not a number: Poisson's ratio (-), in (-1, 0.5)"},
+    {"inf", "-mpm_a_nu inf: not a number: Poisson's ratio (-), in (-1, 0.5)"},
+    {"1e999", "-mpm_a_nu 1e999: not a number: Poisson's ratio (-), in (-1, 0.5)"},
+    {"0.1,0.2", "-mpm_a_nu 0.1,0.2: must have 1 value, has 2: Poisson's ratio (-), in (-1, 0.5)"},
+    {"0.1\n2", "-mpm_a_nu 0.1 2: not a number: Poisson's ratio (-), in (-1, 0.5)"},
     {" ", "-mpm_a_nu  : a value must follow"},
     {NULL, "-mpm_a_nu: a value must follow: Poisson's ratio (-), in (-1, 0.5)"},
   };
@@ -132,7 +132,7 @@ START_TEST(real_ranges)
              "-mpm_a_E 12e6: must be <= 2");
   Give("-mpm_a_E", "inf");
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "E", MPM_RANGE_ANY, MPM_REQUIRED, &value, NULL), MPM_ERR_INPUT,
-             "-mpm_a_E inf: not a number");
+             "-mpm_a_E inf: not a number: E (Pa)");
   TearDown();
 }
 END_TEST
@@ -156,7 +156,7 @@ START_TEST(integers)
              "-mpm_a_n 0: must be >= 1");
   for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
     Give("-mpm_a_n", wrong[i]);
-    snprintf(message, sizeof(message), "-mpm_a_n %s: not a whole number", wrong[i]);
+    snprintf(message, sizeof(message), "-mpm_a_n %s: not a whole number: number (-), in [1, 100]", wrong[i]);
     UNIT_FAILS(MpmOptionsInt(&options, "n", "number", 1, 100, MPM_OPTIONAL, &value, NULL), MPM_ERR_INPUT, message);
   }
   TearDown();
@@ -236,10 +236,10 @@ START_TEST(lists)
              MPM_ERR_INPUT, "-mpm_a_lower 0 , 9.5 : each must be > 0");
   Give("-mpm_a_lower", "1");
   UNIT_FAILS(MpmOptionsReals(&options, "lower", "m", "corner", MPM_RANGE_ANY, MPM_OPTIONAL, 2, values, &set),
-             MPM_ERR_INPUT, "-mpm_a_lower 1: must have 2 values, has 1");
+             MPM_ERR_INPUT, "-mpm_a_lower 1: must have 2 values, has 1: corner (m), 2 values");
   Give("-mpm_a_lower", "1,");
   UNIT_FAILS(MpmOptionsReals(&options, "lower", "m", "corner", MPM_RANGE_ANY, MPM_OPTIONAL, 2, values, &set),
-             MPM_ERR_INPUT, "-mpm_a_lower 1,: not a list of numbers");
+             MPM_ERR_INPUT, "-mpm_a_lower 1,: not a list of numbers: corner (m), 2 values");
   UNIT_FAILS(MpmOptionsInts(&options, "cells", "cells per axis", 1, PETSC_INT_MAX, MPM_REQUIRED, 2, ints, NULL),
              MPM_ERR_INPUT, "-mpm_a_cells is missing: cells per axis (-), 2 values, each >= 1");
   Give("-mpm_a_cells", "60,0");

@@ -113,7 +113,7 @@ START_TEST(box_refuses)
   BLOCK("region", "box", "upper", "10,10");
   Refuse(2, "-mpm_a_lower is missing: lower corner (m), 2 values");
   BLOCK("region", "box", "lower", "0,0,0", "upper", "10,10");
-  Refuse(2, "-mpm_a_lower 0,0,0: must have 2 values, has 3");
+  Refuse(2, "-mpm_a_lower 0,0,0: must have 2 values, has 3: lower corner (m), 2 values");
   BLOCK("region", "box", "lower", "0,11", "upper", "10,10.5");
   Refuse(2, "-mpm_a_upper 10.5 on axis y: must be >= -mpm_a_lower, which is 11");
   BLOCK("region", "cube");
@@ -248,7 +248,8 @@ START_TEST(polygon_refuses)
     {"0,0,1,1,1,0,0,1", "-mpm_a_vertices: the edges from vertex 1 and from vertex 3 cross or touch"},
     {"0,0,4,0,4,4,2,0,0,4", "-mpm_a_vertices: the edges from vertex 1 and from vertex 3 cross or touch"},
     {"2,0,0,4,0,0,4,0,4,4", "-mpm_a_vertices: the edges from vertex 1 and from vertex 3 cross or touch"},
-    {"0,0,1,x,1,1", "-mpm_a_vertices 0,0,1,x,1,1: not a list of numbers"},
+    {"0,0,1,x,1,1",
+     "-mpm_a_vertices 0,0,1,x,1,1: not a list of numbers: x1,y1,x2,y2,... round the boundary, 3 vertices at least (m)"},
   };
 
   for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {

@@ -72,7 +72,6 @@ def grids(test):
             ("wide", "bspline2", 0.5, 1, WIDE), ("wide_amg", "bspline3", 1.5, 2, WIDE | {"mpm_solver": "amg"}),
             ("fine", "bspline3", 0.01, 1, {"mpm_grid_cells": "12,24"}),
             ("odd", "bspline2", 0.5, 4, {"mpm_grid_cells": "7,13", "mpm_material_soil_type": "linear_elastic"}),
-            ("overlap", "gimp", 0.5, 1, {"mpm_grid_cells": "12,24", "mpm_body_bed_upper": "3,1.3"}),
             ("fbar", "bspline2", 0.5, 2, {"mpm_stabilization_fbar": "true"})):
         run = test.run(FOLDER / "level.yaml", ranks=count, mpm_shape=shape, mpm_quiet=None,
                        mpm_stage_rest_geostatic_k0=k0, **options)

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Scenes in which nothing holds the material, or a piece of it: the run gives up, with the motion that is free in its line.
+
+Where the loads push along a free translation and there is no boundary, it does so at the first failure, without cuts. What
+is free but not loaded, or held by a boundary that it touches, runs. All on 1, 2 and 3 ranks.
+"""
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Run, Test  # noqa: E402
+
+SCENE = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "4,4", cells: "4,4"}
+  materials: soil
+  material_soil: {type: hencky, E: 1e6, nu: 0.3, density: 1000}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-1"}
+  time: {step: 0.5}
+  output: {every: 0}
+"""
+BLOCK = """
+  bodies: block
+  body_block: {region: box, lower: "0,%s", upper: "2,%s", points_per_cell: "2,2", material: soil}
+"""
+LOW, HIGH = BLOCK % (0, 2), BLOCK % (1, 3)
+HOLD = """
+  bcs: hold
+  bc_hold: {region: box, lower: "%s", upper: "%s", %s}
+"""
+WALL = """
+  boundaries: floor
+  boundary_floor: {type: plane, point: "0,%s", normal: "0,1"}
+"""
+TWO = """
+  bodies: low,high
+  body_low: {region: box, lower: "0,0", upper: "1,1", material: soil}
+  body_high: {region: box, lower: "2.5,2", upper: "3.5,3", material: soil}
+"""
+SPACE = """
+mpm:
+  dim: 3
+  grid: {lower: "0,0,0", upper: "4,4,4", cells: "4,4,4"}
+  materials: soil
+  material_soil: {type: hencky, E: 1e6, nu: 0.3, density: 1000}
+  bodies: block
+  body_block: {region: box, lower: "0,0,0", upper: "2,2,2", material: soil}
+  bcs: hold
+  bc_hold: {region: box, lower: "0,0,0", upper: "4,4,0", components: "%s"}
+  loads: weight
+  load_weight: {type: gravity, value: "0.1,0,-1"}
+  time: {step: 0.5}
+  output: {every: 0}
+"""
+STAGES = """
+  stages: rest
+  stage_rest: {type: geostatic, geostatic: {method: gravity}}
+"""
+ALL = "translation in x, y and rotation"
+
+# name, scene, the motion (None: the run completes), fewest cuts
+CASES = [
+    ("nothing", SCENE + LOW, f"the material against {ALL}", 0),
+    ("x_only", SCENE + LOW + HOLD % ("0,0", "0,4", "components: x"), "the material against translation in y", 0),
+    ("another_place", SCENE + LOW + HOLD % ("3,0", "4,0", 'components: "x,y"'), f"the material against {ALL}", 0),
+    ("a_piece", SCENE + TWO + HOLD % ("0,0", "1,0", 'components: "x,y"'), f"the piece about (3, 2.5) against {ALL}", 0),
+    ("geostatic", SCENE + LOW + STAGES, f"the material against {ALL}", 0),
+    ("far_boundary", SCENE + HIGH + WALL % 0.5, f"the material against {ALL}", 1),
+    ("pushed_along_a_boundary", SCENE.replace("0,-1", "0.3,-1") + HIGH + WALL % 1, "the material against translation in x", 1),
+    ("pinned", SCENE + LOW + HOLD % ("0,2", "0,2", 'components: "x,y"'), "the material against rotation", 1),
+    ("smooth_slope", SCENE + LOW + HOLD % ("0,0", "4,0", 'normal: "-0.6,0.8"'), "the material against translation along", 1),
+    ("space", SPACE % "z", "the material against translation in x, y and rotation", 0),
+    ("held", SCENE + LOW + HOLD % ("0,0", "4,0", 'components: "x,y"'), None, 0),
+    ("free_but_not_loaded", SCENE + LOW + HOLD % ("0,0", "4,0", "components: y"), None, 0),
+    ("on_a_boundary", SCENE + HIGH + WALL % 1, None, 0),
+    ("held_in_space", SPACE % "x,y,z", None, 0),
+]
+
+with Test() as test:
+    for label, scene, motion, cuts in CASES:
+        for ranks in (1, 2, 3):
+            folder = test.folder()
+            (folder / "scene.yaml").write_text(scene, encoding="utf-8")
+            run = Run(test.program, folder / "scene.yaml", ranks, {}, folder)
+            if motion is None:
+                test.check(f"{label}.{ranks}", run.status, 0, 0)
+                continue
+            found = run.status == 3 and run.errors.count(f": nothing holds {motion}") == 1
+            test.check(f"{label}.{ranks}", int(found), 1, 1)
+            test.check(f"{label}.{ranks}.cuts", run.output.count("cut to"), cuts, 20 if cuts else 0)
+            if not found:
+                print(run.output[-600:], run.errors)
