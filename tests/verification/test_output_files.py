@@ -20,6 +20,21 @@ import xdmf  # noqa: E402
 FULL = [0, 3, 5, 3, 1, 4, 5, 4, 2]  # of xx, yy, zz, xy, yz, xz: the tensor row by row
 PICTURES = os.environ.get("TALUS_PICTURES")
 LOAD = -100e3  # N, the cantilever's at the end
+HEAVY = """mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "2,2", cells: "4,4"}
+  shape: gimp
+  materials: soil
+  material_soil: {type: hencky, E: 1e9, nu: 0.3, density: 1000}
+  bodies: heavy
+  body_heavy: {region: file, file: "heavy.csv", material: soil}
+  bcs: base
+  bc_base: {region: box, lower: "0,0", upper: "2,0", components: "x,y"}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-10"}
+  time: {step: 1}
+  output: {prefix: heavy, grid: true}
+"""
 
 
 def h5(run):
@@ -150,6 +165,19 @@ def stages(test):
         test.check("stages.row_numbers", len(set(file["rows"]) ^ {str(count) for count in counts}), None, 0)
 
 
+def own_masses(test):
+    """Points from a file with masses of their own, two and a half times the law's density: the grid holds them."""
+    folder = test.folder()
+    places = [(0.125 + 0.25 * i, 0.125 + 0.25 * j) for j in range(4) for i in range(8)]
+    mass = 2.5 * 1000.0 * 0.0625  # kg, of a point
+    (folder / "heavy.csv").write_text("x,y,volume,mass\n" + "".join(f"{x},{y},0.0625,{mass}\n" for x, y in places))
+    (folder / "heavy.yaml").write_text(HEAVY.replace("heavy.csv", str(folder / "heavy.csv")))
+    run = test.run(folder / "heavy.yaml", mpm_quiet=None)
+    for grid in xdmf.read(run.prefix + ".xdmf")["grids"]:
+        test.near("own_masses.grid", grid.fields["mass"].sum(), mass * len(places), relative=1e-12)
+    test.near("own_masses.load", grid.fields["load"][:, 1].sum(), -10.0 * mass * len(places), relative=1e-12)
+
+
 def switched_off(test):
     """Without states there is no file of them; scripts/bench.py output measures that they cost nothing."""
     run = test.run(example("bar_elastic"), ranks=2, mpm_output_every=0, mpm_output_grid="true", mpm_quiet=None)
@@ -168,5 +196,6 @@ with Test() as test:
     plane(test)
     space(test)
     stages(test)
+    own_masses(test)
     switched_off(test)
     refused(test)
