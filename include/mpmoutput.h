@@ -192,9 +192,8 @@ typedef struct {
    system has them now. Collective. */
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
-   active_dofs_max, steps,
-   step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s, time {setup, ...},
-   memory_max_bytes. */
+   active_dofs_max, steps, step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s,
+   time {setup, ...}, memory_max_bytes. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 /* The table of where the time went, and the sizes, for the terminal. */
 PetscErrorCode MpmSummaryPrint(MPI_Comm comm, const MpmSummary *summary);
