@@ -3,6 +3,7 @@
   What a step's discrete space is made of, from the inside: grid, materials, physics, points, bodies, nodes. Each block
   names the file that implements it. Included by mpmimpl.h.
 */
+#include "dense.h"
 #include "mpm.h"
 
 #define MPM_MAX_DIM        3
@@ -14,13 +15,6 @@
 #define MPM_GHOST_RESCUE   1e-2                      /* and where a step has failed with less */
 #define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
 #define MPM_TOLERANCE      1e-6                      /* of a cell: what counts as "on" a region's edge */
-
-/* det of a dim x dim matrix */
-static inline PetscReal MpmDeterminant(PetscInt dim, const PetscReal A[])
-{
-  if (dim == 2) return A[0] * A[3] - A[1] * A[2];
-  return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) + A[2] * (A[3] * A[7] - A[4] * A[6]);
-}
 
 /* ---- grid.c ---- */
 
