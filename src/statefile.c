@@ -7,8 +7,8 @@
   read.
 */
 #include <string.h>
-#include <hdf5.h>
 #include <petscsf.h>
+#include "hdf5file.h"
 #include "mpmoutput.h"
 #include "mpmxdmf.h"
 
@@ -247,15 +247,11 @@ static PetscErrorCode NarrowBlock(Writer *writer, PetscInt components)
 
 /* ---- HDF5 ---- */
 
-/* Access to the file: objects left open go with it; a viewer that holds the file open must not end the run. */
+/* Access to the file, together or alone. */
 static hid_t CreateFileAccess(const Writer *writer)
 {
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  hid_t access = MpmHdf5Access();
 
-  (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-#if H5_VERSION_GE(1, 10, 7)
-  (void)H5Pset_file_locking(access, 0, 1);
-#endif
 #if defined(H5_HAVE_PARALLEL)
   if (writer->together) (void)H5Pset_fapl_mpio(access, writer->comm, MPI_INFO_NULL);
 #else
@@ -378,11 +374,6 @@ static hid_t RealType(PetscBool single)
   return RealSize(single) == sizeof(double) ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
 }
 
-static hid_t IntegerType(void)
-{
-  return sizeof(PetscInt) == sizeof(long long) ? H5T_NATIVE_LLONG : H5T_NATIVE_INT;
-}
-
 /* The buffer, this rank's block, slab by slab; as many slabs on every rank. */
 static PetscErrorCode WriteBlock(Writer *writer, hid_t dataset, hid_t type, PetscInt components)
 {
@@ -479,7 +470,7 @@ static PetscErrorCode WriteNumbers(Writer *writer, const char *group, char path[
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLayoutGetRange(writer->layout, &first, &end));
   for (PetscInt i = first; i < end; i++) ((PetscInt *)writer->buffer)[i - first] = i;
-  PetscCall(WriteDataset(writer, path, 1, IntegerType()));
+  PetscCall(WriteDataset(writer, path, 1, MpmHdf5Integer()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -538,10 +529,10 @@ static PetscErrorCode WriteState(Writer *writer, const MpmStateFile *state, Pets
   PetscCall(OpenGroup(writer, state));
   for (PetscInt i = 0; i < state->bytes_count; ++i) PetscCall(WriteBytes(writer, &state->bytes[i]));
   PetscCall(GatherBlock(writer, PETSC_TRUE, &ids));
-  PetscCall(WriteDataset(writer, ids.name, 1, IntegerType()));
+  PetscCall(WriteDataset(writer, ids.name, 1, MpmHdf5Integer()));
   for (PetscInt i = 0; i < dataset_count; ++i) {
     const PetscInt components = datasets[i].components;
-    const hid_t    type       = writer->integer[i] ? IntegerType() : RealType(state->single);
+    const hid_t    type       = writer->integer[i] ? MpmHdf5Integer() : RealType(state->single);
 
     PetscCall(GatherBlock(writer, writer->integer[i], &datasets[i]));
     if (state->single && !writer->integer[i]) PetscCall(NarrowBlock(writer, components));
