@@ -144,7 +144,7 @@ static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The value of an option in a scene's text: `line` is where it stands, or NULL. The length is that of the value. */
+/* The value of an option in a scene's text, or NULL; `length` is that of the name. */
 static const char *SceneValue(const char *scene, const char *name, size_t length, size_t *value_length)
 {
   for (const char *line = scene; *line; line = strchr(line, '\n') + 1) {
@@ -221,7 +221,7 @@ PetscErrorCode MpmRestartOpen(MpmModel model)
 
 /* ---- points ---- */
 
-/* The window and the cuts as they were; `same`: as many ranks as then. */
+/* The cuts as they were; `same`: as many ranks as then. */
 static PetscErrorCode RestorePartition(MpmModel model, PetscBool *same)
 {
   const char *text  = model->checkpoint.restart->partition.data;

@@ -218,10 +218,10 @@ typedef struct _p_MpmBody *MpmBody;
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial materials[], MpmBody *body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
-/* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
                                PetscReal *points);
+/* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
 /* The ids of a body's points, [first, end); known once the points have been made. */
