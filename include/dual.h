@@ -12,15 +12,10 @@
   branch that its value takes.
 */
 #include <math.h>
+#include "dense.h"
 
 #if !defined(MPM_DIRECTIONS)
 #error "MPM_DIRECTIONS is not set"
-#endif
-
-#if defined(__CUDACC__)
-#define MPM_FN static __host__ __device__ inline
-#else
-#define MPM_FN static inline
 #endif
 
 #if MPM_DIRECTIONS == 0

@@ -71,7 +71,7 @@ MPM_FN int ElasticLeftCauchyGreen(const Sym *e, Sym *b)
 /* Whether det F, F = dF F_n, is a positive finite number: no law has an answer otherwise. False for NaN. */
 MPM_FN int ElasticIsRegular(const MpmLawPoint *point, const Tensor *dF)
 {
-  const double J = TensorDetValue(dF) * TensorArrayDet(point->F_n);
+  const double J = TensorDetValue(dF) * MpmDeterminant(MPM_DIM, point->F_n);
 
   return J > 0. && J <= DBL_MAX;
 }

@@ -387,7 +387,7 @@ MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
     C[i]     = F[i] * F[i] + F[3 + i] * F[3 + i] + F[6 + i] * F[6 + i];
     C[3 + i] = F[i] * F[j] + F[3 + i] * F[3 + j] + F[6 + i] * F[6 + j];
   }
-  if (TensorArrayDet(F) == 0. || IsotropicFrameCreate(C, &frame)) return 1;
+  if (MpmDeterminant(MPM_DIM, F) == 0. || IsotropicFrameCreate(C, &frame)) return 1;
   for (int i = 0; i < 3; ++i) {
     diagonal[i] = 0.;
     for (int a = 0; a < 3; ++a) { diagonal[i] += sqrt(fmax(frame.w[a], 0.)) * frame.Q[3 * i + a] * frame.Q[3 * i + a]; }

@@ -48,27 +48,42 @@ typedef struct {
   const MpmAttribute *attributes;
   PetscInt            bytes_count;
   const MpmBytes     *bytes;
-  PetscBool           single;  /* reals in single precision */
-  PetscBool           tensors; /* with views of symmetric tensors as XDMF orders them */
-  PetscInt64          slab;    /* most bytes a rank hands to HDF5 at once; 0: 1 GiB */
+  PetscBool           single; /* reals in single precision */
+  PetscInt64          slab;   /* most bytes a rank hands to HDF5 at once; 0: MPM_STATE_SLAB */
 } MpmStateFile;
+#define MPM_STATE_SLAB (1 << 30)
+
+/* Rows of one kind. */
+typedef struct {
+  PetscInt          count; /* on this rank, may be 0 */
+  const PetscInt   *id;    /* >= 0 and no two alike over all ranks; the rows of each dataset go by ascending id */
+  PetscInt          dataset_count;
+  const MpmDataset *datasets; /* what is written besides id */
+} MpmTable;
+
+/* A state as an index describes it. */
+#define MPM_STATE_PATH 128
+typedef struct {
+  PetscInt64 rows;                    /* over all ranks */
+  size_t     real_size;               /* bytes of a real */
+  PetscBool *integer;                 /* of each dataset: integers or reals? To be freed. */
+  char       numbers[MPM_STATE_PATH]; /* path of a dataset of the numbers of the rows, 0, 1, ... */
+} MpmStateView;
 
 /*
-  MpmStateWrite - write one state of the points as a group of an HDF5 file, rows ordered by id
+  MpmStateWrite - write one state as a group of an HDF5 file, rows ordered by id
 
-  Collective; rows as for MpmOutputWrite(). A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming the
-  file.
+  Output Parameter:
+. view - or NULL, for a file that is not viewed
+
+  Collective. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming the file.
+
+  Viewers are given symmetric tensors with all nine components, by virtual datasets in the group /tensors, which take no
+  room: they refer to the columns of the real ones. A point is a cell whose corner is its row: where ids are not 0, 1, ...
+  (bodies have been removed) the numbers of the rows stand in /rows/<number of rows>, once for all states that have so
+  many.
 */
-PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, PetscInt count, const PetscInt id[],
-                             PetscInt dataset_count, const MpmDataset datasets[]);
-
-/* Rows of one kind, as MpmOutputWrite takes them. */
-typedef struct {
-  PetscInt          count;
-  const PetscInt   *id;
-  PetscInt          dataset_count;
-  const MpmDataset *datasets;
-} MpmTable;
+PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, const MpmTable *table, MpmStateView *view);
 
 /*
   MpmOutputCreate - the writer of <prefix>.h5 and <prefix>.xdmf; creates no file yet
@@ -92,9 +107,6 @@ typedef struct {
 
   Collective. The first write truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
   the file.
-
-  XDMF wants symmetric tensors in another order, xx, xy, xz, yy, yz, zz. It is given virtual datasets of that order, in
-  the group /tensors, which take no room: they refer to the columns of the real ones.
 */
 PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output);
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
@@ -180,9 +192,8 @@ typedef struct {
    system has them now. Collective. */
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
-   active_dofs_max, steps,
-   step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s, time {setup, ...},
-   memory_max_bytes. */
+   active_dofs_max, steps, step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s,
+   time {setup, ...}, memory_max_bytes. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 /* The table of where the time went, and the sizes, for the terminal. */
 PetscErrorCode MpmSummaryPrint(MPI_Comm comm, const MpmSummary *summary);

@@ -18,11 +18,12 @@ typedef enum {
 typedef struct _p_MpmRegion *MpmRegion;
 typedef struct _p_MpmRamp   *MpmRamp;
 
-/* Reads -<prefix>region, -<prefix>lower, ...; see region.c. `tolerance` holds one length per axis
-   (1e-6 of a cell): what lies within it of the edge counts as inside. Fails with MPM_ERR_INPUT and one line that names
-   the option. */
 /* For -help: the options of every type of region. */
 PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm);
+/*
+  Reads -<prefix>region, -<prefix>lower, ...; see region.c. `tolerance` holds one length per axis (1e-6 of a cell): what
+  lies within it of the edge counts as inside. Fails with MPM_ERR_INPUT and one line that names the option.
+*/
 PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const PetscReal tolerance[], MpmRegion *region);
 PetscErrorCode MpmRegionDestroy(MpmRegion *region);
 PetscBool      MpmRegionContains(MpmRegion region, const PetscReal x[]);

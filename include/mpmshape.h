@@ -1,6 +1,6 @@
 #pragma once
 /*
-  MpmShape - one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and
+  Shape functions: one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and
   3D.
 
   One formula serves every shape: the basis is the cardinal B-spline of degree p (1: hat, 2, 3), evaluated at the point

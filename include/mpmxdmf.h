@@ -6,8 +6,15 @@
 #include "mpmoutput.h"
 #include "mpmtextfile.h"
 
-/* Where symmetric tensors stand in XDMF's order of components, under the path of the group that holds them. */
+/*
+  Where symmetric tensors stand with all nine components, under the path of the group that holds them. XDMF's Tensor6 is
+  of no use: one of ParaView's two readers takes its six numbers for another order.
+*/
 #define MPM_XDMF_TENSORS "/tensors"
+static inline PetscBool MpmXdmfIsTensor(PetscInt components, PetscBool integer)
+{
+  return (PetscBool)(components == 6 && !integer);
+}
 
 /* A table as the index describes it; the datasets' arrays are not looked at. */
 typedef struct {
@@ -24,11 +31,12 @@ typedef struct {
   const char  *cell_group;
   PetscReal    time;
   size_t       real_size; /* bytes of a real in the file */
+  const char  *numbers;   /* of points: the path of a dataset of the numbers of their rows, 0, 1, ... */
   MpmXdmfTable nodes;     /* with one called position, of 2 or 3 components */
   MpmXdmfTable cells;     /* with one called nodes; no datasets: points */
 } MpmXdmfState;
 
-/* Appends the grid of one state. Not collective. */
+/* Appends the grid of one state; without points it is left out: readers open no empty mesh. Not collective. */
 PetscErrorCode MpmXdmfAppend(MpmTextFile *grids, const MpmXdmfState *state);
 /* Writes the index of some collections, whose texts count on rank 0; one without text is left out. Collective. */
 PetscErrorCode MpmXdmfWrite(MPI_Comm comm, const char *path, PetscInt count, const char *const names[],

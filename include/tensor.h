@@ -161,23 +161,13 @@ MPM_FN Scalar TensorDet(const Tensor *A)
   return TensorCofactorDet(A, &cofactor);
 }
 
-/* The determinant of a plain matrix, row-major */
-MPM_FN double TensorArrayDet(const double *A)
-{
-#if MPM_DIM == 2
-  return A[0] * A[3] - A[1] * A[2];
-#else
-  return A[0] * (A[4] * A[8] - A[5] * A[7]) + A[1] * (A[5] * A[6] - A[3] * A[8]) + A[2] * (A[3] * A[7] - A[4] * A[6]);
-#endif
-}
-
 /* The value alone of det A: what a test for det F > 0 needs */
 MPM_FN double TensorDetValue(const Tensor *A)
 {
   double values[MPM_DIM * MPM_DIM];
 
   TensorStore(values, A);
-  return TensorArrayDet(values);
+  return MpmDeterminant(MPM_DIM, values);
 }
 
 /* A^{-1}; det A must not be 0 */

@@ -16,4 +16,4 @@ if ! log="$(cmake --preset "$preset" 2>&1)"; then
   exit 1
 fi
 grep -A4 -i "warning" <<<"$log" >&2 || true
-cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" -- --no-print-directory --silent
+cmake --build --preset "$preset" --parallel "$JOBS" "${targets[@]}" -- --no-print-directory --silent

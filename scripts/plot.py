@@ -16,7 +16,7 @@ from matplotlib.colors import Normalize
 from PIL import Image
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from results import Results, ResultsError, component_names, initial_lengths, pressure, von_mises
+from results import Results, ResultsError, component_names, pressure, von_mises
 
 EXAMPLES = """examples:
   plot.py out/cantilever --field stress --component xx --deformed --output stress.png
@@ -79,28 +79,27 @@ def colour_scale(values, limits, colours):
     return colours or "viridis", low, high if high > low else low + 1.0
 
 
-def domain_corners(state, initial, corners, deformed):
+def domain_corners(state, origin, corners, deformed):
     """Corners of the points' domains, (points, corners, dim): boxes, or what F makes of them. `corners` are those of a
     box of edge length two about the origin."""
     dim = state.dim
-    corners = 0.5 * corners[None] * initial_lengths(initial)[:, None, :]
+    corners = 0.5 * corners[None] * origin.lengths[:, None, :]
     if not deformed:
-        return initial["position0"][:, None, :] + corners
+        return origin.position[:, None, :] + corners
     if "F" in state:
         gradient = state["F"].reshape(-1, 3, 3)[:, :dim, :dim]
         corners = np.einsum("pij,pkj->pki", gradient, corners)
     return state["position"][:, None, :] + corners
 
 
-def domain_polygons(state, initial, deformed):
+def domain_polygons(state, origin, deformed):
     """Corners of the points' domains in the plane, (points, 4, 2)."""
-    return domain_corners(state, initial, np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]), deformed)
+    return domain_corners(state, origin, np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]), deformed)
 
 
-def shell(initial):
-    """Indices of the points that have no neighbour on one of their six sides in the initial state."""
-    lengths = initial_lengths(initial)[0]
-    lattice = np.rint((initial["position0"] - initial["position0"].min(axis=0)) / lengths).astype(np.int64)
+def shell(origin):
+    """Indices of the points that had no neighbour on one of their six sides at first."""
+    lattice = np.rint((origin.position - origin.position.min(axis=0)) / origin.lengths[0]).astype(np.int64)
     shape = lattice.max(axis=0) + 3
     code = np.ravel_multi_index((lattice + 1).T, shape)
     inner = [np.isin(np.ravel_multi_index((lattice + 1 + step).T, shape), code) for step in NORMALS]
@@ -113,11 +112,11 @@ def frame_of(corners, margin):
     return lower - margin * np.max(upper - lower), upper + margin * np.max(upper - lower)
 
 
-def draw_plane(figure, state, initial, values, scale, deformed, frame=None):
+def draw_plane(figure, state, origin, values, scale, deformed, frame=None):
     axes = figure.add_subplot()
-    start = polygons = domain_polygons(state, initial, False)
+    start = polygons = domain_polygons(state, origin, False)
     if deformed:
-        polygons = domain_polygons(state, initial, True)
+        polygons = domain_polygons(state, origin, True)
         axes.add_collection(PolyCollection(start, facecolors=GHOST, edgecolors=GHOST, linewidths=0.25))
     colours, low, high = scale
     body = PolyCollection(polygons, array=values, cmap=colours, edgecolors="face", linewidths=0.25)
@@ -135,16 +134,16 @@ def view_direction():
     return np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
 
 
-def draw_space(figure, state, initial, values, scale, deformed, frame=None):
+def draw_space(figure, state, origin, values, scale, deformed, frame=None):
     """The domains at the surface: their faces that look at the eye, with light from above."""
     axes = figure.add_subplot(projection="3d", computed_zorder=False)
     axes.set_proj_type("ortho")
     axes.view_init(**VIEW)
-    corners = domain_corners(state, initial, BOX, deformed)
+    corners = domain_corners(state, origin, BOX, deformed)
     lower, upper = frame if frame else frame_of(corners, 0.02)
     axes.set_box_aspect(upper - lower, zoom=0.92)
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
-    point = np.repeat(shell(initial), len(FACES))
+    point = np.repeat(shell(origin), len(FACES))
     polygons = corners[point[:, None], np.tile(FACES, (len(point) // len(FACES), 1))]
     normal = np.cross(polygons[:, 2] - polygons[:, 0], polygons[:, 3] - polygons[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
@@ -172,28 +171,30 @@ def figure_size(lower, upper):
     return max(6.0 * width / height + 2.0, 4.0), 7.0
 
 
-def state_frame(state, initial, deformed):
-    """Limits of the axes for one state, and in the plane for the initial one behind it."""
+def state_frame(state, origin, deformed):
+    """Limits of the axes for one state, and in the plane for its points' first places behind it."""
     corners = BOX if state.dim == 3 else BOX[::2, :2]
-    drawn = domain_corners(state, initial, corners, deformed)
+    drawn = domain_corners(state, origin, corners, deformed)
     if state.dim == 3:
         return frame_of(drawn, 0.02)
-    return frame_of(np.concatenate([drawn, domain_corners(state, initial, corners, False)]), 0.04)
+    return frame_of(np.concatenate([drawn, domain_corners(state, origin, corners, False)]), 0.04)
 
 
-def check_points(state, initial):
+def read_points(results, step):
+    """A state that has points, and where these were first."""
+    state = results.state(step)
     if len(state["position"]) == 0:
         raise ResultsError(f"step {state.step} has no points")
-    if len(state["position"]) != len(initial["position0"]):
-        raise ResultsError("the number of points changed during the run: there are no initial domains to draw with")
+    return state, results.origin(state)
 
 
-def draw_state(figure, results, state, arguments, scale, factor_unit, frame):
-    """One state with its colour bar and title."""
+def draw_state(figure, results, points, arguments, scale, factor_unit, frame):
+    """One state with its colour bar and title; `points` as of read_points()."""
+    state, origin = points
     values, label = field_values(state, arguments.field, arguments.component)
     factor, unit = factor_unit
     draw = draw_plane if state.dim == 2 else draw_space
-    axes, body = draw(figure, state, results.initial, factor * values, scale, arguments.deformed, frame)
+    axes, body = draw(figure, state, origin, factor * values, scale, arguments.deformed, frame)
     figure.colorbar(body, ax=axes, shrink=0.8, aspect=25, pad=0.03 if state.dim == 2 else 0.1,
                     label=f"{label} ({unit})" if unit else label)
     where = "" if arguments.deformed else ", drawn at initial positions"
@@ -211,12 +212,11 @@ def scale_of(values, arguments):
 
 
 def plot_points(results, arguments):
-    state = results.state(arguments.step)
-    check_points(state, results.initial)
+    state, origin = points = read_points(results, arguments.step)
     scale, factor_unit = scale_of(field_values(state, arguments.field, arguments.component)[0], arguments)
-    frame = state_frame(state, results.initial, arguments.deformed)
+    frame = state_frame(state, origin, arguments.deformed)
     figure = plt.figure(figsize=figure_size(*frame), layout="constrained")
-    draw_state(figure, results, state, arguments, scale, factor_unit, frame)
+    draw_state(figure, results, points, arguments, scale, factor_unit, frame)
     return figure
 
 
@@ -228,10 +228,9 @@ def animate(results, arguments):
         raise ResultsError(f"{arguments.output}: ffmpeg is not installed; without it, animations are .gif")
     values, frames = [], []
     for step in results.steps:
-        state = results.state(step)
-        check_points(state, results.initial)
+        state, origin = read_points(results, step)
         values.append(field_values(state, arguments.field, arguments.component)[0])
-        frames.append(state_frame(state, results.initial, True))
+        frames.append(state_frame(state, origin, True))
     lower, upper = np.swapaxes(frames, 0, 1)
     frame = lower.min(axis=0), upper.max(axis=0)
     scale, factor_unit = scale_of(np.concatenate(values), arguments)
@@ -239,7 +238,7 @@ def animate(results, arguments):
     pictures = []
     for step in results.steps:
         figure.clear()
-        draw_state(figure, results, results.state(step), arguments, scale, factor_unit, frame)
+        draw_state(figure, results, read_points(results, step), arguments, scale, factor_unit, frame)
         figure.canvas.draw()
         pictures.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy()))
     if gif:

@@ -9,6 +9,7 @@
 import csv
 import json
 import re
+from collections import namedtuple
 from pathlib import Path
 
 import h5py
@@ -21,6 +22,10 @@ AXES = ("x", "y", "z")
 
 class ResultsError(Exception):
     """Something that was asked for is not in the result files; the text says what, and what there is."""
+
+
+# Where points were first, and the edge lengths of their domains then: arrays (points, dim).
+Origin = namedtuple("Origin", "position lengths")
 
 
 class State:
@@ -48,6 +53,7 @@ class Results:
     def __init__(self, prefix):
         self.prefix = re.sub(r"\.(h5|xdmf)$", "", str(prefix))
         self._history = self._options = self._summary = self._initial = None
+        self._born, self._ids, self._origin = 0, np.empty(0, np.int64), None  # states looked at; their points
 
     def path(self, suffix):
         path = Path(self.prefix + suffix)
@@ -90,6 +96,28 @@ class Results:
         if self._initial is None:
             self._initial = self.state("first")
         return self._initial
+
+    def origin(self, state):
+        """The origin of a state's points, row by row: bodies may come and go."""
+        while not np.isin(state["id"], self._ids).all():
+            self._take_births()
+        order = np.argsort(self._ids)
+        rows = order[np.searchsorted(self._ids, state["id"], sorter=order)]
+        return Origin(self._origin.position[rows], self._origin.lengths[rows])
+
+    def _take_births(self):
+        """Adds the points of the next state that none before it has."""
+        state = self.state(self.steps[self._born])
+        new = ~np.isin(state["id"], self._ids)
+        self._born += 1
+        if not new.any():
+            return
+        born = State(state.step, state.time, {name: values[new] for name, values in state.fields.items()})
+        if "position0" not in born:
+            born.fields["position0"] = born["position"] - (born["displacement"] if "displacement" in born else 0.0)
+        origin = Origin(born["position0"], initial_lengths(born))
+        self._origin = Origin(*map(np.concatenate, zip(self._origin, origin))) if self._origin else origin
+        self._ids = np.concatenate([self._ids, born["id"]])
 
     @property
     def history(self):

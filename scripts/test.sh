@@ -9,6 +9,5 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 "$ROOT/scripts/build.sh" asan
 "$ROOT/scripts/build.sh" release
 cd "$ROOT"
-jobs="$(nproc)"
-ctest --preset asan --parallel "$jobs"
-ctest --preset release --parallel "$jobs" "$@"
+ctest --preset asan --parallel "$JOBS"
+ctest --preset release --parallel "$JOBS" "$@"

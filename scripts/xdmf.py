@@ -20,7 +20,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
 from mpl_toolkits.mplot3d.art3d import Line3DCollection  # noqa: E402
 
-COMPONENTS = {"Scalar": 1, "Tensor6": 6, "Tensor": 9}
+COMPONENTS = {"Scalar": 1, "Tensor": 9}
 CORNERS = {"Polyvertex": 1, "Quadrilateral": 4, "Hexahedron": 8}
 EDGES = {4: ((0, 1), (1, 2), (2, 3), (3, 0)),
          8: ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))}
@@ -62,6 +62,8 @@ def read_state(grid, folder):
         raise XdmfError(f"{len(cells)} cells, the index says {topology.get('NumberOfElements')}")
     if cells.size and not (0 <= cells.min() and cells.max() < len(position)):
         raise XdmfError("a cell has a corner that is not there")
+    if corners == 1 and not np.array_equal(cells[:, 0], np.arange(len(position))):
+        raise XdmfError("the points' cells are not the points, each once and in their order")
     fields = {}
     for attribute in grid.findall("Attribute"):
         name, kind = attribute.get("Name"), attribute.get("AttributeType")

@@ -75,35 +75,18 @@ PetscErrorCode MpmResidualLocal(const MpmSum *sum, const PetscReal u[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* F^{-1} */
-static void Invert(PetscInt dim, const PetscReal F[], PetscReal inverse[])
-{
-  const PetscReal det = MpmDeterminant(dim, F);
-
-  if (dim == 2) {
-    for (PetscInt k = 0; k < 4; k++) inverse[k] = (k % 3 ? -F[k] : F[3 - k]) / det;
-    return;
-  }
-  for (PetscInt i = 0; i < 3; i++)
-    for (PetscInt j = 0; j < 3; j++) {
-      const PetscInt i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-
-      inverse[j * 3 + i] = (F[i1 * 3 + j1] * F[i2 * 3 + j2] - F[i1 * 3 + j2] * F[i2 * 3 + j1]) / det;
-    }
-}
-
 /* The increment's gradient by the new position, I - F_n F_{n+1}^{-1}; under F-bar with the volume change of the cell. */
 static void IncrementGradient(PetscInt dim, const PetscReal F_n[], const PetscReal F[], PetscReal gradient[])
 {
-  PetscReal inverse[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal       cofactor[MPM_MAX_DIM * MPM_MAX_DIM];
+  const PetscReal det = MpmCofactors(dim, F, cofactor);
 
-  Invert(dim, F, inverse);
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
-      PetscReal sum = i == j ? 1. : 0.;
+      PetscReal sum = 0.;
 
-      for (PetscInt k = 0; k < dim; k++) sum -= F_n[i * dim + k] * inverse[k * dim + j];
-      gradient[i * dim + j] = sum;
+      for (PetscInt k = 0; k < dim; k++) sum += F_n[i * dim + k] * cofactor[j * dim + k];
+      gradient[i * dim + j] = (i == j ? 1. : 0.) - sum / det;
     }
   }
 }

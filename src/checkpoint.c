@@ -231,7 +231,11 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
   }
   set[fields - 1] = (MpmDataset){.name = "rank", .components = 1, .real = NULL, .integer = place};
   set[fields]     = (MpmDataset){.name = "place", .components = 1, .real = NULL, .integer = place + count};
-  *failed         = MpmStateWrite(model->comm, state, count, (const PetscInt *)array[0], fields + 1, set);
+  {
+    const MpmTable table = {count, (const PetscInt *)array[0], fields + 1, set};
+
+    *failed = MpmStateWrite(model->comm, state, &table, NULL);
+  }
   for (PetscInt k = 0; k < fields; k++)
     PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &array[k]));
   PetscCall(PetscFree3(set, array, place));

@@ -52,13 +52,8 @@ static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
   const PetscInt   dim    = ((const Source *)ctx)->model->grid.dim;
 
   PetscFunctionBeginUser;
-  for (PetscInt p = 0; p < points->count; p++) {
-    PetscReal f[9];
-
-    CopyF(dim, &points->F[p * dim * dim], f);
-    values[p] = points->volume0[p] * (f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) +
-                                      f[2] * (f[3] * f[7] - f[4] * f[6]));
-  }
+  for (PetscInt p = 0; p < points->count; p++)
+    values[p] = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

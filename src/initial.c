@@ -60,26 +60,6 @@ static void Gradient(const MpmInitial *initial, const PetscReal h[], PetscReal H
   }
 }
 
-/* det A and, in `cofactor`, its derivatives by the entries of A */
-static PetscReal Determinant(PetscInt dim, const PetscReal A[], PetscReal cofactor[])
-{
-  if (dim == 2) {
-    cofactor[0] = A[3];
-    cofactor[1] = -A[2];
-    cofactor[2] = -A[1];
-    cofactor[3] = A[0];
-    return A[0] * A[3] - A[1] * A[2];
-  }
-  for (PetscInt i = 0; i < 3; i++) {
-    for (PetscInt j = 0; j < 3; j++) {
-      const PetscInt p = (i + 1) % 3, q = (i + 2) % 3, r = (j + 1) % 3, s = (j + 2) % 3;
-
-      cofactor[3 * i + j] = A[3 * p + r] * A[3 * q + s] - A[3 * p + s] * A[3 * q + r];
-    }
-  }
-  return A[0] * cofactor[0] + A[1] * cofactor[1] + A[2] * cofactor[2];
-}
-
 /*
   tau = P dF^T (small strain: P itself), goal = J sigma where F carries the stress, and their derivatives. Non-zero where
   the law has no answer.
@@ -95,7 +75,7 @@ static int Evaluate(const MpmInitial *initial, const PetscReal state_n[], const 
   Identity(n, identity);
   Gradient(initial, h, H);
   for (PetscInt k = 0; k < N; k++) dF[k] = identity[k] + H[k];
-  J = Determinant(n, dF, cofactor);
+  J = MpmCofactors(n, dF, cofactor);
   if (!(J > 0.)) return 1;
   point = Point(initial, identity, state_n);
   if (initial->kernel.tangent(&point, H, P, tangent)) return 1;
@@ -283,7 +263,7 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
 {
   const PetscInt dim = initial->model_dim, size = dim == 2 ? 4 : 6;
   PetscReal      before[MPM_INITIAL_STATE], after[MPM_INITIAL_STATE], full[9], h[SYM_MAX], goal[SYM_MAX] = {0.},
-                                                                                      reached[SYM_MAX], cofactor[9];
+                                                                                      reached[SYM_MAX];
   int moved;
 
   if (initial->dim == 2) {
@@ -297,7 +277,7 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
   if (Take(initial, before, h, after, full, reached)) return 2;
   CopyState(initial->material, initial->dim, dim, after, state);
   for (PetscInt s = 0; s < size; s++)
-    stress[s] = reached[s] * (initial->remembers ? Determinant(initial->dim, full, cofactor) : 1.);
+    stress[s] = reached[s] * (initial->remembers ? MpmDeterminant(initial->dim, full) : 1.);
   if (initial->remembers) Identity(dim, F);
   else
     for (PetscInt k = 0; k < dim * dim; k++) F[k] = full[k];

@@ -148,7 +148,7 @@ static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscRe
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt  p  = space->order[s];
-      const PetscReal mp = points->volume0[p] * model->materials[points->material[p]].density;
+      const PetscReal mp = MpmPointMass(points, model->materials, p);
 
       MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)

@@ -15,8 +15,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <hdf5.h>
 #include "fileio.h"
+#include "hdf5file.h"
 #include "mpmoutput.h"
 
 typedef struct {
@@ -71,18 +71,15 @@ static int ComparePieces(const void *a, const void *b)
 /* Where the numbers of all datasets stand, in the file's order; false where HDF5 cannot read the file. */
 static PetscBool FindNumbers(const char *path, Pieces *numbers)
 {
-  hid_t  access = H5Pcreate(H5P_FILE_ACCESS), file;
   herr_t status = -1;
+  hid_t  file;
 
   H5E_auto2_t report;
   void       *context;
 
   (void)H5Eget_auto2(H5E_DEFAULT, &report, &context);
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-#if H5_VERSION_GE(1, 10, 7)
-  (void)H5Pset_file_locking(access, 0, 1);
-#endif
-  file = H5Fopen(path, H5F_ACC_RDONLY, access);
+  file = MpmHdf5Open(path);
   if (file >= 0) {
 #if H5_VERSION_GE(1, 12, 0)
     status = H5Ovisit3(file, H5_INDEX_NAME, H5_ITER_NATIVE, (H5O_iterate2_t)VisitObject, numbers, H5O_INFO_BASIC);
@@ -91,7 +88,6 @@ static PetscBool FindNumbers(const char *path, Pieces *numbers)
 #endif
     (void)H5Fclose(file);
   }
-  (void)H5Pclose(access);
   (void)H5Eset_auto2(H5E_DEFAULT, report, context);
   if (numbers->count) qsort(numbers->piece, numbers->count, sizeof(Piece), ComparePieces);
   return (PetscBool)(status >= 0);

@@ -43,13 +43,9 @@ static PetscErrorCode Shares(MpmSpace *space, const MpmPoints *points)
     PetscReal      total = 0.;
 
     for (PetscInt s = begin; s < end; s++) {
-      const PetscInt   p = space->order[s];
-      const PetscReal *F = &points->F[p * dim * dim];
-      const PetscReal  J = dim == 2 ? F[0] * F[3] - F[1] * F[2]
-                                    : F[0] * (F[4] * F[8] - F[5] * F[7]) - F[1] * (F[3] * F[8] - F[5] * F[6]) +
-                                       F[2] * (F[3] * F[7] - F[4] * F[6]);
+      const PetscInt p = space->order[s];
 
-      space->share[p] = points->volume0[p] * J;
+      space->share[p] = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
       total += space->share[p];
     }
     for (PetscInt s = begin; s < end; s++) space->share[space->order[s]] /= total;

@@ -601,8 +601,8 @@ struct _p_MpmModel {
   PetscReal      dt_before; /* of the one before */
   PetscReal      reference; /* residual of the step in which nothing moves */
   PetscBool      lag;       /* may a Jacobian serve for more than one iteration? */
-  PetscBool      solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscBool      lagged;    /* has the last one? */
+  PetscBool      solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscReal      fnorm_last;
   PetscBool      ahead;           /* a Jacobian at the same place will follow the next residual: both in one pass */
   PetscBool      made;            /* it has been made with the last residual and waits to be assembled */
@@ -660,11 +660,12 @@ PetscErrorCode MpmSolverSetUp(MpmModel model);
 PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model);
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason);
 PetscErrorCode MpmSolverDestroy(MpmModel model);
+/* Frees the arrays. */
+PetscErrorCode MpmTrialReset(MpmTrial *trial);
 /*
   Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.
   `again`: the points have not moved since the last call, the space stands.
 */
-PetscErrorCode MpmTrialReset(MpmTrial *trial);
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
 /*
   One step from model->time to `time`, dt later; `again` as above. `why` is NULL when it converged, otherwise the
@@ -705,6 +706,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
 PetscErrorCode MpmStageResume(MpmModel model);
 /* The factor of a load at a time, 0 where it does not act. */
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
+
 /* The points of a geostatic stage (geostatic.c): what they return to, and what the report needs. */
 typedef struct {
   PetscInt   n;

@@ -72,7 +72,7 @@ static PetscReal PileAbove(const Pile *pile, PetscReal y)
   return weight;
 }
 
-/* The part of slab p's width that a pile covers. */
+/* The part of slab p's width that slab q covers. */
 static PetscReal Overlap(const Slab *p, const Slab *q, PetscInt axes)
 {
   PetscReal part = 1.;

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <hdf5.h>
+#include "hdf5file.h"
 #include "mpmimpl.h"
 
 #define MESSAGE_LENGTH 512
@@ -244,48 +244,6 @@ static PetscErrorCode FindGroup(MpmPointFile file, const char *step, char group[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows and components of a dataset, rows -1 where there is none. */
-static void GetExtent(hid_t group, const char *name, PetscInt64 extent[2])
-{
-  hsize_t size[2] = {0, 1};
-  hid_t   dataset, space;
-
-  extent[0] = -1;
-  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) return;
-  dataset = H5Dopen2(group, name, H5P_DEFAULT);
-  if (dataset < 0) return;
-  space     = H5Dget_space(dataset);
-  extent[0] = 0;
-  extent[1] = 0;
-  if (H5Sget_simple_extent_ndims(space) >= 1 && H5Sget_simple_extent_ndims(space) <= 2) {
-    (void)H5Sget_simple_extent_dims(space, size, NULL);
-    extent[0] = (PetscInt64)size[0];
-    extent[1] = (PetscInt64)size[1];
-  }
-  (void)H5Sclose(space);
-  (void)H5Dclose(dataset);
-}
-
-/* This rank's rows of a dataset; false when they cannot be read. */
-static PetscBool ReadRows(const MpmPointFile file, const char *name, PetscInt components, PetscReal values[])
-{
-  const hid_t   type    = sizeof(PetscReal) == sizeof(double) ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
-  const hid_t   dataset = H5Dopen2(file->group, name, H5P_DEFAULT), space = H5Dget_space(dataset);
-  const int     ndims    = H5Sget_simple_extent_ndims(space);
-  const hsize_t start[2] = {(hsize_t)file->first, 0}, extent[2] = {(hsize_t)file->count, (hsize_t)components};
-  const hid_t   memory = H5Screate_simple(ndims, extent, NULL);
-  herr_t        status = 0;
-
-  if (file->count) {
-    status = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, extent, NULL);
-    if (status >= 0) status = H5Dread(dataset, type, memory, space, H5P_DEFAULT, values);
-  }
-  (void)H5Sclose(memory);
-  (void)H5Sclose(space);
-  (void)H5Dclose(dataset);
-  return (PetscBool)(status >= 0);
-}
-
 static PetscErrorCode GetDataset(MpmPointFile file, const char *name, PetscInt components, PetscInt *found,
                                  PetscReal values[])
 {
@@ -295,7 +253,7 @@ static PetscErrorCode GetDataset(MpmPointFile file, const char *name, PetscInt c
 
   PetscFunctionBeginUser;
   if (!file->rank) {
-    GetExtent(file->group, name, extent);
+    MpmHdf5Extent(file->group, name, extent);
     if (extent[0] >= 0 && (extent[0] != file->total || extent[1] != components))
       PetscCall(PetscSNPrintf(
         message, sizeof(message), "dataset %s has %lld x %lld numbers, must have %lld x %lld, a row a point", name,
@@ -305,7 +263,7 @@ static PetscErrorCode GetDataset(MpmPointFile file, const char *name, PetscInt c
   PetscCallMPI(MPI_Bcast(extent, 2, MPIU_INT64, 0, file->comm));
   *found = extent[0] >= 0 ? components : 0;
   if (!*found) PetscFunctionReturn(PETSC_SUCCESS);
-  worked = ReadRows(file, name, components, values);
+  worked = MpmHdf5ReadRows(file->group, name, MpmHdf5Real(), file->first, file->count, components, values);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &worked, 1, MPIU_BOOL, MPI_LAND, file->comm));
   MpmCheckInput(worked, "-%sfile %s: dataset %s cannot be read", file->prefix, file->path, name);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -318,7 +276,7 @@ static PetscErrorCode OpenHDF5(MpmPointFile file, const char *step)
   PetscInt64 extent[2] = {0, 0};
 
   PetscFunctionBeginUser;
-  file->file = H5Fopen(file->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  file->file = MpmHdf5Open(file->path);
   if (!file->rank) {
     if (file->file < 0) PetscCall(PetscSNPrintf(message, sizeof(message), "cannot be opened"));
     else PetscCall(FindGroup(file, step, group, message));
@@ -328,7 +286,7 @@ static PetscErrorCode OpenHDF5(MpmPointFile file, const char *step)
   PetscCheck(file->file >= 0, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "rank %d cannot open %s", (int)file->rank,
              file->path);
   file->group = H5Gopen2(file->file, group, H5P_DEFAULT);
-  GetExtent(file->group, "position", extent);
+  MpmHdf5Extent(file->group, "position", extent);
   file->total = PetscMax(extent[0], 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,10 +4,10 @@
   On as many ranks as before every point goes back to its rank and its place there, and the partition is as it was: sums
   are made in the same order. On another number the points are dealt anew and stand by their ids.
 */
-#include <hdf5.h>
 #include <stdlib.h>
 #include <strings.h>
 #include "checkpointfile.h"
+#include "hdf5file.h"
 #include "mpmimpl.h"
 
 struct _p_MpmRestart {
@@ -38,56 +38,12 @@ PetscErrorCode MpmRestartDestroy(MpmRestart *handle)
 
 /* ---- HDF5 ---- */
 
-/* The group of the points in a file that is only read; its closing closes the file. Negative where there is none. */
+/* The group of the points in a file that is only read; negative where there is none. Both are to be closed. */
 static hid_t OpenPoints(const char *path, hid_t *file)
 {
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS), group = H5I_INVALID_HID;
-
-  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-  (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-#if H5_VERSION_GE(1, 10, 7)
-  (void)H5Pset_file_locking(access, 0, 1);
-#endif
-  *file = H5Fopen(path, H5F_ACC_RDONLY, access);
-  (void)H5Pclose(access);
-  if (*file >= 0) group = H5Gopen2(*file, "points", H5P_DEFAULT);
-  return group;
-}
-
-/* The rows and the columns of a dataset; rows are -1 where there is none of that name. */
-static void DatasetSize(hid_t group, const char *name, hsize_t extent[2], PetscInt64 *rows)
-{
-  hid_t dataset = H5Lexists(group, name, H5P_DEFAULT) > 0 ? H5Dopen2(group, name, H5P_DEFAULT) : H5I_INVALID_HID, space;
-
-  *rows     = -1;
-  extent[0] = extent[1] = 1;
-  if (dataset < 0) return;
-  space = H5Dget_space(dataset);
-  if (H5Sget_simple_extent_ndims(space) <= 2 && H5Sget_simple_extent_dims(space, extent, NULL) >= 0)
-    *rows = (PetscInt64)extent[0];
-  (void)H5Sclose(space);
-  (void)H5Dclose(dataset);
-}
-
-/* Rows [first, first + rows) of a dataset; false when they cannot be read. */
-static PetscBool ReadRows(hid_t group, const char *name, hid_t type, PetscInt64 first, PetscInt64 rows,
-                          PetscInt columns, void *values)
-{
-  const hsize_t start[2] = {(hsize_t)first, 0}, extent[2] = {(hsize_t)rows, (hsize_t)columns};
-  hid_t         dataset, space, memory;
-  herr_t        status;
-
-  if (!rows || !columns) return PETSC_TRUE;
-  dataset = H5Dopen2(group, name, H5P_DEFAULT);
-  if (dataset < 0) return PETSC_FALSE;
-  space  = H5Dget_space(dataset);
-  memory = H5Screate_simple(H5Sget_simple_extent_ndims(space), extent, NULL);
-  status = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, extent, NULL);
-  if (status >= 0) status = H5Dread(dataset, type, memory, space, H5P_DEFAULT, values);
-  (void)H5Sclose(memory);
-  (void)H5Sclose(space);
-  (void)H5Dclose(dataset);
-  return (PetscBool)(status >= 0);
+  *file = MpmHdf5Open(path);
+  return *file >= 0 && H5Lexists(*file, "points", H5P_DEFAULT) > 0 ? H5Gopen2(*file, "points", H5P_DEFAULT)
+                                                                   : H5I_INVALID_HID;
 }
 
 static PetscBool ReadAttribute(hid_t group, const char *name, hid_t type, void *value)
@@ -105,16 +61,16 @@ static PetscBool ReadAttribute(hid_t group, const char *name, hid_t type, void *
 /* Bytes that rank 0 reads, and all get where they are `shared`. */
 static PetscErrorCode ReadBytes(MpmModel model, hid_t group, const char *name, PetscBool shared, MpmTextFile *text)
 {
-  hsize_t    extent[2];
-  PetscInt64 size = 0;
+  PetscInt64 extent[2] = {0, 0}, size;
 
   PetscFunctionBeginUser;
-  if (!model->rank) DatasetSize(group, name, extent, &size);
+  if (!model->rank) MpmHdf5Extent(group, name, extent);
+  size = extent[0];
   PetscCallMPI(MPI_Bcast(&size, 1, MPIU_INT64, 0, model->comm));
   MpmCheckInput(size >= 0, "-mpm_restart %s: it has no %s", model->checkpoint.restart->path, name);
   if (model->rank && !shared) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextFileReserve(text, (size_t)size));
-  if (!model->rank && !ReadRows(group, name, H5T_NATIVE_UCHAR, 0, size, 1, text->data)) size = 0;
+  if (!model->rank && !MpmHdf5ReadRows(group, name, H5T_NATIVE_UCHAR, 0, size, 1, text->data)) size = 0;
   if (shared) PetscCallMPI(MPI_Bcast(text->data, (PetscMPIInt)size, MPI_CHAR, 0, model->comm));
   text->data[size] = 0;
   text->length     = (size_t)size;
@@ -124,16 +80,15 @@ static PetscErrorCode ReadBytes(MpmModel model, hid_t group, const char *name, P
 /* All but the points. */
 static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
 {
-  MpmScalars *scalars = &restart->scalars;
-  hsize_t     extent[2];
-  PetscInt64  points = -1;
+  MpmScalars *scalars   = &restart->scalars;
+  PetscInt64  extent[2] = {-1, -1}, points;
   hid_t       file = H5I_INVALID_HID, group = H5I_INVALID_HID;
 
   PetscFunctionBeginUser;
   PetscCall(MpmScalarsCreate(model, scalars));
   if (!model->rank) {
     group = OpenPoints(restart->path, &file);
-    if (group >= 0) DatasetSize(group, "id", extent, &points);
+    if (group >= 0) MpmHdf5Extent(group, "id", extent);
     for (PetscInt k = 0; k < scalars->count && group >= 0; k++) {
       double    real;
       long long integer;
@@ -145,8 +100,9 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
       if (scalars->there[k] && !scalars->real[k]) scalars->number[k] = (PetscInt64)integer;
     }
   }
+  points = extent[0];
   PetscCallMPI(MPI_Bcast(&points, 1, MPIU_INT64, 0, model->comm));
-  MpmCheckInput(points >= 0 && points <= PETSC_INT_MAX, "-mpm_restart %s: its points cannot be read", restart->path);
+  MpmCheckInput(points > 0 && points <= PETSC_INT_MAX, "-mpm_restart %s: its points cannot be read", restart->path);
   restart->points = (PetscInt)points;
   PetscCallMPI(MPI_Bcast(scalars->there, (PetscMPIInt)scalars->count, MPIU_BOOL, 0, model->comm));
   PetscCallMPI(MPI_Bcast(scalars->value, (PetscMPIInt)scalars->count, MPIU_REAL, 0, model->comm));
@@ -188,7 +144,7 @@ static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The value of an option in a scene's text: `line` is where it stands, or NULL. The length is that of the value. */
+/* The value of an option in a scene's text, or NULL; `length` is that of the name. */
 static const char *SceneValue(const char *scene, const char *name, size_t length, size_t *value_length)
 {
   for (const char *line = scene; *line; line = strchr(line, '\n') + 1) {
@@ -265,7 +221,7 @@ PetscErrorCode MpmRestartOpen(MpmModel model)
 
 /* ---- points ---- */
 
-/* The window and the cuts as they were; `same`: as many ranks as then. */
+/* The cuts as they were; `same`: as many ranks as then. */
 static PetscErrorCode RestorePartition(MpmModel model, PetscBool *same)
 {
   const char *text  = model->checkpoint.restart->partition.data;
@@ -285,18 +241,16 @@ static PetscErrorCode RestorePartition(MpmModel model, PetscBool *same)
 static PetscBool ReadField(MpmRestart restart, hid_t group, const MpmPointField *field, PetscInt first, PetscInt rows,
                            void *array)
 {
-  const hid_t integer = sizeof(PetscInt) == sizeof(long long) ? H5T_NATIVE_LLONG : H5T_NATIVE_INT;
-  const hid_t real    = sizeof(PetscReal) == sizeof(double) ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
-  hsize_t     extent[2];
-  PetscInt64  total;
+  PetscInt64 extent[2];
 
-  DatasetSize(group, field->name, extent, &total);
-  if (total < 0 && !strcmp(field->name, "increment")) {
+  MpmHdf5Extent(group, field->name, extent);
+  if (extent[0] < 0 && !strcmp(field->name, "increment")) {
     memset(array, 0, (size_t)rows * (size_t)field->components * sizeof(PetscReal));
     return PETSC_TRUE;
   }
-  if (total != restart->points || extent[1] != (hsize_t)field->components) return PETSC_FALSE;
-  return ReadRows(group, field->name, field->integer ? integer : real, first, rows, field->components, array);
+  if (extent[0] != restart->points || extent[1] != field->components) return PETSC_FALSE;
+  return MpmHdf5ReadRows(group, field->name, field->integer ? MpmHdf5Integer() : MpmHdf5Real(), first, rows,
+                         field->components, array);
 }
 
 /* Fills the swarm with this rank's block of rows; `rank` and `place` are those of before. */

@@ -2,7 +2,6 @@
   What the model hands to its writers: points, history, summary.
 */
 #include "mpmimpl.h"
-#include <sys/resource.h>
 
 static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)
 {
@@ -165,18 +164,14 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .imbalance         = model->particles.imbalance,
                             .rebalances        = model->particles.rebalances};
   char           path[PETSC_MAX_PATH_LEN];
-  struct rusage  usage;
   PetscLogDouble now;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < model->grid.dim; a++) summary.cells *= model->grid.cells[a];
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->start;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &summary.time_total, 1, MPIU_REAL, MPIU_MAX, model->comm));
-  PetscCall(MPIU_Allreduce(model->seconds, summary.time, MPM_TIME_COUNT, MPIU_REAL, MPIU_MAX, model->comm));
-  getrusage(RUSAGE_SELF, &usage);
-  summary.memory_max = 1024. * (PetscReal)usage.ru_maxrss;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &summary.memory_max, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(PetscArraycpy(summary.time, model->seconds, MPM_TIME_COUNT));
+  PetscCall(MpmSummaryReduce(model->comm, &summary));
   PetscCall(ResultPath(model, "_summary.json", path, sizeof(path)));
   PetscCall(MpmSummaryWrite(model->comm, path, MPM_VERSION, &summary));
   if (!model->quiet) PetscCall(MpmSummaryPrint(model->comm, &summary));

@@ -3,6 +3,7 @@
   What a step's discrete space is made of, from the inside: grid, materials, physics, points, bodies, nodes. Each block
   names the file that implements it. Included by mpmimpl.h.
 */
+#include "dense.h"
 #include "mpm.h"
 
 #define MPM_MAX_DIM        3
@@ -13,13 +14,6 @@
 #define MPM_GHOST_RESCUE   1e-1                      /* and where a run would give up with less */
 #define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
 #define MPM_TOLERANCE      1e-6                      /* of a cell: what counts as "on" a region's edge */
-
-/* det of a dim x dim matrix */
-static inline PetscReal MpmDeterminant(PetscInt dim, const PetscReal A[])
-{
-  if (dim == 2) return A[0] * A[3] - A[1] * A[2];
-  return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) + A[2] * (A[3] * A[7] - A[4] * A[6]);
-}
 
 /* ---- grid.c ---- */
 
@@ -223,10 +217,10 @@ typedef struct _p_MpmBody *MpmBody;
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial materials[], MpmBody *body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
-/* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
                                PetscReal *points);
+/* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles);
 /* Where a place is to the region of a body; one from a file has none. */

@@ -23,7 +23,7 @@ static PetscReal ProcessMemory(void)
 
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary)
 {
-  PetscReal memory = ProcessMemory();
+  const PetscReal memory = ProcessMemory();
 
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, summary->time, MPM_TIME_COUNT, MPIU_REAL, MPIU_MAX, comm));

@@ -18,21 +18,27 @@ static PetscErrorCode AppendEscaped(MpmTextFile *text, const char *value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What the index says a dataset has: symmetric tensors are shown in full. */
+static PetscInt Components(const MpmXdmfTable *table, PetscInt i)
+{
+  return MpmXdmfIsTensor(table->datasets[i].components, table->integer[i]) ? 9 : table->datasets[i].components;
+}
+
 static PetscErrorCode AppendDataItem(MpmTextFile *grids, const MpmXdmfState *state, const MpmXdmfTable *table,
                                      PetscInt i)
 {
-  const MpmDataset *dataset   = &table->datasets[i];
-  size_t            precision = table->integer[i] ? sizeof(PetscInt) : state->real_size;
-  PetscBool         tensor    = (PetscBool)(!table->integer[i] && dataset->components == 6);
+  const MpmDataset *dataset    = &table->datasets[i];
+  const PetscInt    components = Components(table, i);
+  const size_t      precision  = table->integer[i] ? sizeof(PetscInt) : state->real_size;
 
   PetscFunctionBeginUser;
   PetscCall(
     MpmTextFileAppend(grids, "          <DataItem Format=\"HDF\" NumberType=\"%s\" Precision=\"%zu\" Dimensions=\"%lld",
                       table->integer[i] ? "Int" : "Float", precision, (long long)table->rows));
-  if (dataset->components > 1) PetscCall(MpmTextFileAppend(grids, " %lld", (long long)dataset->components));
+  if (components > 1) PetscCall(MpmTextFileAppend(grids, " %lld", (long long)components));
   PetscCall(MpmTextFileAppend(grids, "\">"));
   PetscCall(AppendEscaped(grids, state->file));
-  PetscCall(MpmTextFileAppend(grids, ":%s%s/", tensor ? MPM_XDMF_TENSORS : "",
+  PetscCall(MpmTextFileAppend(grids, ":%s%s/", components == dataset->components ? "" : MPM_XDMF_TENSORS,
                               table == &state->cells ? state->cell_group : state->group));
   PetscCall(AppendEscaped(grids, dataset->name));
   PetscCall(MpmTextFileAppend(grids, "</DataItem>\n"));
@@ -48,8 +54,6 @@ static const char *AttributeType(PetscInt components)
   case 2:
   case 3:
     return "Vector";
-  case 6:
-    return "Tensor6";
   case 9:
     return "Tensor";
   default:
@@ -65,26 +69,28 @@ static PetscErrorCode AppendAttribute(MpmTextFile *grids, const MpmXdmfState *st
   PetscFunctionBeginUser;
   PetscCall(MpmTextFileAppend(grids, "        <Attribute Name=\""));
   PetscCall(AppendEscaped(grids, dataset->name));
-  PetscCall(MpmTextFileAppend(grids, "\" AttributeType=\"%s\" Center=\"%s\">\n", AttributeType(dataset->components),
+  PetscCall(MpmTextFileAppend(grids, "\" AttributeType=\"%s\" Center=\"%s\">\n", AttributeType(Components(table, i)),
                               table == &state->nodes ? "Node" : "Cell"));
   PetscCall(AppendDataItem(grids, state, table, i));
   PetscCall(MpmTextFileAppend(grids, "        </Attribute>\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A cell of its own for each point, whose node is its id; or the grid's cells. */
+/* A cell of its own for each point, whose corner is its row; or the grid's cells. */
 static PetscErrorCode AppendTopology(MpmTextFile *grids, const MpmXdmfState *state)
 {
-  const MpmDataset   own     = {.name = "id", .components = 1};
-  const PetscBool    integer = PETSC_TRUE;
-  const MpmXdmfTable ids     = {state->nodes.rows, 1, &own, &integer};
-
   PetscFunctionBeginUser;
   if (!state->cells.dataset_count) {
+    const MpmDataset   numbers = {.name = state->numbers + 1, .components = 1};
+    const PetscBool    integer = PETSC_TRUE;
+    const MpmXdmfTable table   = {state->nodes.rows, 1, &numbers, &integer};
+    MpmXdmfState       root    = *state;
+
+    root.group = "";
     PetscCall(MpmTextFileAppend(
       grids, "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%lld\" NodesPerElement=\"1\">\n",
       (long long)state->nodes.rows));
-    PetscCall(AppendDataItem(grids, state, &ids, 0));
+    PetscCall(AppendDataItem(grids, &root, &table, 0));
   } else {
     for (PetscInt i = 0; i < state->cells.dataset_count; i++) {
       const MpmDataset *dataset = &state->cells.datasets[i];
@@ -103,6 +109,7 @@ static PetscErrorCode AppendTopology(MpmTextFile *grids, const MpmXdmfState *sta
 PetscErrorCode MpmXdmfAppend(MpmTextFile *grids, const MpmXdmfState *state)
 {
   PetscFunctionBeginUser;
+  if (!state->nodes.rows) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextFileAppend(grids, "      <Grid Name=\"%s\" GridType=\"Uniform\">\n        <Time Value=\"%.17g\"/>\n",
                               state->cells.dataset_count ? "grid" : "points", (double)state->time));
   PetscCall(AppendTopology(grids, state));

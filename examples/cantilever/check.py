@@ -86,7 +86,7 @@ def draw(results):
     state = results.state("last")
     values = state["stress"][:, 0] / 1e6
     largest = np.max(np.abs(values))
-    axes, body = draw_plane(left, state, results.initial, values, ("coolwarm", -largest, largest), True)
+    axes, body = draw_plane(left, state, results.origin(state), values, ("coolwarm", -largest, largest), True)
     left.colorbar(body, ax=axes, shrink=0.8, label="$\\sigma_{xx}$ (MPa)")
     shape = results.option("mpm_shape")
     axes.set_title(f"h = {cell_size(results):g} m, {len(values)} points, {shape}", fontsize="medium")

@@ -74,7 +74,7 @@ def draw(results):
     state = results.state("last")
     figure = plt.figure(figsize=(9.0, 4.6), layout="constrained")
     plastic = state["equivalent_plastic_strain"]
-    axes, body = draw_plane(figure, state, results.initial, plastic, ("viridis", 0.0, plastic.max()), True)
+    axes, body = draw_plane(figure, state, results.origin(state), plastic, ("viridis", 0.0, plastic.max()), True)
     figure.colorbar(body, ax=axes, shrink=0.8, label="equivalent plastic strain")
     for name, place in (("top", (WIDTH, HEIGHT)), ("toe", (WIDTH, 0.0))):
         displacement = corner(results, name, 1.0)

@@ -83,7 +83,7 @@ def draw(results):
     state, start, factor = results.state("last"), results.initial["position0"], results.column("load")[-1]
     values = pressure(state["stress"]) / factor
     largest = np.percentile(np.abs(values), 99.0)
-    axes, body = draw_plane(left, state, results.initial, values, ("coolwarm", -largest, largest), False)
+    axes, body = draw_plane(left, state, results.origin(state), values, ("coolwarm", -largest, largest), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="pressure (Pa)", extend="both")
     axes.set_title(f"h = {cell_size(results):g} m, {results.option('mpm_shape')}, "
                    f"F-bar {'on' if with_mean(results) else 'off'}", fontsize="medium")

@@ -88,7 +88,7 @@ def draw(results):
     state = results.state("last")
     across = np.einsum("i,pij,j->p", normal, state["stress"][:, [[0, 3], [3, 1]]], normal) / 1e3
     largest = np.max(np.abs(across))
-    axes, body = draw_plane(left, state, results.initial, across, ("coolwarm", -largest, largest), False)
+    axes, body = draw_plane(left, state, results.origin(state), across, ("coolwarm", -largest, largest), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="stress across the plane (kPa)")
     foot = np.array(results.numbers("mpm_boundary_slope_point"))
     ends = np.array([foot - 1.0 * down, foot + 5.0 * down])

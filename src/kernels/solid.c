@@ -27,7 +27,7 @@ MPM_FN int Stress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 
   if (!point->stress_n) return law(&law_point, dF, tau);
   *tau = SymLoad(point->stress_n);
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(TensorArrayDet(point->F_n), tau);
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_DIM, point->F_n), tau);
   return 0;
 }
 

@@ -7,7 +7,8 @@ Fenced blocks are read in their order, page by page, in a folder that looks like
     console   commands that a test cannot run, and what programs print; left alone
     others    a file, whose first line names it (`# ground.yaml`)
 
-A file that nothing uses is a failure, and so are a link to nowhere and a block without a language.
+A file that nothing uses is a failure, and so are a link to nowhere and a block without a language. The sources' comments
+name nothing that does not exist, and none stands on another one, away from what it describes.
 """
 import os
 import re
@@ -23,6 +24,9 @@ from talus_test import ENVIRONMENT, ROOT, TIME_LIMIT, Test  # noqa: E402
 FENCE = re.compile(r"^```(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")
 STATUS = re.compile(r"#\s*exit status (\d+)\s*$")
+COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+PUBLIC = re.compile(r"\b(?:Mpm|MPM_)\w+(?!\w*\.\.\.)")
+STACKED = re.compile(r"^/\*(?! ----)(?:(?!\*/).)*\*/\n/\*(?! ----)", re.DOTALL | re.MULTILINE)
 NAME = re.compile(r"# (\S+)\s*$")
 
 
@@ -99,8 +103,21 @@ def read_page(test, page, folder, environment, unused):
     return count
 
 
+def check_comments(test):
+    sources = {path: path.read_text(encoding="utf-8") for folder in ("include", "src", "materials", "tests")
+               for path in (ROOT / folder).rglob("*.[ch]")}
+    known = {name for text in sources.values() for name in PUBLIC.findall(COMMENT.sub("", text))}
+    for path, text in sources.items():
+        unknown = {name for comment in COMMENT.findall(text) for name in PUBLIC.findall(comment)} - known
+        stacked = STACKED.findall(text)
+        if unknown or stacked:
+            print(f"{path}: no such name {sorted(unknown)}, comments on comments {stacked}")
+        test.check(f"{path.relative_to(ROOT)}:comments", len(unknown) + len(stacked), None, 0)
+
+
 def main():
     with Test() as test:
+        check_comments(test)
         folder, environment = surroundings(test)
         unused, count = set(), 0
         for page in pages():

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/plot.py without a screen: pictures in 2D and 3D, a film, curves; and what it says of what is not there."""
+"""scripts/plot.py without a screen: pictures in 2D and 3D, films, also of bodies that come and go, curves; and what it says
+of what is not there."""
 import sys
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ROOT, Test, call, example  # noqa: E402
+from talus_test import ROOT, Test, call, difference, example  # noqa: E402
 
 PLOT = ROOT / "scripts" / "plot.py"
 
@@ -29,6 +30,18 @@ def check_picture(test, run, name, *words):
     test.check(f"{name}.colours", colours(run.folder / name) if process.returncode == 0 else 0, 50)
 
 
+def check_origin(test, results):
+    """Ground and fill of dig.yaml, when the cover has gone and the fill has come: where each point was first."""
+    state = results.state("last")
+    ground = results.initial["position0"][results.initial["position0"][:, 1] < 4.0]
+    origin = results.origin(state)
+    test.check("origin.gone", len(results.initial["id"]) - len(ground), 32, 32)
+    test.check("origin.ground", difference(ground, origin.position[: len(ground)]), None, 0.0)
+    fill = np.sort(origin.position[len(ground):, 1])  # two rows of eight
+    test.check("origin.fill", np.abs(fill - np.repeat([4.125, 4.375], 8)).max(), None, 1e-3)
+    test.check("origin.lengths", np.abs(origin.lengths - 0.25).max(), None, 1e-6)
+
+
 with Test() as test:
     plane = test.run(example("collapse"), mpm_grid_cells="16,8", mpm_time_step=0.1, mpm_output_every=2)
     space = test.run(example("slump3d"), mpm_body_block_points_per_cell="2,2,2", mpm_time_step=0.25, mpm_output_every=2)
@@ -36,7 +49,11 @@ with Test() as test:
     check_picture(test, plane, "mises.png", "--field", "von_mises", "--step", "2")
     check_picture(test, space, "pressure.png", "--field", "pressure", "--deformed")
     check_picture(test, space, "displacement.png", "--step", "last")
-    for count, scene in ((6, plane), (3, space)):
+    dig = test.run(ROOT / "tests" / "verification" / "dig.yaml")
+    check_origin(test, dig.results)
+    check_picture(test, dig, "removed.png", "--field", "stress", "--component", "yy", "--step", "2", "--deformed")
+    check_picture(test, dig, "joined.png", "--field", "stress", "--component", "yy")
+    for count, scene in ((6, plane), (3, space), (7, dig)):
         process = plot(scene, "--field", "von_mises", "--animate", "--output", "film.gif")
         test.check("film.status", process.returncode, 0, 0)
         test.check("film.pictures", Image.open(scene.folder / "film.gif").n_frames, count, count)

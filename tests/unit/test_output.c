@@ -205,18 +205,18 @@ static void CheckIntegers(hid_t group, const char *name, PetscInt factor, PetscI
   free(values);
 }
 
-/* The same stress in XDMF's order: xx, xy, xz, yy, yz, zz out of xx, yy, zz, xy, yz, xz. */
+/* The same stress row by row: xx, xy, xz, yx, ... out of xx, yy, zz, xy, yz, xz. */
 static void CheckTensors(hid_t file, PetscInt step, PetscInt points)
 {
-  static const PetscInt column[] = {0, 3, 5, 1, 4, 2};
+  static const PetscInt column[] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
   char                  name[64];
   double               *values;
 
   snprintf(name, sizeof(name), "/tensors/points/%06d/stress", (int)step);
-  values = ReadDataset(file, name, points, 6);
+  values = ReadDataset(file, name, points, 9);
   for (PetscInt id = 0; id < points; ++id)
-    for (PetscInt c = 0; c < 6; ++c)
-      ck_assert_msg(values[6 * id + c] == Written(RealOf(step, id, column[c])), "tensor [%d,%d]", (int)id, (int)c);
+    for (PetscInt c = 0; c < 9; ++c)
+      ck_assert_msg(values[9 * id + c] == Written(RealOf(step, id, column[c])), "tensor [%d,%d]", (int)id, (int)c);
   free(values);
 }
 
@@ -314,7 +314,7 @@ START_TEST(test_single_precision)
   ck_assert_uint_eq(H5Dget_storage_size(dataset), 500 * 9 * sizeof(float));
   H5Tclose(type);
   H5Dclose(dataset);
-  /* the other order of a tensor's components takes no room */
+  /* a tensor in full takes no room */
   dataset = H5Dopen2(file, "/tensors/points/000001/stress", H5P_DEFAULT);
   ck_assert_uint_eq(H5Dget_storage_size(dataset), 0);
   H5Dclose(dataset);
@@ -401,6 +401,7 @@ END_TEST
 
 START_TEST(test_no_points_at_all)
 {
+  char     *text;
   MpmOutput output;
 
   CALL(CreateOutput(PathOf("none"), &output));
@@ -409,6 +410,9 @@ START_TEST(test_no_points_at_all)
   CALL(WriteState(output, 1234567, 5, 2)); /* steps beyond six digits keep theirs */
   CheckState(PathOf("none.h5"), 1234567, 5, 2);
   CALL(MpmOutputDestroy(&output));
+  text = ReadFile(PathOf("none.xdmf"));
+  ck_assert_int_eq(CountOf(text, "<Grid Name=\"points\""), 1);
+  free(text);
 }
 END_TEST
 
@@ -444,15 +448,64 @@ START_TEST(test_index_lists_every_state)
   ck_assert_int_eq(CountOf(text, "NumberOfElements=\"20\""), 3);
   ck_assert_int_eq(CountOf(text, "GeometryType=\"XY\""), 1);
   ck_assert_int_eq(CountOf(text, "GeometryType=\"XYZ\""), 2);
-  ck_assert_int_eq(CountOf(text, "Dimensions=\"20 6\">index.h5:/tensors/points/000010/stress<"), 1);
+  ck_assert_int_eq(CountOf(text, "Dimensions=\"20 9\">index.h5:/tensors/points/000010/stress<"), 1);
   ck_assert_int_eq(CountOf(text, "Dimensions=\"20\">index.h5:/points/000010/id<"), 1);
-  ck_assert_int_eq(CountOf(text, "Name=\"stress\" AttributeType=\"Tensor6\""), 3);
+  ck_assert_int_eq(CountOf(text, "Name=\"stress\" AttributeType=\"Tensor\""), 3);
   ck_assert_int_eq(CountOf(text, "Name=\"F\" AttributeType=\"Tensor\""), 3);
   ck_assert_int_eq(CountOf(text, "Name=\"volume\" AttributeType=\"Scalar\""), 3);
   ck_assert_int_eq(CountOf(text, "<Grid"), CountOf(text, "</Grid>"));
   ck_assert_ptr_nonnull(strstr(text, "</Xdmf>"));
   free(text);
   ck_assert_int_ne(access(PathOf("index.xdmf.tmp"), F_OK), 0);
+}
+END_TEST
+
+/* Points whose ids begin with `first` and leave every second number out. */
+static void WriteSparse(MpmOutput output, PetscInt step, PetscInt first, PetscInt points)
+{
+  PetscInt  *id, count = 0;
+  PetscReal *position;
+  MpmDataset dataset = {.name = "position", .components = 2};
+
+  CALL(PetscMalloc2(points, &id, (size_t)(2 * points), &position));
+  for (PetscInt k = points - 1; k >= 0; --k) {
+    if (HolderOf(k, 0) != my_rank) continue;
+    position[2 * count] = position[2 * count + 1] = RealOf(step, k, 0);
+    id[count++]                                   = first + 2 * k;
+  }
+  dataset.real = position;
+  CALL(MpmOutputWrite(output, step, 0.1 * (PetscReal)step, count, id, 1, &dataset));
+  CALL(PetscFree2(id, position));
+}
+
+/* Where ids are not the rows' numbers, these stand in the file, once for all states of as many points. */
+START_TEST(test_index_of_ids_with_holes)
+{
+  char     *text;
+  double   *numbers;
+  hid_t     file;
+  MpmOutput output;
+
+  CALL(CreateOutput(PathOf("holes"), &output));
+  WriteSparse(output, 0, 0, 1); /* a single point, id 0 */
+  WriteSparse(output, 1, 0, 30);
+  WriteSparse(output, 2, 5, 30);
+  WriteSparse(output, 3, 1, 1);
+  CALL(MpmOutputDestroy(&output));
+  text = ReadFile(PathOf("holes.xdmf"));
+  ck_assert_int_eq(CountOf(text, "Dimensions=\"1\">holes.h5:/points/000000/id<"), 1);
+  ck_assert_int_eq(CountOf(text, "/id<"), 1);
+  ck_assert_int_eq(CountOf(text, "Dimensions=\"30\">holes.h5:/rows/30<"), 2);
+  ck_assert_int_eq(CountOf(text, "Dimensions=\"1\">holes.h5:/rows/1<"), 1);
+  free(text);
+  file    = H5Fopen(PathOf("holes.h5"), H5F_ACC_RDONLY, H5P_DEFAULT);
+  numbers = ReadDataset(file, "/rows/30", 30, 1);
+  for (PetscInt row = 0; row < 30; ++row) ck_assert_msg(numbers[row] == (double)row, "row %d", (int)row);
+  free(numbers);
+  numbers = ReadDataset(file, "/rows/1", 1, 1);
+  ck_assert(numbers[0] == 0.);
+  free(numbers);
+  H5Fclose(file);
 }
 END_TEST
 
@@ -666,6 +719,7 @@ static void AddPoints(Suite *suite, const char *name, void (*choose)(void))
   tcase_add_test(points, test_no_points_at_all);
   tcase_add_test(points, test_a_new_run_truncates);
   tcase_add_test(points, test_index_lists_every_state);
+  tcase_add_test(points, test_index_of_ids_with_holes);
   tcase_add_test(points, test_bad_rows_are_refused);
   tcase_add_test(points, test_unwritable_place);
   tcase_add_test(points, test_failure_amid_a_write_keeps_earlier_states);

@@ -2,7 +2,7 @@
 """What a viewer finds in the files of a run: points and grid, in 2D and 3D, read through the XDMF index and drawn.
 
 The grid's fields against what the history and the points say: the reactions' sum, the load's, the mass. The same on any
-number of ranks. Chosen fields, single precision, no output at all. With TALUS_PICTURES=FOLDER in the environment the
+number of ranks. Bodies that come and go. Chosen fields, single precision, no output at all. With TALUS_PICTURES=FOLDER in the environment the
 pictures are kept there.
 """
 import os
@@ -17,9 +17,24 @@ from talus_test import Test, call, difference, example  # noqa: E402
 import matplotlib.image  # noqa: E402
 import xdmf  # noqa: E402
 
-ORDER = [0, 3, 5, 1, 4, 2]  # of xx, yy, zz, xy, yz, xz, as XDMF wants them
+FULL = [0, 3, 5, 3, 1, 4, 5, 4, 2]  # of xx, yy, zz, xy, yz, xz: the tensor row by row
 PICTURES = os.environ.get("TALUS_PICTURES")
 LOAD = -100e3  # N, the cantilever's at the end
+HEAVY = """mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "2,2", cells: "4,4"}
+  shape: gimp
+  materials: soil
+  material_soil: {type: hencky, E: 1e9, nu: 0.3, density: 1000}
+  bodies: heavy
+  body_heavy: {region: file, file: "heavy.csv", material: soil}
+  bcs: base
+  bc_base: {region: box, lower: "0,0", upper: "2,0", components: "x,y"}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-10"}
+  time: {step: 1}
+  output: {prefix: heavy, grid: true}
+"""
 
 
 def h5(run):
@@ -31,9 +46,9 @@ def by_place(state):
     return np.lexsort(state.position.T)
 
 
-def in_order(values):
+def in_full(values):
     """A field as the index shows it."""
-    return values[:, ORDER] if values.shape[-1:] == (6,) else values
+    return values[:, FULL] if values.shape[-1:] == (6,) else values
 
 
 def check_points(test, label, run, collections):
@@ -43,7 +58,7 @@ def check_points(test, label, run, collections):
     for step, state in zip(results.steps, states):
         stored = results.state(step)
         test.check(f"{label}.{step}.time", state.time - stored.time, 0.0, 0.0)
-        wrong = [name for name, values in state.fields.items() if not np.array_equal(values, in_order(stored[name]))]
+        wrong = [name for name, values in state.fields.items() if not np.array_equal(values, in_full(stored[name]))]
         test.check(f"{label}.{step}.wrong_fields", len(wrong), None, 0)
         test.check(f"{label}.{step}.missing_fields", len(set(stored.fields) - set(state.fields) - {"id", "position"}),
                    None, 0)
@@ -136,6 +151,33 @@ def space(test):
     check_picture(test, "space", double)
 
 
+def stages(test):
+    """Bodies come and go: the index has each state's points, each once, and refers to no other; see also xdmf.read()."""
+    run = test.run(Path(__file__).parent / "dig.yaml", ranks=2, mpm_output_grid="true", mpm_quiet=None)
+    seen = xdmf.read(run.prefix + ".xdmf")
+    check_points(test, "stages", run, seen)
+    ids = [run.results.state(step)["id"] for step in run.results.steps]
+    test.check("stages.ids_with_holes", sum(rows.max() >= len(rows) for rows in ids), 3, len(ids) - 1)
+    corners = [np.count_nonzero(state.cells[:, 0] != np.arange(len(rows))) for state, rows in zip(seen["states"], ids)]
+    test.check("stages.wrong_corners", sum(corners), None, 0)
+    with h5(run) as file:
+        counts = {len(rows) for rows in ids if rows.max() >= len(rows)}
+        test.check("stages.row_numbers", len(set(file["rows"]) ^ {str(count) for count in counts}), None, 0)
+
+
+def own_masses(test):
+    """Points from a file with masses of their own, two and a half times the law's density: the grid holds them."""
+    folder = test.folder()
+    places = [(0.125 + 0.25 * i, 0.125 + 0.25 * j) for j in range(4) for i in range(8)]
+    mass = 2.5 * 1000.0 * 0.0625  # kg, of a point
+    (folder / "heavy.csv").write_text("x,y,volume,mass\n" + "".join(f"{x},{y},0.0625,{mass}\n" for x, y in places))
+    (folder / "heavy.yaml").write_text(HEAVY.replace("heavy.csv", str(folder / "heavy.csv")))
+    run = test.run(folder / "heavy.yaml", mpm_quiet=None)
+    for grid in xdmf.read(run.prefix + ".xdmf")["grids"]:
+        test.near("own_masses.grid", grid.fields["mass"].sum(), mass * len(places), relative=1e-12)
+    test.near("own_masses.load", grid.fields["load"][:, 1].sum(), -10.0 * mass * len(places), relative=1e-12)
+
+
 def switched_off(test):
     """Without states there is no file of them; scripts/bench.py output measures that they cost nothing."""
     run = test.run(example("bar_elastic"), ranks=2, mpm_output_every=0, mpm_output_grid="true", mpm_quiet=None)
@@ -153,5 +195,7 @@ def refused(test):
 with Test() as test:
     plane(test)
     space(test)
+    stages(test)
+    own_masses(test)
     switched_off(test)
     refused(test)

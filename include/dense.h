@@ -1,0 +1,39 @@
+#pragma once
+/*
+  Small dense matrices of plain numbers, dim x dim with dim 2 or 3, row-major; tensor.h has those of Scalars. In plane
+  strain a deformation gradient is its in-plane block.
+*/
+
+/* Functions of the pointwise kernels, wherever these are compiled for. */
+#if defined(__CUDACC__)
+#define MPM_FN static __host__ __device__ inline
+#else
+#define MPM_FN static inline
+#endif
+
+/* det A */
+MPM_FN double MpmDeterminant(long dim, const double A[])
+{
+  if (dim == 2) return A[0] * A[3] - A[1] * A[2];
+  return A[0] * (A[4] * A[8] - A[5] * A[7]) + A[1] * (A[5] * A[6] - A[3] * A[8]) + A[2] * (A[3] * A[7] - A[4] * A[6]);
+}
+
+/* The cofactors of A, the derivatives of det A by its entries: A^{-T} = cof A / det A. Returns det A. */
+MPM_FN double MpmCofactors(long dim, const double A[], double cofactor[])
+{
+  if (dim == 2) {
+    cofactor[0] = A[3];
+    cofactor[1] = -A[2];
+    cofactor[2] = -A[1];
+    cofactor[3] = A[0];
+    return MpmDeterminant(dim, A);
+  }
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      const int i1 = 3 * ((i + 1) % 3), i2 = 3 * ((i + 2) % 3), j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+
+      cofactor[3 * i + j] = A[i1 + j1] * A[i2 + j2] - A[i1 + j2] * A[i2 + j1];
+    }
+  }
+  return MpmDeterminant(dim, A);
+}
