@@ -11,6 +11,7 @@
   nothing can lock, and the mean over a cell would only cost accuracy.
 */
 #include "mpmimpl.h"
+#include "optionsimpl.h"
 
 #define FBAR_NU 0.45
 
