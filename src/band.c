@@ -138,10 +138,8 @@ static PetscErrorCode TakeWhole(PC pc, Band *band, Mat A)
     PetscCall(PCFactorGetMatrix(band->whole, &factor));
     PetscCall(MatGetBlockSize(A, &bs));
     PetscCall(MatMumpsSetIcntl(factor, 8, 1));
-    if (bs == 2) {
-      PetscCall(MatMumpsSetIcntl(factor, 7, 6));
-      PetscCall(MatMumpsSetIcntl(factor, 13, 1));
-    }
+    PetscCall(MatMumpsSetIcntl(factor, 13, 1));
+    if (bs == 2) PetscCall(MatMumpsSetIcntl(factor, 7, 6));
   }
   PetscCall(PCSetOperators(band->whole, A, A));
   PetscCall(PCSetUp(band->whole));
@@ -295,5 +293,15 @@ PetscErrorCode MpmBandIs(PC pc, PetscBool *is)
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCSHELL, is));
   if (*is) PetscCall(PCShellGetName(pc, &name));
   PetscCall(PetscStrcmp(name, shell_name, is));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBandGetWhole(PC pc, PC *whole)
+{
+  Band *band;
+
+  PetscFunctionBeginUser;
+  PetscCall(PCShellGetContext(pc, &band));
+  *whole = band->taken ? band->whole : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

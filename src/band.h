@@ -27,3 +27,5 @@ PetscErrorCode MpmBandOrderDestroy(MpmBandOrder *order);
 /* Makes the type known to PETSc; and is this a solver of that type? */
 PetscErrorCode MpmBandRegister(void);
 PetscErrorCode MpmBandIs(PC pc, PetscBool *is);
+/* MUMPS, where it has taken over; NULL where the band's Cholesky has done, so that the matrix is positive definite. */
+PetscErrorCode MpmBandGetWhole(PC pc, PC *whole);

@@ -554,6 +554,7 @@ struct _p_MpmModel {
   MpmBodyForce    body_force;
   void           *body_force_ctx;
   PetscBool       fbar, fbar_auto;
+  PetscBool       stop_unstable, told_unstable; /* where the tangent loses definiteness; it has, and that was said */
   const char     *fbar_why;                 /* what `auto` went by, or NULL */
   PetscReal       ghost;                    /* factor of the ghost penalty, 0: none */
   PetscBool       ghost_auto, ghost_rescue; /* nobody has set it; raise it before giving up */
@@ -659,7 +660,17 @@ PetscErrorCode MpmSolverChoose(MpmModel model);
 PetscErrorCode MpmSolverSetUp(MpmModel model);
 PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model);
 PetscErrorCode MpmSolverSolve(MpmModel model, SNESConvergedReason *reason);
+/* A new solver after a linear solve has failed, with GMRES where CG met an indefinite Jacobian. */
+PetscErrorCode MpmSolverRenew(MpmModel model);
 PetscErrorCode MpmSolverDestroy(MpmModel model);
+/*
+  Loss of definiteness (stability.c). Check: is the equilibrium just found a stable one? If not, `why` says so and where,
+  unless the scene wants to follow it. Explain: adds to the reason for which a step has failed, where that is one.
+*/
+PetscErrorCode MpmStabilityRead(MpmModel model, const MpmOptions *options);
+PetscBool      MpmStabilityWanted(const MpmModel model);
+PetscErrorCode MpmStabilityCheck(MpmModel model, const char **why);
+PetscErrorCode MpmStabilityExplain(MpmModel model, const char **why);
 /* Frees the arrays. */
 PetscErrorCode MpmTrialReset(MpmTrial *trial);
 /*

@@ -196,6 +196,8 @@ static PetscErrorCode TuneDirect(MpmModel model, PetscReal unknowns)
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
   if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->symmetric) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
+  if (MpmStabilityWanted(model))
+    PetscCall(OptionDefault("-mat_mumps_icntl_13", "1")); /* or not all pivots are counted */
   if (model->grid.dim == 2 && small) {
     PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
     PetscCall(OptionDefault("-mat_mumps_icntl_13", "1"));
@@ -368,7 +370,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmModel model)
   After a linear solve has failed: a factorisation that failed must not be used again, and GAMG cannot be reset, so the
   solver is made anew; with GMRES where CG met an indefinite Jacobian.
 */
-static PetscErrorCode Renew(MpmModel model)
+PetscErrorCode MpmSolverRenew(MpmModel model)
 {
   KSP                ksp;
   KSPConvergedReason why;
@@ -445,7 +447,7 @@ static PetscErrorCode Newton(MpmModel model, SNESConvergedReason *reason)
     again = PETSC_FALSE;
     if (*reason == SNES_DIVERGED_LINEAR_SOLVE) {
       PetscCall(RaiseWorkspace(model, &again));
-      PetscCall(Renew(model));
+      PetscCall(MpmSolverRenew(model));
     }
   } while (again);
   PetscFunctionReturn(PETSC_SUCCESS);

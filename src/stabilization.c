@@ -44,6 +44,7 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                            "plastically or nu is above 0.45, unless only one component of the displacement is free), "
                            "true or false",
                            fbar_words, MPM_OPTIONAL, &word, NULL));
+  PetscCall(MpmStabilityRead(model, options));
   model->fbar_auto = (PetscBool)(word == 0);
   model->fbar      = (PetscBool)(word % 2 == 1);
   PetscFunctionReturn(PETSC_SUCCESS);

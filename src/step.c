@@ -360,8 +360,11 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     *hopeless = PETSC_FALSE;
     *why      = ReasonText(reason);
     PetscCall(MpmHeldExplain(model, why, hopeless));
+    if (!*hopeless) PetscCall(MpmStabilityExplain(model, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(MpmStabilityCheck(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindLost(model, why));
   if (*why) {
     *hopeless = PETSC_FALSE;

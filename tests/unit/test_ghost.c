@@ -12,8 +12,7 @@ static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "
 static const char *const floor_2d = "-mpm_bcs floor -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0 "
                                     "-mpm_bc_floor_upper 12,5 -mpm_bc_floor_components x,y";
 
-#define FACTOR "1e-4"
-#define LEAST  "3e-7" /* what `auto` takes for hats in 2D */
+#define FACTOR "1e-2" /* what `auto` takes */
 
 static PetscErrorCode Create(PetscInt dim, const char *shape, const char *ghost, PetscBool held, MpmModel *model)
 {

@@ -1,0 +1,224 @@
+/*
+  Is the equilibrium that a step has found a stable one?
+
+  Where no material has a history, the tangent of a symmetric problem is the second derivative of its energy. Once it is no
+  longer positive definite there is more than one equilibrium near by, and the one that Newton finds is none that the
+  material would take: the surface of rubber wrinkles, a column buckles (Hill 1958, doi:10.1016/0022-5096(58)90029-2; Biot
+  1963, doi:10.1007/BF03184980, for the surface of a half-space). Newton alone does not notice: a uniform block stays
+  uniform. By Sylvester's law the factors of a direct solver have as many negative pivots as the tangent has negative
+  eigenvalues, so that looking costs nothing; CG comes upon a negative curvature by itself. Only then is the tangent made once
+  more, at the solution, and the mode looked for by inverse iteration, A v_{k+1} = D v_k with D = |diag A|, which finds
+  the eigenvalue nearest to zero.
+
+  A law with a history flows: at a limit load its tangent has lost definiteness by nature, and nothing is said.
+*/
+#include "band.h"
+#include "mpmimpl.h"
+
+#define MODE_ITERATIONS 12
+
+static const char *const words[] = {"auto", "stop", "follow", NULL};
+
+PetscErrorCode MpmStabilityRead(MpmModel model, const MpmOptions *options)
+{
+  const MpmOptions block  = {options->comm, "mpm_stabilization_", options->record};
+  PetscInt         choice = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsWord(&block, "unstable",
+                   "an equilibrium whose tangent has lost definiteness: stop with its place, or follow it; auto "
+                   "stops where no material has a history, and does not look elsewhere",
+                   words, MPM_OPTIONAL, &choice, NULL));
+  model->stop_unstable = (PetscBool)(choice < 2);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does definiteness mean stability here? */
+static PetscBool Applies(const MpmModel model)
+{
+  for (PetscInt m = 0; m < model->material_count; m++)
+    if (model->materials[m].state_size) return PETSC_FALSE;
+  return (PetscBool)(model->symmetric && model->layout.solid);
+}
+
+PetscBool MpmStabilityWanted(const MpmModel model)
+{
+  return (PetscBool)(Applies(model) && !model->told_unstable);
+}
+
+/* Negative eigenvalues of the matrix that was factorised last; 0 where the solver cannot tell. */
+static PetscErrorCode CountNegative(MpmModel model, PetscInt *negative)
+{
+  KSP           ksp;
+  PC            pc;
+  PetscBool     band, cholesky;
+  MatSolverType package;
+  Mat           factor;
+
+  PetscFunctionBeginUser;
+  *negative = 0;
+  PetscCall(SNESGetKSP(model->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(MpmBandIs(pc, &band));
+  if (band) PetscCall(MpmBandGetWhole(pc, &pc)); /* NULL where the band was positive definite */
+  if (!pc) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCCHOLESKY, &cholesky));
+  if (!cholesky) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCFactorGetMatSolverType(pc, &package));
+  if (!package || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCFactorGetMatrix(pc, &factor));
+  PetscCall(MatMumpsGetInfog(factor, 12, negative));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A start for the inverse iteration that does not depend on the ranks. */
+static PetscErrorCode StartMode(MpmModel model, Vec mode)
+{
+  const PetscInt bs = model->layout.block, dim = model->grid.dim;
+  PetscScalar   *v;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayWrite(mode, &v));
+  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
+    const PetscInt *node = &model->space.node[k / bs * dim];
+    PetscReal       seed = 12.9898 * (PetscReal)node[0] + 78.233 * (PetscReal)node[1] + 3.7 * (PetscReal)(k % bs);
+
+    if (dim > 2) seed += 37.719 * (PetscReal)node[2];
+    v[k] = model->constraints.condition[k] < 0 ? PetscSinReal(seed) : 0.;
+  }
+  PetscCall(VecRestoreArrayWrite(mode, &v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The mode whose eigenvalue is nearest to zero, and that eigenvalue relative to the diagonal. */
+static PetscErrorCode FindMode(MpmModel model, Mat A, Vec mode, PetscReal *eigenvalue)
+{
+  Vec         diagonal, work;
+  KSP         ksp;
+  PetscReal   norm;
+  PetscScalar top, bottom;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(model->snes, &ksp));
+  PetscCall(VecDuplicate(mode, &diagonal));
+  PetscCall(VecDuplicate(mode, &work));
+  PetscCall(MatGetDiagonal(A, diagonal));
+  PetscCall(VecAbs(diagonal));
+  PetscCall(StartMode(model, mode));
+  for (PetscInt it = 0; it < MODE_ITERATIONS; it++) {
+    PetscCall(VecPointwiseMult(work, diagonal, mode));
+    PetscCall(KSPSolve(ksp, work, mode));
+    PetscCall(VecNormalize(mode, &norm));
+    if (!(norm > 0.)) break;
+  }
+  PetscCall(MatMult(A, mode, work));
+  PetscCall(VecDot(work, mode, &top));
+  PetscCall(VecPointwiseMult(work, diagonal, mode));
+  PetscCall(VecDot(work, mode, &bottom));
+  *eigenvalue = PetscRealPart(top) / PetscRealPart(bottom);
+  PetscCall(VecDestroy(&diagonal));
+  PetscCall(VecDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where the mode is largest. */
+static PetscErrorCode FindPlace(MpmModel model, Vec mode, PetscReal place[])
+{
+  const PetscInt     bs = model->layout.block, dim = model->grid.dim;
+  const PetscScalar *v;
+  struct {
+    double size;
+    int    rank;
+  } most = {-1., model->rank};
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) place[a] = 0.;
+  PetscCall(VecGetArrayRead(mode, &v));
+  for (PetscInt i = 0; i < model->space.owned; i++) {
+    PetscReal size = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) size += PetscSqr(PetscRealPart(v[i * bs + a]));
+    if (!(size > most.size)) continue;
+    most.size = size;
+    for (PetscInt a = 0; a < dim; a++)
+      place[a] = model->grid.lower[a] + model->grid.h[a] * (PetscReal)model->space.node[i * dim + a];
+  }
+  PetscCall(VecRestoreArrayRead(mode, &v));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, model->comm));
+  PetscCallMPI(MPI_Bcast(place, MPM_MAX_DIM, MPIU_REAL, most.rank, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Puts the loss and its place into model->lost. */
+static PetscErrorCode Describe(MpmModel model, const char *what, Vec mode)
+{
+  PetscReal place[MPM_MAX_DIM];
+  char      text[96];
+
+  PetscFunctionBeginUser;
+  PetscCall(FindPlace(model, mode, place));
+  PetscCall(PetscSNPrintf(text, sizeof(text), model->grid.dim > 2 ? "(%.4g, %.4g, %.4g)" : "(%.4g, %.4g)",
+                          (double)place[0], (double)place[1], (double)place[2]));
+  PetscCall(PetscSNPrintf(model->lost, sizeof(model->lost),
+                          "%s: the tangent has lost definiteness, in a mode that is largest at %s", what, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityCheck(MpmModel model, const char **why)
+{
+  PetscInt  negative   = 0;
+  PetscReal eigenvalue = 0.;
+  PetscBool lost, cg;
+  Mat       J, P;
+  Vec       mode;
+  KSP       ksp;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  if (!MpmStabilityWanted(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CountNegative(model, &negative));
+  if (negative <= 0 && !model->indefinite) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetJacobian(model->snes, &J, &P, NULL, NULL));
+  PetscCall(SNESComputeJacobian(model->snes, model->x, J, P));
+  PetscCall(SNESGetKSP(model->snes, &ksp));
+  PetscCall(KSPSetOperators(ksp, J, P));
+  PetscCall(KSPSetUp(ksp));
+  PetscCall(CountNegative(model, &negative));
+  PetscCall(VecDuplicate(model->x, &mode));
+  PetscCall(FindMode(model, J, mode, &eigenvalue));
+  lost = (PetscBool)(negative > 0 || eigenvalue < 0.);
+  if (lost) PetscCall(Describe(model, "this equilibrium is not a stable one", mode));
+  PetscCall(VecDestroy(&mode));
+  cg = (PetscBool)(model->indefinite && !lost);
+  if (cg) { /* it was on the way only: CG will find the next one */
+    model->indefinite        = PETSC_FALSE;
+    model->may_be_indefinite = PETSC_TRUE;
+    PetscCall(MpmSolverRenew(model));
+  }
+  if (!lost) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->stop_unstable) *why = model->lost;
+  else PetscCall(MpmTerminalNote(model, "%s; followed", model->lost));
+  model->told_unstable = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityExplain(MpmModel model, const char **why)
+{
+  PetscInt  negative;
+  PetscReal eigenvalue;
+  Mat       J;
+  Vec       mode;
+
+  PetscFunctionBeginUser;
+  if (!Applies(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CountNegative(model, &negative));
+  if (negative <= 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetJacobian(model->snes, &J, NULL, NULL, NULL));
+  PetscCall(VecDuplicate(model->x, &mode));
+  PetscCall(FindMode(model, J, mode, &eigenvalue));
+  PetscCall(Describe(model, *why, mode));
+  PetscCall(VecDestroy(&mode));
+  *why = model->lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
