@@ -6,6 +6,10 @@
 */
 #include "scene.h"
 
+/* Any others will do: of steps of 0.03 to 0.05 cells and eight seeds, all 40 pairs tried have passed. */
+#define SEED  0
+#define CELLS 0.04 /* of the steps' random displacements */
+
 static const char *const scene_2d =
   "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_region box "
   "-mpm_body_b_lower 0.5,0.4 -mpm_body_b_upper 2.5,1.6 ";
@@ -130,18 +134,96 @@ static PetscErrorCode Amplitude(MpmModel model, PetscReal cells, PetscReal ampli
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One random step is committed, then the Jacobians of another are compared. `domain` > 0: half-length of all domains between, in cells. */
-static PetscErrorCode Look(MpmModel model, PetscReal domain, PetscReal *plastic, SceneVerdict *verdict)
+/*
+  Laws that yield, their apex and boundaries that only push have kinks, where the residual has no derivative: a
+  difference across one is no judge of a Jacobian. And where strains are hardly longer than those at yield, central differences are
+  not exact enough. The residual alone tells whether a place is `smooth`: along random directions v,
+  r(x + eps v) - 2 r(x) + r(x - eps v) falls by 4 whenever eps is halved, from steps on that are longer than any that
+  derivatives are compared with, and (r(x + eps v) - r(x - eps v))/(2 eps) hardly changes.
+*/
+#define SMOOTH_DIRECTIONS 3
+#define SMOOTH_ORDER      0.02 /* how far from 2 */
+#define SMOOTH_CHANGE     5e-6 /* of the derivative, from one step to the next */
+
+static PetscErrorCode IsSmoothAlong(MpmModel model, Vec x, Vec v, PetscBool *smooth)
+{
+  Vec       r[3], at, slope;
+  PetscReal last = 0., norm, change, size;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecDuplicate(x, &at));
+  PetscCall(VecDuplicate(x, &slope));
+  for (PetscInt k = 0; k < 3; k++) PetscCall(VecDuplicate(x, &r[k]));
+  PetscCall(SNESComputeFunction(model->snes, x, r[0]));
+  for (int k = SCENE_TAYLOR_LONGEST; k <= SCENE_TAYLOR_SHORTEST && *smooth; k++) {
+    const PetscReal eps = 1. / (PetscReal)(1 << k);
+
+    for (PetscInt side = 1; side <= 2; side++) {
+      PetscCall(VecWAXPY(at, side == 1 ? eps : -eps, v, x));
+      PetscCall(SNESComputeFunction(model->snes, at, r[side]));
+    }
+    PetscCall(VecWAXPY(at, -1., r[2], r[1]));
+    PetscCall(VecScale(at, 0.5 / eps));
+    PetscCall(VecAXPBYPCZ(r[1], 1., -2., 1., r[2], r[0]));
+    PetscCall(VecNorm(r[1], NORM_2, &norm));
+    if (last > 0.) {
+      PetscCall(VecAXPY(slope, -1., at));
+      PetscCall(VecNorm(slope, NORM_2, &change));
+      PetscCall(VecNorm(at, NORM_2, &size));
+      *smooth = (PetscBool)(PetscAbsReal(PetscLog2Real(last / norm) - 2.) <= SMOOTH_ORDER);
+      if (k == SCENE_TAYLOR_LONGEST + 1 && change > SMOOTH_CHANGE * size) *smooth = PETSC_FALSE;
+    }
+    PetscCall(VecCopy(at, slope));
+    last = norm;
+  }
+  PetscCall(VecDestroy(&at));
+  PetscCall(VecDestroy(&slope));
+  for (PetscInt k = 0; k < 3; k++) PetscCall(VecDestroy(&r[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first of the places that random numbers give, from `seed` on, that is smooth; and the direction v from there. */
+static PetscErrorCode FindSmooth(MpmModel model, PetscInt seed, Vec x, Vec v)
+{
+  const PetscInt tries = 50;
+  PetscReal      amplitude[MPM_MAX_DIM];
+  PetscBool      smooth = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < tries && !smooth; k++) {
+    const PetscInt first = seed + k * (SMOOTH_DIRECTIONS + 1);
+
+    PetscCall(Amplitude(model, CELLS, amplitude));
+    PetscCall(SceneFill(model, first, amplitude, PETSC_FALSE, x));
+    PetscCall(Amplitude(model, 0.02, amplitude));
+    smooth = PETSC_TRUE;
+    for (PetscInt d = SMOOTH_DIRECTIONS; d > 0 && smooth; d--) {
+      PetscCall(SceneFill(model, first + d, amplitude, PETSC_TRUE, v));
+      if (!(model->materials[0].info.traits & MPM_LAW_SMALL_STRAIN)) PetscCall(IsSmoothAlong(model, x, v, &smooth));
+    }
+  }
+  ck_assert_msg(smooth, "no place without a kink in %d tries", (int)tries);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Random steps are committed, one for laws that do not yield, others until half of the points have; then the Jacobians of
+  another step are compared. `domain` > 0: half-length of all domains between, in cells.
+*/
+static PetscErrorCode Look(MpmModel model, const Law *law, PetscReal domain, PetscReal *plastic, SceneVerdict *verdict)
 {
   PetscReal amplitude[MPM_MAX_DIM];
   Vec       v;
 
   PetscFunctionBeginUser;
-  PetscCall(SceneBegin(model, 0.25));
-  PetscCall(Amplitude(model, 0.04, amplitude));
-  PetscCall(SceneFill(model, 1, amplitude, PETSC_FALSE, model->x));
-  PetscCall(SceneCommit(model, model->x));
-  PetscCall(PlasticShare(model, plastic));
+  *plastic = 0.;
+  for (PetscInt k = 0; k < 5 && (k == 0 || (law->plastic && *plastic < 0.5)); k++) {
+    PetscCall(SceneBegin(model, 0.25));
+    PetscCall(Amplitude(model, CELLS, amplitude));
+    PetscCall(SceneFill(model, 1 + 1000 * SEED + 500 * k, amplitude, PETSC_FALSE, model->x));
+    PetscCall(SceneCommit(model, model->x));
+    PetscCall(PlasticShare(model, plastic));
+  }
   if (domain > 0.) {
     MpmPoints points;
 
@@ -151,10 +233,8 @@ static PetscErrorCode Look(MpmModel model, PetscReal domain, PetscReal *plastic,
     PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
   }
   PetscCall(SceneBegin(model, 0.25));
-  PetscCall(SceneFill(model, 2, amplitude, PETSC_FALSE, model->x));
   PetscCall(VecDuplicate(model->x, &v));
-  PetscCall(Amplitude(model, 0.02, amplitude));
-  PetscCall(SceneFill(model, 3, amplitude, PETSC_TRUE, v));
+  PetscCall(FindSmooth(model, 2 + 1000 * SEED, model->x, v));
   PetscCall(SceneCompare(model, model->x, v, verdict));
   PetscCall(VecDestroy(&v));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,7 +294,7 @@ static void CheckAll(PetscInt dim)
         /* other laws would tell nothing new of conditions; and surfaces that are round, or only push, are not linear */
         if (held >= INCLINED && l != 2 && l != 4) continue;
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], held, &model));
-        SCENE_CALL(Look(model, 0., &plastic, &verdict));
+        SCENE_CALL(Look(model, &laws[l], 0., &plastic, &verdict));
         ck_assert_int_eq(model->constraints.any || !held || held == TOUCHING, 1); /* its one edge may be on one rank */
         ck_assert_int_eq(model->constraints.frame_of != NULL, held >= INCLINED);
         if (held == TOUCHING) CheckTouch(model);
@@ -254,7 +334,7 @@ START_TEST(open_edges)
 
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], law, variants[v], &model));
         ck_assert_int_eq(model->edge, MPM_EDGE_OPEN);
-        SCENE_CALL(Look(model, 0., &plastic, &verdict));
+        SCENE_CALL(Look(model, law, 0., &plastic, &verdict));
         Check(model, law, variants[v], plastic, &verdict);
         SCENE_CALL(SceneDestroy(&model));
       }
@@ -277,7 +357,7 @@ START_TEST(long_domains)
       PetscReal    plastic;
 
       SCENE_CALL(Create(dim, shapes[s], &laws[2], s == 0 ? HELD : FREE, &model));
-      SCENE_CALL(Look(model, dim == 2 ? half : 0.7, &plastic, &verdict));
+      SCENE_CALL(Look(model, &laws[2], dim == 2 ? half : 0.7, &plastic, &verdict));
       ck_assert_int_ge((int)model->space.width, dim == 2 ? 5 : 4);
       ck_assert_int_eq((int)model->pattern.reach, (int)model->space.width - 1);
       Check(model, &laws[2], s == 0 ? HELD : FREE, plastic, &verdict);
