@@ -135,12 +135,12 @@ void MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end)
   *end   = body->id_end;
 }
 
-PetscBool MpmBodyIsSparse(MpmBody body)
+PetscReal MpmBodySpacing(MpmBody body)
 {
   PetscInt least = PETSC_INT_MAX;
 
   for (PetscInt a = 0; a < body->dim; a++) least = PetscMin(least, body->per_cell[a]);
-  return (PetscBool)(!body->imported && least == 1);
+  return body->imported ? 0. : 1. / (PetscReal)least;
 }
 
 PetscInt MpmBodyMaterial(MpmBody body)

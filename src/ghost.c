@@ -14,7 +14,7 @@
   polynomial of degree p. Being on increments, it puts no lasting force on the material. Where a spline ends, at the
   grid's edge or a wall, nodes beyond have the coefficients that the shape functions give them.
 
-  Sparse points, one a cell on some axis, see too little of the grid's field: nodal displacements that alternate from cell
+  Sparse points, one a cell on some axis from the start or by stretch, see too little of the grid's field: nodal displacements that alternate from cell
   to cell strain no point, and a body folds up in them as it bends. These modes have the largest jumps of all, so that the
   penalty on every face, with gamma of at least MPM_GHOST_SPARSE, gives them back their stiffness. For a smooth field the
   jump is of order h^p and the penalty of the order of the discretisation error (Burman and Hansbo 2004,
@@ -27,7 +27,11 @@
 */
 #include "sum.h"
 
-/* The material pieces around this rank's nodes: 0 where there is none, or the number of the stiffest material plus one. */
+/* Cells between points from which on they are sparse; those with less at the start are not looked at. */
+#define SPARSE_SPACING 0.6
+#define SPARSE_LEAST   0.3
+
+/* The material pieces around this rank's nodes: 0 where there is none, or a mark. */
 typedef struct {
   PetscInt  dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
   PetscInt *mark;
@@ -68,12 +72,43 @@ static PetscBool IsEdge(const CellMap *map, const MpmGrid *grid, const PetscInt 
   return PETSC_FALSE;
 }
 
-/* Takes over a mark where it is stiffer. */
-static void Mark(const CellMap *map, const MpmMaterial materials[], const PetscInt cell[], PetscInt material)
+/* A mark: 1 + 2 times the stiffest material, one more where points are sparse. */
+static PetscInt MarkMaterial(PetscInt mark)
 {
-  PetscInt *mark = CellAt(map, cell);
+  return (mark - 1) / 2;
+}
 
-  if (mark && (!*mark || materials[*mark - 1].penalty < materials[material].penalty)) *mark = material + 1;
+static PetscBool MarkIsSparse(PetscInt mark)
+{
+  return (PetscBool)((mark - 1) % 2);
+}
+
+/* Adds a mark to a piece's. */
+static void Mark(const CellMap *map, const MpmMaterial materials[], const PetscInt cell[], PetscInt added)
+{
+  PetscInt *mark = CellAt(map, cell), material = MarkMaterial(added);
+
+  if (!mark) return;
+  if (!*mark) *mark = added;
+  if (materials[MarkMaterial(*mark)].penalty >= materials[material].penalty) material = MarkMaterial(*mark);
+  *mark = 1 + 2 * material + (MarkIsSparse(*mark) || MarkIsSparse(added));
+}
+
+/*
+  Are points as far apart here as they are at one a cell? A material without history may also have been stretched so far;
+  where it flows, its points have deformed further than what is elastic in it.
+*/
+static PetscBool IsSparse(const MpmRules *rules, const MpmPoints *points, PetscInt p)
+{
+  const PetscInt     dim      = rules->grid->dim;
+  const MpmMaterial *material = &rules->materials[points->material[p]];
+  PetscReal          U[MPM_MAX_DIM], most = 0.;
+
+  if (material->spacing >= 1.) return PETSC_TRUE;
+  if (material->spacing < SPARSE_LEAST || material->state_size || rules->stretch(&points->F[p * dim * dim], U))
+    return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) most = PetscMax(most, U[a]);
+  return (PetscBool)(material->spacing * most > SPARSE_SPACING);
 }
 
 #define FOR_BOX(lower, count, at) \
@@ -140,11 +175,14 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
     const MpmGroup *group = &space->groups[g];
 
     GroupPieces(group, rules, &points->x[space->order[group->point_begin] * space->dim], lower, count);
-    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt material = points->material[space->order[s]];
+    PetscInt last = 0;
 
-      if (s > group->point_begin && material == points->material[space->order[s - 1]]) continue;
-      FOR_BOX(lower, count, cell) Mark(map, rules->materials, cell, material);
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s], mark = 1 + 2 * points->material[p] + (IsSparse(rules, points, p) ? 1 : 0);
+
+      if (mark == last) continue;
+      FOR_BOX(lower, count, cell) Mark(map, rules->materials, cell, mark);
+      last = mark;
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -185,7 +223,7 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
           PetscInt *to = &sent.data[fill[slot[around[r]]]];
 
           for (PetscInt a = 0; a < grid->dim; a++) to[a] = cell[a];
-          to[grid->dim] = mark - 1;
+          to[grid->dim] = mark;
           fill[slot[around[r]]] += grid->dim + 1;
         }
       }
@@ -335,13 +373,13 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
 
       next[axis]++;
       if (!IsMaterial(map, next)) continue;
-      const MpmMaterial *here = &materials[*CellAt(map, cell) - 1], *there = &materials[*CellAt(map, next) - 1];
-      const PetscBool    sparse = (PetscBool)(here->sparse || there->sparse);
+      const PetscInt  here = *CellAt(map, cell), there = *CellAt(map, next);
+      const PetscBool sparse = (PetscBool)(MarkIsSparse(here) || MarkIsSparse(there));
 
       if (!(sparse || IsEdge(map, grid, cell) || IsEdge(map, grid, next)) || !FaceBox(rules, cell, &face, &box))
         continue;
-      face.stiffness =
-        (sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost) * PetscMax(here->penalty, there->penalty);
+      face.stiffness = (sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost) *
+                       PetscMax(materials[MarkMaterial(here)].penalty, materials[MarkMaterial(there)].penalty);
       if (faces) {
         for (PetscInt a = 0; a < map->dim; a++) AxisMatrix(&face, &box, a, grid->h[a]);
         faces[count] = face;

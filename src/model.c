@@ -208,7 +208,9 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   for (PetscInt b = 0; b < model->body_count; b++) {
     PetscCall(MpmBodyCreate(options, model->body_names[b], &model->grid, model->material_count, model->materials,
                             &model->bodies[b]));
-    if (MpmBodyIsSparse(model->bodies[b])) model->materials[MpmBodyMaterial(model->bodies[b])].sparse = PETSC_TRUE;
+    MpmMaterial *material = &model->materials[MpmBodyMaterial(model->bodies[b])];
+
+    material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->bodies[b]));
   }
   PetscCall(MpmMemoryCheck(options, &model->grid, model->body_count, model->bodies, model->body_names));
   PetscFunctionReturn(PETSC_SUCCESS);

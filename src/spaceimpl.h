@@ -71,7 +71,7 @@ typedef struct {
   MpmFunction law[MPM_FORM_COUNT];
   PetscReal   density, stiffness, nu; /* nu: Poisson's ratio, 0 where the law has none */
   PetscReal   penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
-  PetscBool   sparse;  /* a body of it has one point a cell on some axis */
+  PetscReal   spacing; /* most cells from point to point on an axis at the start; 0: unknown */
   PetscInt    state_size;
 } MpmMaterial;
 
@@ -235,8 +235,8 @@ PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody befo
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
-/* Has it one point a cell on some axis? Of bodies from files nobody knows. */
-PetscBool MpmBodyIsSparse(MpmBody body);
+/* Most cells from point to point on an axis; 0 for bodies from files. */
+PetscReal MpmBodySpacing(MpmBody body);
 PetscInt  MpmBodyMaterial(MpmBody body);
 /* Which body each point belongs to; ids ascend from body to body. */
 void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[]);

@@ -158,7 +158,8 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
   PetscBool sparse    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->material_count; m++) sparse = (PetscBool)(sparse || model->materials[m].sparse);
+  for (PetscInt m = 0; m < model->material_count; m++)
+    sparse = (PetscBool)(sparse || model->materials[m].spacing >= 1.);
   if (model->ghost > 0.)
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "%g%s%s", (double)model->ghost, model->ghost_auto ? " (auto)" : "",
                             sparse ? ", all faces where points are one a cell" : ""));

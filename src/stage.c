@@ -221,7 +221,8 @@ static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, Mpm
     MpmCheckInput(stage->material[body] < 0, "-%smaterials %s: body %s stands there twice", block->prefix, text,
                   pair[k]);
     stage->material[body] = material;
-    if (MpmBodyIsSparse(model->bodies[body])) model->materials[material].sparse = PETSC_TRUE;
+    model->materials[material].spacing =
+      PetscMax(model->materials[material].spacing, MpmBodySpacing(model->bodies[body]));
   }
   PetscCall(MpmNamesDestroy(count, &pair));
   PetscCall(PetscFree(text));
