@@ -197,9 +197,10 @@ static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt so
 
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
 {
-  PetscInt  solved;
-  MpmPoints points;
-  MpmRest   rest;
+  const PetscReal ghost = model->ghost;
+  PetscInt        solved;
+  MpmPoints       points;
+  MpmRest         rest;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesDistribute(&model->particles, &model->grid, why));
@@ -208,7 +209,10 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   PetscCall(RestCreate(model, &points, &rest));
   PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
   if (model->stages[model->stage].geostatic.method == MPM_GEOSTATIC_K0) PetscCall(MpmRestSetK0(model, &rest));
+  /* what the penalty holds back in one iteration is left for the next ones */
+  if (model->ghost_rescue) model->ghost = model->factorises ? 0. : MPM_GHOST_REST;
   PetscCall(FindEquilibrium(model, &rest, &solved, why));
+  if (model->ghost < ghost) model->ghost = ghost;
   if (!*why) {
     PetscCall(PrintRest(model, &rest, solved));
     model->time = model->time_end;

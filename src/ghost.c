@@ -57,15 +57,27 @@ static PetscBool IsMaterial(const CellMap *map, const PetscInt cell[])
   return (PetscBool)(mark && *mark);
 }
 
-static PetscBool IsEdge(const CellMap *map, const MpmGrid *grid, const PetscInt cell[])
+/* The middle of a piece. */
+static void Middle(const MpmGrid *grid, PetscInt degree, const PetscInt piece[], PetscReal x[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)piece[a] + (degree % 2 ? 0.5 : 0.));
+}
+
+/* Beyond a wall there is as little as beyond the grid's edge: a neighbour there makes no edge of the material. */
+static PetscBool IsEdge(const CellMap *map, const MpmRules *rules, const PetscInt cell[])
 {
   const PetscInt more              = map->degree % 2 ? 0 : 1;
-  PetscInt       next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]};
+  PetscInt       next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]}, lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscReal      x[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < map->dim; a++) {
     for (PetscInt side = -1; side <= 1; side += 2) {
       next[a] = cell[a] + side;
-      if (next[a] >= 0 && next[a] < grid->cells[a] + more && !IsMaterial(map, next)) return PETSC_TRUE;
+      if (IsMaterial(map, next)) continue;
+      Middle(rules->grid, map->degree, cell, x);
+      MpmSpaceEdges(rules, x, lower, upper);
+      if (next[a] >= lower[a] && next[a] < upper[a] + more) return PETSC_TRUE;
     }
     next[a] = cell[a];
   }
@@ -327,8 +339,7 @@ static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace 
   const MpmGrid *grid = rules->grid;
   PetscReal      x[MPM_MAX_DIM], jump[MPM_GHOST_WIDTH];
 
-  for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)piece[a] + (face->degree % 2 ? 0.5 : 0.));
+  Middle(grid, face->degree, piece, x);
   MpmSpaceEdges(rules, x, face->lower, face->upper);
   box->node_count  = 1;
   box->point_begin = box->point_end = 0;
@@ -376,7 +387,7 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
       const PetscInt  here = *CellAt(map, cell), there = *CellAt(map, next);
       const PetscBool sparse = (PetscBool)(MarkIsSparse(here) || MarkIsSparse(there));
 
-      if (!(sparse || IsEdge(map, grid, cell) || IsEdge(map, grid, next)) || !FaceBox(rules, cell, &face, &box))
+      if (!(sparse || IsEdge(map, rules, cell) || IsEdge(map, rules, next)) || !FaceBox(rules, cell, &face, &box))
         continue;
       face.stiffness = (sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost) *
                        PetscMax(materials[MarkMaterial(here)].penalty, materials[MarkMaterial(there)].penalty);

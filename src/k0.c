@@ -25,6 +25,8 @@
 #define BALANCE_MODULUS      1e3
 #define BALANCE_REGULAR      1e-8
 #define BALANCE_REGULAR_MORE 1e-4
+/* The ghost penalty, which has no part in the balance, for iterative solvers. */
+#define BALANCE_GHOST 1e-4
 
 /* ---- the weight above ---- */
 
@@ -309,7 +311,7 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
 /* Brings the stress of k0 into balance where ground is level, and leaves it as it is where it is not. */
 static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[])
 {
-  const PetscReal diagonal  = model->diagonal;
+  const PetscReal diagonal = model->diagonal, ghost = model->ghost;
   const PetscBool may       = model->may_be_indefinite;
   MpmMaterial    *materials = model->materials;
   PetscBool       solved    = PETSC_TRUE;
@@ -326,11 +328,13 @@ static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[
     PetscCall(TakeShape(&balance));
     model->materials         = balance.standins;
     model->may_be_indefinite = PETSC_FALSE;
+    model->ghost             = model->factorises ? 0. : PetscMin(ghost, BALANCE_GHOST);
     model->diagonal          = balance.standins[0].stiffness * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
     PetscCall(SolveBalance(&balance, &solved));
     model->materials         = materials;
     model->may_be_indefinite = may;
     model->diagonal          = diagonal;
+    model->ghost             = ghost;
   }
   if (!balance.level) PetscCall(PetscArraycpy(stress, rest->start, rest->n * model->particles.stress_size));
   PetscCall(BalanceDestroy(&balance));

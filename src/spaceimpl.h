@@ -10,6 +10,7 @@
 #define MPM_MAX_BLOCK      8                         /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS     24                        /* inputs of a kernel */
 #define MPM_GHOST_FACTOR   1e-2                      /* of the ghost penalty; */
+#define MPM_GHOST_REST     3e-7                      /* where nothing is to move, with iterative solvers; */
 #define MPM_GHOST_SPARSE   1e-1                      /* where points are sparse; */
 #define MPM_GHOST_RESCUE   1e-1                      /* and where a run would give up with less */
 #define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */

@@ -360,7 +360,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     *hopeless = PETSC_FALSE;
     *why      = ReasonText(reason);
     PetscCall(MpmHeldExplain(model, why, hopeless));
-    if (!*hopeless) PetscCall(MpmStabilityExplain(model, why));
+    if (*why == ReasonText(reason)) PetscCall(MpmStabilityExplain(model, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmStabilityCheck(model, why));

@@ -23,7 +23,9 @@ from results import Results  # noqa: E402
 
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "MPLBACKEND": "Agg"}
-ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}  # one rank needs no daemon beside it
+# One rank needs no daemon beside it; each script has a folder of its own for what Open MPI leaves there for the while.
+SESSION = tempfile.TemporaryDirectory(prefix="talus_mpi_")
+ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_tmpdir_base": SESSION.name}
 TIME_LIMIT = 600.0  # s, for one run
 
 

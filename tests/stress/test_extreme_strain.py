@@ -5,8 +5,9 @@ The bar is uniform, and the domains of `gimp` tile it, so that its nominal stres
 for Hencky M ln(s)/s (held sideways) and for neo-Hookean mu (s - 1/s) + lambda ln(s)/s. Free sideways, plane strain, the
 stretch across follows from no stress there. Hencky's nominal stress has its largest value at s = e, M/e: beyond, there
 is no equilibrium, and the run must say so. A free side is unstable to wrinkles in compression beyond a stretch of about
-a half (0.544 for an incompressible neo-Hookean solid in plane strain: Biot (1963), Appl. Sci. Res. A 12, 168): cells as
-coarse as these do not resolve them, with finer ones only finite numbers are asked for.
+a half (0.544 for an incompressible neo-Hookean solid in plane strain: Biot (1963), Appl. Sci. Res. A 12, 168): a run says
+so and stops, or follows the uniform state where the scene asks for it. Cells as coarse as these do not resolve wrinkles,
+with finer ones only finite numbers are asked for.
 
 With --full: cells of half the size, 2 ranks, 3D, and all shapes.
 """
@@ -60,7 +61,8 @@ mpm:
   output: {prefix: run, every: 10}
 """
 HENCKY_STRETCH = 2.4  # its nominal stress, held sideways, has its largest value at e
-FREE = {"mpm_bc_sides_upper": "0,8"}  # a plane of symmetry on one side, nothing on the other
+# a plane of symmetry on one side, nothing on the other; unstable states are followed
+FREE = {"mpm_bc_sides_upper": "0,8", "mpm_stabilization_unstable": "follow"}
 
 
 def lame(nu):
@@ -132,6 +134,12 @@ with Hostile(LIMIT) as test:
     # the tangent of a bar that is pushed so hard is indefinite on the way: iterative solvers may fail, but must say so
     for solver in ("amg", "boomeramg"):
         pull(test, f"{solver}.to_a_tenth", "hencky", 0.3, 0.1, True, or_gives_up=True, mpm_solver=solver)
+    for law, nu in (("hencky", 0.0), ("neo_hookean", 0.3)):  # what is followed above is found and named
+        value = f"0,{float(nominal(law, nu, 0.1, True))!r}"
+        run = test.ends(f"{law}.unstable", SCENE, or_gives_up=True, mpm_material_rubber_type=law, mpm_material_rubber_nu=nu,
+                        mpm_load_cap_value=value, mpm_body_bar_points_per_cell="4,4",
+                        **{**FREE, "mpm_stabilization_unstable": "auto"})
+        test.check(f"{law}.unstable.named", float("lost definiteness" in (run.reason or "")), 1.0, 1.0)
     # two points a cell on each axis: from a stretch of 2 on, along the bar or across, there are more nodes than points
     pull(test, "two_points.wide", "hencky", 0.3, 0.1, True, or_gives_up=True, reach=1.0)
     pull(test, "two_points.wide.2_ranks", "hencky", 0.3, 0.1, True, or_gives_up=True, reach=1.0, ranks=2)

@@ -58,7 +58,7 @@ def interrupt(test, reference, label, number, ranks, to_rank):
 def interrupt_twice(test):
     """The second Ctrl-C does not wait for the end of the step."""
     folder = test.folder()
-    run = Background(test.program, folder, example("cantilever"), ranks=1, mpm_grid_refine=8, mpm_output_every=0)
+    run = Background(test.program, folder, example("cantilever"), ranks=1, mpm_grid_refine=16, mpm_output_every=0)
     run.wait_for(lambda: (folder / "run_history.csv").exists())
     os.kill(run.process.pid, signal.SIGINT)
     time.sleep(0.2)

@@ -24,7 +24,7 @@ def against_table(test, name, reach, most_newton):
     table = read_table(EXAMPLES / name / "reference.csv")
     for count, error in zip(table["cells"].astype(int), table["error"]):
         label = f"{name}_{count}"
-        run = run_column(test, name, count)
+        run = run_column(test, name, count, mpm_stabilization_ghost="off")
         quantities = test.check_example(label, run, name)
         test.near(f"{label}.stress_error_over_table", quantities["stress_error"] / error, 1.0, absolute=reach)
         test.check(f"{label}.newton", run.newton.max(), 1, most_newton)
@@ -32,13 +32,16 @@ def against_table(test, name, reach, most_newton):
 
 
 def with_penalty(test, name, reach):
-    """The ghost penalty that `auto` takes with multigrid hardly changes the error."""
+    """The ghost penalty of `auto` takes up to 15 % of the error away, and adds no more than rounding of the table's digits;
+    the solver does not change it."""
     table = read_table(EXAMPLES / name / "reference.csv")
     for count, error in zip(table["cells"].astype(int), table["error"]):
         if count > 64:
             continue
-        quantities = test.check_example(f"{name}_{count}_amg", run_column(test, name, count, mpm_solver="amg"), name)
-        test.near(f"{name}_{count}_amg.stress_error_over_table", quantities["stress_error"] / error, 1.0, absolute=reach)
+        for solver in ("direct", "amg"):
+            label = f"{name}_{count}_{solver}"
+            quantities = test.check_example(label, run_column(test, name, count, mpm_solver=solver), name)
+            test.check(f"{label}.stress_error_over_table", quantities["stress_error"] / error, 0.85, 1.0 + reach)
 
 
 def splines(test):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The cantilever: tip displacements against an independent program's, by cell size, and against the elastica; and how
-much the ghost penalty that comes with multigrid moves the tip."""
+much the ghost penalty moves the tip."""
 import sys
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from talus_test import EXAMPLES, Test, example, read_table  # noqa: E402
 LENGTH = 10.0  # m
 REACH = 1e-3  # of the length
 ALPHA = 10.0  # F L^2/(E I) at full load
-PENALTY_REACH = 2e-3  # of the length
+PENALTY_REACH = 3.6e-3  # of the length
 MULTIGRID_MOST = 25.0  # iterations of a linear solve, on average
 
 
@@ -21,7 +21,7 @@ def tip(run):
 
 
 def with_multigrid(test, label, direct, **options):
-    """The same run with GAMG and the penalty that `auto` takes: about the same tip, in few iterations."""
+    """The same run with GAMG and the default penalty: about the same tip, in few iterations."""
     run = test.run(example("cantilever"), ranks=2, mpm_output_every=50, mpm_quiet=None, mpm_solver="amg", **options)
     summary = run.results.summary
     test.check(f"{label}.penalty_moves_tip", np.linalg.norm(tip(run) - tip(direct)) / LENGTH, 1e-6, PENALTY_REACH)
@@ -32,7 +32,8 @@ with Test() as test:
     table = read_table(EXAMPLES / "cantilever" / "reference.csv")
     for size in (0.5, 0.25, 0.125, 0.0625):
         label, cells = f"h={size:g}", round(15.0 / size)
-        run = test.run(example("cantilever"), ranks=2, mpm_grid_cells=f"{cells},{cells}", mpm_output_every=50, mpm_quiet=None)
+        run = test.run(example("cantilever"), ranks=2, mpm_grid_cells=f"{cells},{cells}", mpm_output_every=50, mpm_quiet=None,
+                       mpm_stabilization_ghost="off")
         values = test.check_example(label, run, "cantilever")
         row = np.flatnonzero((table["h"] == size) & (table["alpha"] == ALPHA))[0]
         for name in "uv":  # a check.py that fell back on loose bounds would not show it

@@ -42,7 +42,11 @@ def ratio(test, label, run, scene, k0):
 def level(test, scene, name, shape, count=1):
     """K0 at every point, and the weight above it."""
     label = f"{scene}_{name}_{shape}_{count}"
-    run = test.run(FOLDER / f"{scene}.yaml", ranks=count, mpm_shape=shape, mpm_quiet=None, **law(name))
+    options = law(name)
+    if (name, shape) == ("drucker_prager", "bspline3"):
+        # with F-bar the balance of layers with other points a cell moves the vertical stress by 22 %, and points yield
+        options["mpm_stabilization_fbar"] = "false"
+    run = test.run(FOLDER / f"{scene}.yaml", ranks=count, mpm_shape=shape, mpm_quiet=None, **options)
     state = ratio(test, label, run, scene, K0)
     dim, stress = state.dim, state["stress"]
     if "bspline" in shape:  # what balances the weight is not its integral there
@@ -112,8 +116,9 @@ def ranks(test):
 
 
 def digging(test):
-    """Bodies that go and come in a column: the tops of what is left move by weight times height over the modulus."""
-    run = test.run(FOLDER / "dig.yaml", mpm_quiet=None)
+    """Bodies that go and come in a column: the tops of what is left move by weight times height over the modulus. Without
+    ghost penalty, whose force in one step the next one gives back: a thousandth of the movement."""
+    run = test.run(FOLDER / "dig.yaml", mpm_quiet=None, mpm_stabilization_ghost="off")
     soil, hard = 1e9 * 0.7 / (1.3 * 0.4), 2e9 * 0.8 / (1.2 * 0.6)  # constrained moduli
     reach = 4.0 - 0.125  # the tracked points stand half a point below the top
     row = {stage: np.flatnonzero(run.results.column("stage") == stage)[-1] for stage in range(1, 6)}
