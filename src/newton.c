@@ -170,10 +170,21 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Stiffness of the firmest boundary against a node, N/m. */
+static PetscReal Contact(const MpmModel model)
+{
+  PetscReal penalty = 0., modulus = 0.;
+
+  for (PetscInt k = 0; k < model->boundary_count; k++) penalty = PetscMax(penalty, model->boundaries[k].penalty);
+  for (PetscInt m = 0; m < model->material_count; m++) modulus = PetscMax(modulus, model->materials[m].penalty);
+  return penalty * modulus * PetscPowRealInt(model->grid.h[0], model->grid.dim - 2);
+}
+
 /*
   Relative to the residual of a step in which nothing moves, whatever the first guess; and a floor: a residual as small
   as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the last from the differences of
-  nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node.
+  nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node. A boundary's penalty adds what
+  it makes of the rounding of places.
 */
 static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
                                       SNESConvergedReason *reason, void *ctx)
@@ -182,7 +193,7 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   const PetscReal unknowns = (PetscReal)(model->space.global_count * model->layout.block);
   const PetscReal cells    = model->grid.h[0] * PetscSqrtReal(unknowns); /* a cell a node */
   const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
-  const PetscReal floor    = 2. * PETSC_MACHINE_EPSILON * model->diagonal * (cells + size);
+  const PetscReal floor    = PETSC_MACHINE_EPSILON * (2. * model->diagonal + 0.1 * Contact(model)) * (cells + size);
   PetscReal       atol, rtol, stol, divtol;
 
   PetscFunctionBeginUser;

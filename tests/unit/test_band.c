@@ -207,7 +207,7 @@ END_TEST
 
 START_TEST(wide)
 {
-  Check("square", (Body){.nx = 128, .ny = 128, .has = Square}, PETSC_FALSE, 0);
+  Check("square", (Body){.nx = 96, .ny = 96, .has = Square}, PETSC_FALSE, 0);
 }
 END_TEST
 
