@@ -175,7 +175,7 @@ def penalty_compression(test):
                            **nodes("left", (1, 0, 0), (1, 4, 1), components="x"),
                            **nodes("right", (3, 0, 0), (3, 4, 1), components="x"),
                            **nodes("ends", (0, 0, 0), (4, 4, 1), components="z"))
-        run = test.run(BLOCK, ranks=ranks, mpm_boundaries="floor,plate", snes_rtol=1e-10, **options, **more)
+        run = test.run(BLOCK, ranks=ranks, mpm_boundaries="floor,plate", snes_rtol=1e-12, **options, **more)
         label = f"penalty_{dim}d_on_{ranks}"
         depth = run.results.column("depth_floor")[-1]
         stretch = (2.0 - 0.4 + 2.0 * depth) / 2.0
