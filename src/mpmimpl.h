@@ -555,9 +555,9 @@ struct _p_MpmModel {
   void           *body_force_ctx;
   PetscBool       fbar, fbar_auto;
   PetscBool       stop_unstable, told_unstable; /* where the tangent loses definiteness; it has, and that was said */
-  const char     *fbar_why;                 /* what `auto` went by, or NULL */
-  PetscReal       ghost;                    /* factor of the ghost penalty, 0: none */
-  PetscBool       ghost_auto, ghost_rescue; /* nobody has set it; raise it before giving up */
+  const char     *fbar_why;                     /* what `auto` went by, or NULL */
+  PetscReal       ghost;                        /* factor of the ghost penalty, 0: none */
+  PetscBool       ghost_auto, ghost_rescue;     /* nobody has set it; raise it before giving up */
   PetscBool       symmetric;
 
   /* time */

@@ -163,8 +163,9 @@ static PetscErrorCode ChooseSolver(MpmModel model, PetscReal unknowns, const cha
     if (model->grid.dim == 3 && model->fbar)
       most = DIRECT_MOST_FBAR_3D; /* near incompressibility is hard for multigrid */
     *name = unknowns <= most ? "direct" : "amg";
-    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: %" PetscInt_FMT "D, about %.2g unknowns", model->grid.dim,
-                            (double)unknowns));
+    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: %" PetscInt_FMT "D%s, about %.0f unknowns, direct up to %.0f",
+                            model->grid.dim, model->grid.dim == 3 && model->fbar ? " with F-bar" : "", (double)unknowns,
+                            (double)most));
   }
   PetscCall(PetscStrallocpy(why, &model->solver_why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,6 +248,12 @@ static PetscErrorCode ReadType(const MpmOptions *options, const char *name, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const char solver_help[] = "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
+                                  "3D and 1e5 in 3D with F-bar, then amg "
+                                  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
+                                  "and 2.0 at 9 800, 11.5 and 4.6 at "
+                                  "17 000)";
+
 PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(presets) + 2] = {"auto"};
@@ -255,7 +262,7 @@ PetscErrorCode MpmSolverSetFromOptions(MpmModel model, const MpmOptions *options
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++) names[k + 1] = presets[k].name;
   PetscCall(MpmOptionsHeading(options, "Solver"));
-  PetscCall(MpmOptionsWord(options, "solver", "preset of PETSc solver options", names, MPM_OPTIONAL, &choice, NULL));
+  PetscCall(MpmOptionsWord(options, "solver", solver_help, names, MPM_OPTIONAL, &choice, NULL));
   PetscCall(PetscStrallocpy(names[choice], &model->solver));
   PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, model->mat_type));
   PetscCall(ReadType(options, "vec_type", "PETSc type of the vectors", VECSTANDARD, model->vec_type));

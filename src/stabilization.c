@@ -29,7 +29,8 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsText(&block, "ghost",
                            "penalty on the faces of edge cells, against small cuts: auto (1e-2 for every shape and "
                            "solver; 1e-1 on all faces where bodies have one point a cell, and where a run would give "
-                           "up with less), off, or a factor times Young's modulus",
+                           "up with less), off, or a factor times Young's modulus (error of a clamped beam's end over "
+                           "its length, gimp, h = L/160: 1.5e-3 without, 7.7e-5 with auto)",
                            "auto", MPM_OPTIONAL, &ghost));
   model->ghost_auto   = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
   model->ghost_rescue = model->ghost_auto;
@@ -42,7 +43,8 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsWord(&block, "fbar",
                            "average the volume change over cells, against locking: auto (where a law flows "
                            "plastically or nu is above 0.45, unless only one component of the displacement is free), "
-                           "true or false",
+                           "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
+                           "1.37 with)",
                            fbar_words, MPM_OPTIONAL, &word, NULL));
   PetscCall(MpmStabilityRead(model, options));
   model->fbar_auto = (PetscBool)(word == 0);

@@ -18,9 +18,8 @@ run reached. Layouts: gauss has Kratos' points where it puts them, at the Gauss 
 regular lattice that Talus has (one point in each of 16 small elements a cell). A row of Kratos is the best of its
 direct solvers: the one that came farthest, then the fastest.
 
-Shapes: Kratos has linear. In Talus SHAPE-plain is without the ghost penalty, which otherwise comes in when a step
-fails: linear-plain is the method of Kratos, to be compared with the uniform layout. The penalty stiffens the beam a
-little, where hat functions and gimp are too soft; the error of gimp with it is therefore smaller than that of
+Shapes: Kratos has linear. In Talus SHAPE-plain is without the ghost penalty, which is on otherwise: linear-plain is the
+method of Kratos, to be compared with the uniform layout. The penalty stiffens the beam a little, where hat functions and gimp are too soft; the error of gimp with it is therefore smaller than that of
 gimp-plain, and the two show how much each number is worth.
 
 Newton iterations a step: up to 100 in Kratos (its own limit of 20 is too small for most rows at 1e-8), and as many in
