@@ -193,7 +193,7 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   const PetscReal unknowns = (PetscReal)(model->space.global_count * model->layout.block);
   const PetscReal cells    = model->grid.h[0] * PetscSqrtReal(unknowns); /* a cell a node */
   const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
-  const PetscReal floor    = PETSC_MACHINE_EPSILON * (2. * model->diagonal + 0.1 * Contact(model)) * (cells + size);
+  const PetscReal floor    = PETSC_MACHINE_EPSILON * (2. * model->diagonal + 0.5 * Contact(model)) * (cells + size);
   PetscReal       atol, rtol, stol, divtol;
 
   PetscFunctionBeginUser;
