@@ -142,6 +142,9 @@ PetscErrorCode MpmContactsSetUp(MpmContacts *contacts, const MpmRules *rules, co
 
 /* ---- load.c ---- */
 
+/* What a run does at an equilibrium that is not stable. */
+typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
+
 typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION } MpmLoadType;
 
 /* A load on the material. Forces and tractions keep each point's share in a field of the particles. */
@@ -554,10 +557,11 @@ struct _p_MpmModel {
   MpmBodyForce    body_force;
   void           *body_force_ctx;
   PetscBool       fbar, fbar_auto;
-  PetscBool       stop_unstable, told_unstable; /* where the tangent loses definiteness; it has, and that was said */
-  const char     *fbar_why;                     /* what `auto` went by, or NULL */
-  PetscReal       ghost;                        /* factor of the ghost penalty, 0: none */
-  PetscBool       ghost_auto, ghost_rescue;     /* nobody has set it; raise it before giving up */
+  MpmUnstable     unstable;                 /* what to do where the tangent loses definiteness */
+  PetscBool       told_unstable;            /* it has, and that was said */
+  const char     *fbar_why;                 /* what `auto` went by, or NULL */
+  PetscReal       ghost;                    /* factor of the ghost penalty, 0: none */
+  PetscBool       ghost_auto, ghost_rescue; /* nobody has set it; raise it before giving up */
   PetscBool       symmetric;
 
   /* time */

@@ -333,17 +333,36 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   }
 }
 
-/* Rows of node i: the columns of box nodes [first, end), which stand side by side from `place` on. */
-static void AddPairRun(const MpmPattern *pattern, PetscInt node, PetscInt place, PetscInt length, const PetscReal a[],
-                       const PetscReal b_row[], const PetscReal b[], const PetscReal c[])
+/* row += left * b + right * c; `count` is a constant where it pays */
+static inline __attribute__((always_inline)) void AddTwo(PetscInt count, PetscReal left, const PetscReal *restrict b,
+                                                         PetscReal right, const PetscReal *restrict c,
+                                                         PetscReal *restrict row)
 {
-  const PetscInt bs = pattern->block, width = (pattern->row[node + 1] - pattern->row[node]) * bs;
+  for (PetscInt k = 0; k < count; k++) row[k] += left * b[k] + right * c[k];
+}
 
-  for (PetscInt r = 0; r < bs; r++) {
-    PetscReal *restrict row = pattern->value[node] + r * width + place * bs;
-    const PetscReal left = a[r], right = b_row[r];
-
-    for (PetscInt k = 0; k < length * bs; k++) row[k] += left * b[k] + right * c[k];
+/* Rows of a node: the columns of `length` box nodes that stand side by side from `place` on. */
+static void AddPairRun(const PetscInt bs, PetscReal *row, PetscInt width, PetscInt length, const PetscReal left[],
+                       const PetscReal b[], const PetscReal right[], const PetscReal c[])
+{
+  for (PetscInt r = 0; r < bs; r++, row += width) {
+    switch (length * bs) { /* three and four nodes, which is what boxes have on an axis with the usual shapes */
+    case 6:
+      AddTwo(6, left[r], b, right[r], c, row);
+      break;
+    case 8:
+      AddTwo(8, left[r], b, right[r], c, row);
+      break;
+    case 9:
+      AddTwo(9, left[r], b, right[r], c, row);
+      break;
+    case 12:
+      AddTwo(12, left[r], b, right[r], c, row);
+      break;
+    default:
+      AddTwo(length * bs, left[r], b, right[r], c, row);
+      break;
+    }
   }
 }
 
@@ -362,13 +381,17 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
     if (nodes[k / bs] >= 0 && constraints->condition[nodes[k / bs] * bs + k % bs] >= 0) a[k] = b[k] = c[k] = 0.;
   for (PetscInt i = 0; i < n; i++) {
     if (nodes[i] < 0) continue;
-    const PetscInt *slot = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
+    const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
+    const PetscInt  width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
 
     for (PetscInt j = 0; j < n; j = end) {
+      const PetscInt line = (j / box->count[0] + 1) * box->count[0]; /* its end */
+
       end = j + 1;
       if (nodes[j] < 0) continue;
-      while (end < n && nodes[end] >= 0 && slot[offset[end]] == slot[offset[end - 1]] + 1) end++;
-      AddPairRun(pattern, nodes[i], slot[offset[j]], end - j, &a[i * bs], &b[i * bs], &b[j * bs], &c[j * bs]);
+      while (end < line && nodes[end] >= 0 && slot[offset[end]] == slot[offset[end - 1]] + 1) end++;
+      AddPairRun(bs, pattern->value[nodes[i]] + slot[offset[j]] * bs, width, end - j, &a[i * bs], &b[j * bs],
+                 &b[i * bs], &c[j * bs]);
     }
   }
 }

@@ -13,6 +13,7 @@
 #define MPM_GHOST_REST     3e-7                      /* where nothing is to move, with iterative solvers; */
 #define MPM_GHOST_SPARSE   1e-1                      /* where points are sparse; */
 #define MPM_GHOST_RESCUE   1e-1                      /* and where a run would give up with less */
+#define MPM_NU_LOCKS       0.45                      /* Poisson's ratio above which material is nearly incompressible */
 #define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
 #define MPM_TOLERANCE      1e-6                      /* of a cell: what counts as "on" a region's edge */
 

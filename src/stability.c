@@ -18,6 +18,7 @@
 #define MODE_ITERATIONS  12
 #define EIGENVALUE_NOISE 1e-6 /* of the diagonal */
 
+/* In the order of MpmUnstable. */
 static const char *const words[] = {"auto", "stop", "follow", NULL};
 
 PetscErrorCode MpmStabilityRead(MpmModel model, const MpmOptions *options)
@@ -28,10 +29,11 @@ PetscErrorCode MpmStabilityRead(MpmModel model, const MpmOptions *options)
   PetscFunctionBeginUser;
   PetscCall(
     MpmOptionsWord(&block, "unstable",
-                   "an equilibrium whose tangent has lost definiteness: stop with its place, or follow it; auto "
-                   "stops where no material has a history, and does not look elsewhere",
+                   "an elastic equilibrium that is not stable: stop with its place, or say it once and follow it; auto "
+                   "stops where nu is above 0.45, since nothing but failed steps comes then, and follows elsewhere; "
+                   "where a material has a history nobody looks",
                    words, MPM_OPTIONAL, &choice, NULL));
-  model->stop_unstable = (PetscBool)(choice < 2);
+  model->unstable = (MpmUnstable)choice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -42,6 +44,16 @@ static PetscBool Applies(const MpmModel model)
     if (model->materials[m].state_size) return PETSC_FALSE;
   /* without ghost penalty, nodes of small cuts lose it for themselves */
   return (PetscBool)(model->symmetric && model->layout.solid && model->ghost > 0.);
+}
+
+/* Does the run end where stability does? */
+static PetscBool Stops(const MpmModel model)
+{
+  PetscBool locks = PETSC_FALSE;
+
+  for (PetscInt m = 0; m < model->material_count; m++)
+    locks = (PetscBool)(locks || model->materials[m].nu > MPM_NU_LOCKS);
+  return (PetscBool)(model->unstable == MPM_UNSTABLE_STOP || (model->unstable == MPM_UNSTABLE_AUTO && locks));
 }
 
 PetscBool MpmStabilityWanted(const MpmModel model)
@@ -200,7 +212,7 @@ PetscErrorCode MpmStabilityCheck(MpmModel model, const char **why)
     PetscCall(MpmSolverRenew(model));
   }
   if (!lost) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->stop_unstable) *why = model->lost;
+  if (Stops(model)) *why = model->lost;
   else PetscCall(MpmTerminalNote(model, "%s; followed", model->lost));
   model->told_unstable = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -13,8 +13,6 @@
 #include "mpmimpl.h"
 #include "optionsimpl.h"
 
-#define FBAR_NU 0.45
-
 /* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn. */
 static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", NULL};
 
@@ -113,7 +111,7 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   for (PetscInt m = 0; m < model->material_count && !locks; m++) {
     const MpmMaterial *material = &model->materials[m];
 
-    if ((material->info.traits & MPM_LAW_PLASTIC) || material->nu > FBAR_NU) locks = material;
+    if ((material->info.traits & MPM_LAW_PLASTIC) || material->nu > MPM_NU_LOCKS) locks = material;
   }
   model->fbar_why = "no law flows or is nearly incompressible";
   if (!locks) PetscFunctionReturn(PETSC_SUCCESS);
