@@ -33,7 +33,7 @@
   Source: de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, sections 6.4 and 8.3; Tampubolon et al.
   (2017), doi:10.1145/3072959.3073651; Klar et al. (2016), doi:10.1145/2897824.2925906.
 */
-#include "elasticity.h"
+#include "talus/point/elasticity.h"
 
 enum { COHESION = ELASTIC_COUNT, FRICTION, DILATION, FIT, VOLUME_CORRECTION };
 

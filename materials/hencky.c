@@ -11,7 +11,7 @@
 
   Source: Hencky (1928), Zeitschrift fuer technische Physik 9, 215-220; Anand (1979), doi:10.1115/1.3424532.
 */
-#include "elasticity.h"
+#include "talus/point/elasticity.h"
 
 static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 

@@ -19,7 +19,7 @@
   Source: Simo (1992), doi:10.1016/0045-7825(92)90123-2; de Souza Neto, Peric and Owen (2008),
   doi:10.1002/9780470694626, sections 7.3 and 14.4.
 */
-#include "elasticity.h"
+#include "talus/point/elasticity.h"
 
 enum { YIELD_STRESS = ELASTIC_COUNT, HARDENING };
 

@@ -10,7 +10,7 @@
 
   Source: Timoshenko and Goodier (1970), Theory of Elasticity, 3rd edition, McGraw-Hill, chapter 1.
 */
-#include "elasticity.h" /* brings mpmkernel.h, and with it tensor.h and dual.h */
+#include "talus/point/elasticity.h" /* brings mpmkernel.h, and with it tensor.h and dual.h */
 
 /* The options -mpm_material_<name>_<parameter>, in the order in which the kernel finds the numbers in
    point->parameter. Every law has `density`. ELASTIC_PARAMETERS is density, E, nu; further rows look like

@@ -12,7 +12,7 @@
   Source: Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8; Bonet and Wood (2008),
   doi:10.1017/CBO9780511755446, section 6.4.3.
 */
-#include "elasticity.h"
+#include "talus/point/elasticity.h"
 
 static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 

@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 status=0
 if command -v clang-format-14 >/dev/null; then
-  find include src materials tests examples scripts -name '*.[ch]' -print0 | xargs -0 clang-format-14 --dry-run --Werror || status=1
+  find include src physics materials tests examples scripts -name '*.[ch]' -print0 | xargs -0 clang-format-14 --dry-run --Werror || status=1
 else
   echo "lint: clang-format-14 is not installed; C sources were not looked at" >&2
 fi

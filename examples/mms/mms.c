@@ -10,7 +10,7 @@
 
   A program of its own because a scene file has no body force that varies in space; everything else is in case.yaml.
 */
-#include "mpm.h"
+#include "talus/talus.h"
 
 static const PetscReal amplitude[3] = {0.10, -0.08, 0.06};
 

@@ -22,7 +22,7 @@
 */
 #include <float.h>
 #include <math.h>
-#include "mpmtables.h"
+#include "talus/point/tables.h"
 
 /* artanh(t)/t; `square` is t^2 and `quotient` (1 + t)^2/(1 - t^2), which the caller has without cancellation */
 static inline double HenckyArtanhRatio(double square, double quotient)

@@ -14,7 +14,7 @@
   Lines on the terminal, for a program to read: a key, and then a form and a number, or just a number. The hand-coded
   tangent goes in as a physics of its own, whose other functions are the built-in solid's.
 */
-#include "mpmimpl.h"
+#include "run/run.h"
 #include "hencky_tangent.h"
 
 #define BENCH_SAMPLE 0.05 /* s: a sample repeats what is shorter */
@@ -89,9 +89,9 @@ static PetscErrorCode CreateModel(Bench *bench)
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &bench->model));
   PetscCall(MpmModelSetPhysics(bench->model, &physics));
   PetscCall(MpmModelSetFromOptions(bench->model));
-  PetscCheck(bench->model->grid.dim == 2, bench->model->comm, PETSC_ERR_SUP, "the scene must be plane");
-  for (PetscInt k = 0; k < bench->model->material_count; k++) {
-    PetscCheck(!strcmp(bench->model->materials[k].info.name, "hencky"), bench->model->comm, PETSC_ERR_SUP,
+  PetscCheck(bench->model->disc.grid.dim == 2, bench->model->comm, PETSC_ERR_SUP, "the scene must be plane");
+  for (PetscInt k = 0; k < bench->model->scene.materials.count; k++) {
+    PetscCheck(!strcmp(bench->model->scene.materials.at[k].info.name, "hencky"), bench->model->comm, PETSC_ERR_SUP,
                "every material must be hencky");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -105,18 +105,19 @@ static PetscErrorCode Deform(MpmModel model, PetscInt steps)
   PetscBool           hopeless;
 
   PetscFunctionBeginUser;
-  for (model->step = 0; model->step < steps; model->step++) {
-    const PetscReal next = model->dt_nominal * (PetscReal)(model->step + 1);
+  for (model->state.step = 0; model->state.step < steps; model->state.step++) {
+    const PetscReal next = model->state.dt_nominal * (PetscReal)(model->state.step + 1);
 
-    PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-    PetscCall(MpmStep(model, next, next - model->time, PETSC_FALSE, &why, &hopeless));
-    PetscCheck(!why, model->comm, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", model->step, why);
-    model->time = next;
+    PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &hopeless));
+    PetscCheck(!why, model->comm, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", model->state.step, why);
+    model->state.time = next;
   }
-  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-  PetscCall(MpmStepPrepare(model, model->time + model->dt_nominal, model->dt_nominal, PETSC_FALSE, &why));
+  PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+  PetscCall(
+    MpmStepPrepare(model, model->state.time + model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &why));
   PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
-  PetscCall(MpmSolverSolve(model, &reason));
+  PetscCall(MpmSolverSolve(&model->solver, &reason));
   PetscCheck(reason > 0, model->comm, PETSC_ERR_NOT_CONVERGED, "the last step did not converge");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -128,9 +129,9 @@ static PetscErrorCode Assemble(Bench *bench, PetscInt form)
   MpmModel model = bench->model;
 
   PetscFunctionBeginUser;
-  model->jacobian_type              = forms[form].type;
-  model->physics.kernels[2].tangent = forms[form].by_hand ? HenckyTangent : bench->dual;
-  PetscCall(SNESComputeJacobian(model->snes, model->x, model->jacobian, model->jacobian));
+  model->solver.jacobian_type             = forms[form].type;
+  model->scene.physics.kernels[2].tangent = forms[form].by_hand ? HenckyTangent : bench->dual;
+  PetscCall(SNESComputeJacobian(model->solver.snes, model->solver.x, model->solver.jacobian, model->solver.jacobian));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,7 +155,7 @@ static PetscErrorCode PrintDifference(Bench *bench, PetscInt form, Mat local)
   PetscReal norm, difference;
 
   PetscFunctionBeginUser;
-  PetscCall(MatDuplicate(bench->model->jacobian, MAT_COPY_VALUES, &other));
+  PetscCall(MatDuplicate(bench->model->solver.jacobian, MAT_COPY_VALUES, &other));
   PetscCall(MatAXPY(other, -1., local, SAME_NONZERO_PATTERN));
   PetscCall(MatNorm(other, NORM_FROBENIUS, &difference));
   PetscCall(MatNorm(local, NORM_FROBENIUS, &norm));
@@ -169,7 +170,7 @@ static PetscErrorCode PrintDifference(Bench *bench, PetscInt form, Mat local)
 */
 static PetscReal ExpectDense(MpmModel model, PetscReal coloring)
 {
-  const MpmSpace *space   = &model->space;
+  const MpmSpace *space   = &model->disc.space;
   PetscReal       touched = 0., points = 0., box = 1.;
 
   for (PetscInt g = 0; g < space->group_count; g++) {
@@ -209,7 +210,7 @@ static PetscErrorCode Compare(Bench *bench)
     if (!turns[k]) continue;
     PetscCall(Sample(bench, k, 1, &seconds));
     repeat[k] = (PetscInt)PetscCeilReal(BENCH_SAMPLE / seconds);
-    if (k == FORM_LOCAL) PetscCall(MatDuplicate(bench->model->jacobian, MAT_COPY_VALUES, &local));
+    if (k == FORM_LOCAL) PetscCall(MatDuplicate(bench->model->solver.jacobian, MAT_COPY_VALUES, &local));
     else PetscCall(PrintDifference(bench, k, local));
   }
   for (PetscInt round = 0; round < bench->rounds; round++) {
@@ -227,12 +228,12 @@ static PetscErrorCode Compare(Bench *bench)
 
 static void PointOf(const MpmModel model, PetscInt p, MpmKernelPoint *point)
 {
-  const MpmMaterial *material = &model->materials[model->points.material[p]];
+  const MpmMaterial *material = &model->scene.materials.at[model->disc.points.material[p]];
 
   *point = (MpmKernelPoint){.parameter = material->parameter,
-                            .F_n       = &model->points.F[p * 4],
-                            .volume0   = model->points.volume0[p],
-                            .dt        = model->dt_nominal,
+                            .F_n       = &model->disc.points.F[p * 4],
+                            .volume0   = model->disc.points.volume0[p],
+                            .dt        = model->state.dt_nominal,
                             .traits    = material->info.traits,
                             .law       = material->law};
 }
@@ -246,7 +247,7 @@ static void InputOf(PetscInt p, PetscReal size, double input[])
 /* Nanoseconds a point of one tangent alone, away from the sums; `sink` keeps the compiler from leaving it out. */
 static PetscErrorCode TimeTangent(MpmModel model, Tangent tangent, PetscReal *nanoseconds, PetscReal *sink)
 {
-  const PetscInt turns = 1 + BENCH_POINTS / PetscMax(model->points.count, 1);
+  const PetscInt turns = 1 + BENCH_POINTS / PetscMax(model->disc.points.count, 1);
   PetscLogDouble begin, end;
   double         input[4], flux[4], D[16];
 
@@ -254,7 +255,7 @@ static PetscErrorCode TimeTangent(MpmModel model, Tangent tangent, PetscReal *na
   InputOf(1, 0.01, input);
   PetscCall(PetscTime(&begin));
   for (PetscInt turn = 0; turn < turns; turn++) {
-    for (PetscInt p = 0; p < model->points.count; p++) {
+    for (PetscInt p = 0; p < model->disc.points.count; p++) {
       MpmKernelPoint point;
 
       PointOf(model, p, &point);
@@ -263,7 +264,7 @@ static PetscErrorCode TimeTangent(MpmModel model, Tangent tangent, PetscReal *na
     }
   }
   PetscCall(PetscTime(&end));
-  *nanoseconds = 1e9 * (end - begin) / (PetscReal)(turns * model->points.count);
+  *nanoseconds = 1e9 * (end - begin) / (PetscReal)(turns * model->disc.points.count);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -274,7 +275,7 @@ static PetscReal TangentDifference(const Bench *bench)
   static const double    identity[4] = {1., 0., 0., 1.};
   PetscReal              difference  = 0.;
 
-  for (PetscInt p = 0; p < bench->model->points.count; p++) {
+  for (PetscInt p = 0; p < bench->model->disc.points.count; p++) {
     MpmKernelPoint point;
     double         input[4], flux[2][4], D[2][16], largest = 0., apart = 0.;
 
@@ -322,10 +323,11 @@ int main(int argc, char **argv)
   if (bench.run) {
     PetscCall(MpmModelRun(bench.model, &status));
   } else {
-    bench.model->physics.kernels[2].tangent = bench.dual;
+    bench.model->scene.physics.kernels[2].tangent = bench.dual;
     PetscCall(Deform(bench.model, bench.steps));
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "points %" PetscInt_FMT "\nunknowns %" PetscInt_FMT "\n",
-                          bench.model->points.count, bench.model->space.global_count * bench.model->layout.block));
+                          bench.model->disc.points.count,
+                          bench.model->disc.space.global_count * bench.model->disc.layout.block));
     PetscCall(Compare(&bench));
     PetscCall(CompareTangents(&bench));
   }

@@ -10,7 +10,7 @@
 #include <hdf5.h>
 #include <math.h>
 #include <unistd.h>
-#include "mpmimpl.h"
+#include "run/run.h"
 
 typedef struct {
   PetscInt  count;

@@ -2,7 +2,7 @@
   Plain double access to the laws of one instance, so that one test program can hold several. The build compiles this
   file once per instance, as it does the materials.
 */
-#include "mpmkernel.h"
+#include "talus/point/law.h"
 
 int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
                              const double *F_n, const double *dF, double *tau, double *dtau);

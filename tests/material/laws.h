@@ -4,7 +4,7 @@
   through the plain double wrappers of law_instance.c, because the instances' Scalars are different types under one
   name.
 */
-#include "mpmtables.h"
+#include "talus/point/tables.h"
 
 #define DIM  MPM_DIM
 #define DIM2 (MPM_DIM * MPM_DIM)

@@ -3,7 +3,7 @@
   Scenes for the tests of the engine: a model made from a line of options, and a step of it taken apart, so that residual and Jacobian can
   be looked at for any displacement.
 */
-#include "mpmimpl.h"
+#include "run/run.h"
 #include "unit.h"
 
 #include <stdint.h>
@@ -59,8 +59,8 @@ static inline PetscErrorCode SceneBegin(MpmModel model, PetscReal dt)
   const char *why;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-  PetscCall(MpmStepPrepare(model, model->time + dt, dt, PETSC_FALSE, &why));
+  PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+  PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &why));
   PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -71,12 +71,12 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
   PetscInt failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmGatherSolution(model, x));
-  PetscCall(MpmSumResidual(model, &failed));
+  PetscCall(MpmGatherSolution(&model->solver, x));
+  PetscCall(MpmSumResidual(&model->solver, &failed));
   PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%" PetscInt_FMT " points have no answer", failed);
-  PetscCall(MpmCommitLocal(&model->sum, model->u));
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &model->points));
-  model->time += model->sum.dt;
+  PetscCall(MpmCommitLocal(&model->disc.sum, model->disc.u));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  model->state.time += model->disc.sum.dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,17 +87,17 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
 static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const PetscReal amplitude[], PetscBool direction,
                                        Vec x)
 {
-  const PetscInt bs = model->layout.block, dim = model->grid.dim;
+  const PetscInt bs = model->disc.layout.block, dim = model->disc.grid.dim;
   PetscScalar   *values;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayWrite(x, &values));
-  for (PetscInt k = 0; k < model->space.owned * bs; k++) {
-    const PetscInt *node  = &model->space.node[(k / bs) * dim];
+  for (PetscInt k = 0; k < model->disc.space.owned * bs; k++) {
+    const PetscInt *node  = &model->disc.space.node[(k / bs) * dim];
     const PetscInt  place = (node[0] * 1000 + node[1]) * 1000 + (dim > 2 ? node[2] : 0);
 
     values[k] = amplitude[k % bs] * SceneRandom(seed, place, k % bs);
-    if (model->constraints.condition[k] >= 0) values[k] = direction ? 0. : model->constraints.value[k];
+    if (model->disc.constraints.condition[k] >= 0) values[k] = direction ? 0. : model->disc.constraints.value[k];
   }
   PetscCall(VecRestoreArrayWrite(x, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -107,9 +107,9 @@ static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const Pets
 static inline PetscErrorCode SceneJacobian(MpmModel model, MpmJacobianType type, Vec x, Mat *copy)
 {
   PetscFunctionBeginUser;
-  model->jacobian_type = type;
-  PetscCall(SNESComputeJacobian(model->snes, x, model->jacobian, model->jacobian));
-  PetscCall(MatDuplicate(model->jacobian, MAT_COPY_VALUES, copy));
+  model->solver.jacobian_type = type;
+  PetscCall(SNESComputeJacobian(model->solver.snes, x, model->solver.jacobian, model->solver.jacobian));
+  PetscCall(MatDuplicate(model->solver.jacobian, MAT_COPY_VALUES, copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -153,10 +153,10 @@ static inline PetscErrorCode ScenePetscColoring(MpmModel model, Mat local, Vec x
   PetscCall(MatColoringDestroy(&coloring));
   PetscCall(MatFDColoringCreate(other, colors, &differences));
   /* the function's type has changed between PETSc's releases; void * fits all */
-  PetscCall(MatFDColoringSetFunction(differences, (void *)SceneResidual, model->snes));
+  PetscCall(MatFDColoringSetFunction(differences, (void *)SceneResidual, model->solver.snes));
   PetscCall(MatFDColoringSetParameters(differences, 1e-8, 1e-2));
   PetscCall(MatFDColoringSetUp(other, colors, differences));
-  PetscCall(MatFDColoringApply(other, differences, x, model->snes));
+  PetscCall(MatFDColoringApply(other, differences, x, model->solver.snes));
   PetscCall(MatFDColoringDestroy(&differences));
   PetscCall(ISColoringDestroy(&colors));
   PetscCall(SceneDifference(local, &other, difference));
@@ -190,7 +190,7 @@ static inline PetscErrorCode SceneTaylor(MpmModel model, Mat J, Vec x, Vec v, Sc
   PetscCall(VecDuplicate(x, &r));
   PetscCall(VecDuplicate(x, &Jv));
   PetscCall(VecDuplicate(x, &at));
-  PetscCall(SNESComputeFunction(model->snes, x, r0));
+  PetscCall(SNESComputeFunction(model->solver.snes, x, r0));
   PetscCall(MatMult(J, v, Jv));
   PetscCall(VecNorm(Jv, NORM_2, &change));
   verdict->slope     = PETSC_MAX_REAL;
@@ -199,7 +199,7 @@ static inline PetscErrorCode SceneTaylor(MpmModel model, Mat J, Vec x, Vec v, Sc
     const PetscReal eps = 1. / (PetscReal)(1 << k);
 
     PetscCall(VecWAXPY(at, eps, v, x));
-    PetscCall(SNESComputeFunction(model->snes, at, r));
+    PetscCall(SNESComputeFunction(model->solver.snes, at, r));
     PetscCall(VecAXPBYPCZ(r, -1., -eps, 1., r0, Jv));
     PetscCall(VecNorm(r, NORM_2, &norm));
     if (last > 0.) verdict->slope = PetscMin(verdict->slope, PetscLog2Real(last / norm));
@@ -222,7 +222,7 @@ static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v
   PetscReal norm;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMatfreeCreate(model, stored, &J));
+  PetscCall(MpmMatfreeCreate(&model->solver, stored, &J));
   PetscCall(MpmMatfreeSetState(J, x));
   PetscCall(VecDuplicate(x, &y));
   PetscCall(VecDuplicate(x, &z));
@@ -241,14 +241,14 @@ static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v
 /* The diagonal without a matrix against the local Jacobian's, and the inverted diagonal blocks times its blocks against identity. */
 static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, SceneVerdict *verdict)
 {
-  const PetscInt     bs = model->layout.block;
+  const PetscInt     bs = model->disc.layout.block;
   Mat                J;
   Vec                y, z;
   PetscReal          norm;
   const PetscScalar *inverse;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMatfreeCreate(model, PETSC_TRUE, &J));
+  PetscCall(MpmMatfreeCreate(&model->solver, PETSC_TRUE, &J));
   PetscCall(MpmMatfreeSetState(J, x));
   PetscCall(VecDuplicate(x, &y));
   PetscCall(VecDuplicate(x, &z));
@@ -260,12 +260,12 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
   verdict->diagonal /= norm;
   PetscCall(MatInvertBlockDiagonal(J, &inverse));
   verdict->blocks = 0.;
-  for (PetscInt i = 0; i < model->space.owned; i++) {
+  for (PetscInt i = 0; i < model->disc.space.owned; i++) {
     PetscInt    rows[MPM_MAX_BLOCK];
     PetscScalar block[MPM_MAX_BLOCK * MPM_MAX_BLOCK];
     PetscReal   off = 0., least = PETSC_MAX_REAL;
 
-    for (PetscInt c = 0; c < bs; c++) rows[c] = (model->space.global_begin + i) * bs + c;
+    for (PetscInt c = 0; c < bs; c++) rows[c] = (model->disc.space.global_begin + i) * bs + c;
     PetscCall(MatGetValues(local, bs, rows, bs, rows, block));
     for (PetscInt r = 0; r < bs; r++) {
       least = PetscMin(least, PetscAbsScalar(block[r * bs + r]));
@@ -276,7 +276,7 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
         off = PetscMax(off, PetscAbsScalar(product));
       }
     }
-    if (least > 1e-6 * model->diagonal) verdict->blocks = PetscMax(verdict->blocks, off);
+    if (least > 1e-6 * model->disc.diagonal) verdict->blocks = PetscMax(verdict->blocks, off);
   }
   PetscCall(VecDestroy(&y));
   PetscCall(VecDestroy(&z));
@@ -313,20 +313,20 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
 /* All steps, without files. */
 static inline PetscErrorCode SceneRun(MpmModel model)
 {
-  const PetscInt steps = (PetscInt)PetscFloorReal(model->time_end / model->dt_nominal + 0.5);
+  const PetscInt steps = (PetscInt)PetscFloorReal(model->state.time_end / model->state.dt_nominal + 0.5);
   PetscBool      moved, hopeless;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < steps; k++) {
-    const PetscReal next = model->dt_nominal * (PetscReal)(k + 1);
+    const PetscReal next = model->state.dt_nominal * (PetscReal)(k + 1);
     const char     *why;
 
-    PetscCall(MpmParticlesRebalance(&model->particles, &model->grid, PETSC_FALSE, &moved));
-    PetscCall(MpmParticlesMigrate(&model->particles, &model->grid));
-    PetscCall(MpmStep(model, next, next - model->time, PETSC_FALSE, &why, &hopeless));
+    PetscCall(MpmParticlesRebalance(&model->state.particles, &model->disc.grid, PETSC_FALSE, &moved));
+    PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &hopeless));
     PetscCheck(!why, PETSC_COMM_SELF, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", k, why);
-    model->time = next;
-    model->step++;
+    model->state.time = next;
+    model->state.step++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -334,19 +334,19 @@ static inline PetscErrorCode SceneRun(MpmModel model)
 /* Values of all points by id, on every rank of the model; free with PetscFree(). */
 static inline PetscErrorCode SceneById(MpmModel model, PetscInt components, const char *field, PetscReal **all)
 {
-  const PetscInt total = (PetscInt)model->particles.total * components;
+  const PetscInt total = (PetscInt)model->state.particles.total * components;
   PetscReal     *values;
   PetscInt      *id, count;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(total, all));
-  PetscCall(DMSwarmGetLocalSize(model->particles.swarm, &count));
-  PetscCall(DMSwarmGetField(model->particles.swarm, "id", NULL, NULL, (void **)&id));
-  PetscCall(DMSwarmGetField(model->particles.swarm, field, NULL, NULL, (void **)&values));
+  PetscCall(DMSwarmGetLocalSize(model->state.particles.swarm, &count));
+  PetscCall(DMSwarmGetField(model->state.particles.swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmGetField(model->state.particles.swarm, field, NULL, NULL, (void **)&values));
   for (PetscInt k = 0; k < count * components; k++)
     (*all)[id[k / components] * components + k % components] += values[k];
-  PetscCall(DMSwarmRestoreField(model->particles.swarm, field, NULL, NULL, (void **)&values));
-  PetscCall(DMSwarmRestoreField(model->particles.swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, field, NULL, NULL, (void **)&values));
+  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, "id", NULL, NULL, (void **)&id));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *all, (PetscMPIInt)total, MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -358,13 +358,13 @@ static inline PetscErrorCode SceneFieldDifference(MpmModel a, MpmModel b, PetscI
   PetscReal *of_a, *of_b, *of_base = NULL, most = 0.;
 
   PetscFunctionBeginUser;
-  PetscCheck(a->particles.total == b->particles.total, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+  PetscCheck(a->state.particles.total == b->state.particles.total, PETSC_COMM_SELF, PETSC_ERR_PLIB,
              "the models have different numbers of points");
   PetscCall(SceneById(a, components, field, &of_a));
   PetscCall(SceneById(b, components, field, &of_b));
   if (base) PetscCall(SceneById(a, components, base, &of_base));
   *difference = 0.;
-  for (PetscInt k = 0; k < (PetscInt)a->particles.total * components; k++) {
+  for (PetscInt k = 0; k < (PetscInt)a->state.particles.total * components; k++) {
     *difference = PetscMax(*difference, PetscAbsReal(of_a[k] - of_b[k]));
     most        = PetscMax(most, PetscAbsReal(of_a[k] - (of_base ? of_base[k] : 0.)));
   }

@@ -2,7 +2,7 @@
   Plain double access to tensor.h of one instance, so that one test program can hold several. The build compiles this
   file once per instance, as it does the materials.
 */
-#include "mpmkernel.h"
+#include "talus/point/law.h"
 
 typedef int (*MPM_INSTANCE(SymFunction))(const Sym *A, Sym *result);
 

@@ -119,13 +119,13 @@ static PetscErrorCode CreateBlock(MPI_Comm comm, PetscInt dim, const char *shape
 /* How strongly one field's values act on the other's rows: 1-norms of the Jacobian's off-diagonal blocks by their action on ones. */
 static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *on_scalar, PetscReal *on_solid)
 {
-  const PetscInt bs = model->layout.block;
+  const PetscInt bs = model->disc.layout.block;
   Vec            v, Jv;
   PetscScalar   *values;
 
   PetscFunctionBeginUser;
-  PetscCall(VecDuplicate(model->x, &v));
-  PetscCall(VecDuplicate(model->x, &Jv));
+  PetscCall(VecDuplicate(model->solver.x, &v));
+  PetscCall(VecDuplicate(model->solver.x, &Jv));
   for (PetscInt from = 0; from < 2; from++) { /* 0: the solid acts, 1: the scalar */
     PetscReal  amplitude[MPM_MAX_BLOCK], sum = 0.;
     PetscReal *result = from ? on_solid : on_scalar;
@@ -134,7 +134,7 @@ static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *
     PetscCall(SceneFill(model, seed, amplitude, PETSC_TRUE, v));
     PetscCall(MatMult(J, v, Jv));
     PetscCall(VecGetArray(Jv, &values));
-    for (PetscInt k = 0; k < model->space.owned * bs; k++)
+    for (PetscInt k = 0; k < model->disc.space.owned * bs; k++)
       if ((k % bs == bs - 1) != from) sum += PetscAbsScalar(values[k]);
     PetscCall(VecRestoreArray(Jv, &values));
     PetscCall(MPIU_Allreduce(&sum, result, 1, MPIU_REAL, MPIU_SUM, model->comm));
@@ -146,22 +146,22 @@ static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *
 
 static PetscErrorCode Look(MpmModel model, SceneVerdict *verdict, PetscReal *on_scalar, PetscReal *on_solid)
 {
-  const PetscInt dim = model->grid.dim;
+  const PetscInt dim = model->disc.grid.dim;
   PetscReal      amplitude[MPM_MAX_BLOCK];
   Vec            v;
   Mat            J;
 
   PetscFunctionBeginUser;
-  for (PetscInt c = 0; c <= dim; c++) amplitude[c] = c < dim ? 0.04 * model->grid.h[c] : 1.;
+  for (PetscInt c = 0; c <= dim; c++) amplitude[c] = c < dim ? 0.04 * model->disc.grid.h[c] : 1.;
   PetscCall(SceneBegin(model, 0.1));
-  PetscCall(SceneFill(model, 1, amplitude, PETSC_FALSE, model->x));
-  PetscCall(SceneCommit(model, model->x));
+  PetscCall(SceneFill(model, 1, amplitude, PETSC_FALSE, model->solver.x));
+  PetscCall(SceneCommit(model, model->solver.x));
   PetscCall(SceneBegin(model, 0.1));
-  PetscCall(SceneFill(model, 2, amplitude, PETSC_FALSE, model->x));
-  PetscCall(VecDuplicate(model->x, &v));
+  PetscCall(SceneFill(model, 2, amplitude, PETSC_FALSE, model->solver.x));
+  PetscCall(VecDuplicate(model->solver.x, &v));
   PetscCall(SceneFill(model, 3, amplitude, PETSC_TRUE, v));
-  PetscCall(SceneCompare(model, model->x, v, verdict));
-  PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, model->x, &J));
+  PetscCall(SceneCompare(model, model->solver.x, v, verdict));
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, model->solver.x, &J));
   PetscCall(Coupling(model, J, 4, on_scalar, on_solid));
   PetscCall(MatDestroy(&J));
   PetscCall(VecDestroy(&v));
@@ -232,9 +232,9 @@ static PetscErrorCode Start(MpmModel model, PetscBool mode)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) points.value[p] = mode ? Mode(points.x[2 * p]) : 0.7;
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -248,11 +248,11 @@ START_TEST(uniform)
   SCENE_CALL(CreateStrip("-mpm_bcs still,left -mpm_bc_left_value 0.7", &model));
   SCENE_CALL(Start(model, PETSC_FALSE));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) worst = PetscMax(worst, PetscAbsReal(points.value[p] - 0.7));
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-13)), "the value is wrong by %g", (double)worst);
-  ck_assert_int_eq((int)model->newton_total, 0);
+  ck_assert_int_eq((int)model->solver.newton_total, 0);
   SCENE_CALL(SceneDestroy(&model));
 }
 END_TEST
@@ -280,12 +280,12 @@ START_TEST(decay)
                 &model));
   SCENE_CALL(Start(model, PETSC_TRUE));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     worst = PetscMax(worst, PetscAbsReal(points.value[p] - factor * Mode(points.x[2 * p])));
     moved = PetscMax(moved, PetscAbsReal(points.x[2 * p] - points.x0[2 * p]));
   }
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
   ck_assert_msg(PetscAbsReal(rate / (DIFFUSIVITY * PETSC_PI * PETSC_PI) - 1.) < 0.01, "the discrete rate is %g",
                 (double)rate);
   ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-9)), "the mode is wrong by %g", (double)worst);
@@ -315,22 +315,22 @@ START_TEST(inflow)
 
   SCENE_CALL(CreateStrip("-mpm_bcs still,left -mpm_bc_left_value 1", &model));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    worst = PetscMax(worst, PetscAbsReal(points.value[p] - Inflow(points.x[2 * p], model->time)));
+    worst = PetscMax(worst, PetscAbsReal(points.value[p] - Inflow(points.x[2 * p], model->state.time)));
     content[0] += points.volume0[p] * points.value[p];
   }
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 0.01)), "away from the series by %g", (double)worst);
   /* one more step: what enters through the held nodes is what the points gain */
-  model->time_end = model->dt_nominal;
-  model->time     = 0.;
+  model->state.time_end = model->state.dt_nominal;
+  model->state.time     = 0.;
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) content[1] += points.volume0[p] * points.value[p];
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, content, 2, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  flow = model->reaction[1 * model->layout.block + 2];
+  flow = model->disc.reaction[1 * model->disc.layout.block + 2];
   ck_assert_double_gt(flow, 0.05);
   ck_assert_double_eq_tol(flow, (content[1] - content[0]) / DT, 1e-9 * flow / DT);
   SCENE_CALL(SceneDestroy(&model));
@@ -354,8 +354,8 @@ START_TEST(ranks_agree)
     SCENE_CALL(SceneFieldDifference(alone, model, 1, "value", NULL, &value));
     ck_assert_msg(SceneAll((PetscBool)(moved <= 1e-9)), "%dD: positions differ by %g", (int)dim, (double)moved);
     ck_assert_msg(SceneAll((PetscBool)(value <= 1e-9)), "%dD: values differ by %g", (int)dim, (double)value);
-    ck_assert_int_eq((int)model->newton_total, (int)alone->newton_total);
-    ck_assert_int_le((int)model->newton_total, 24);
+    ck_assert_int_eq((int)model->solver.newton_total, (int)alone->solver.newton_total);
+    ck_assert_int_le((int)model->solver.newton_total, 24);
     SCENE_CALL(MpmModelDestroy(&alone));
     SCENE_CALL(SceneDestroy(&model));
   }

@@ -37,10 +37,10 @@ static PetscErrorCode Shift(MpmModel model, PetscReal part)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
-  for (PetscInt k = 0; k < points.count * model->grid.dim; k++)
-    points.x[k] += part * model->grid.h[k % model->grid.dim];
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  for (PetscInt k = 0; k < points.count * model->disc.grid.dim; k++)
+    points.x[k] += part * model->disc.grid.h[k % model->disc.grid.dim];
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -53,9 +53,9 @@ static PetscReal Power(PetscInt node, PetscInt power)
    is the spline's value. */
 static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {
-  const PetscInt degree = MpmShapeDegree(model->shape);
+  const PetscInt degree = MpmShapeDegree(model->scene.shape);
 
-  if (model->edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells)) return Power(node, power);
+  if (model->scene.edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells)) return Power(node, power);
   if (degree == 2) return (Power(node - 1, power) + 6. * Power(node, power) + Power(node + 1, power)) / 8.;
   return (Power(node - 1, power) + 4. * Power(node, power) + Power(node + 1, power)) / 6.;
 }
@@ -63,24 +63,25 @@ static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, Pets
 /* The penalty's force on nodal values sum_a x_a^degree (centred), and the same for random values of that size. */
 static PetscErrorCode Forces(MpmModel model, PetscInt degree, PetscReal *polynomial, PetscReal *random)
 {
-  const PetscInt bs = model->layout.block, dim = model->grid.dim, n = model->space.local * bs;
+  const PetscInt bs = model->disc.layout.block, dim = model->disc.grid.dim, n = model->disc.space.local * bs;
   PetscReal     *u, *f, norm[2];
+  PetscInt       failed;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(n, &u, n, &f));
   for (PetscInt kind = 0; kind < 2; kind++) {
     norm[kind] = 0.;
     for (PetscInt k = 0; k < n; k++) {
-      const PetscInt *node  = &model->space.node[k / bs * dim];
+      const PetscInt *node  = &model->disc.space.node[k / bs * dim];
       PetscReal       value = 0.;
 
-      for (PetscInt a = 0; a < dim; a++) value += Coefficient(model, node[a], model->grid.cells[a], degree);
+      for (PetscInt a = 0; a < dim; a++) value += Coefficient(model, node[a], model->disc.grid.cells[a], degree);
       u[k] = kind ? SceneRandom(1, (node[0] * 100 + node[1]) * 100 + (dim > 2 ? node[2] : 0), k % bs) : value;
       f[k] = 0.;
     }
-    PetscCall(MpmGhostResidual(&model->sum, u, f));
-    PetscCall(MpmSpaceAddToOwners(&model->space, bs, f));
-    for (PetscInt k = 0; k < model->space.owned * bs; k++) norm[kind] = PetscMax(norm[kind], PetscAbsReal(f[k]));
+    PetscCall(MpmTermGhost.residual(NULL, &model->disc.sum, u, f, &failed));
+    PetscCall(MpmSpaceAddToOwners(&model->disc.space, bs, f));
+    for (PetscInt k = 0; k < model->disc.space.owned * bs; k++) norm[kind] = PetscMax(norm[kind], PetscAbsReal(f[k]));
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, norm, 2, MPIU_REAL, MPIU_MAX, model->comm));
   *polynomial = norm[0];
@@ -102,8 +103,8 @@ static void CheckPolynomials(const char *const factor[])
       SCENE_CALL(Create(dim, shapes[s], factor[dim - 2], PETSC_FALSE, &model));
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
-      degree = MpmShapeDegree(model->shape);
-      ck_assert_msg(SceneAll((PetscBool)(model->space.face_count > 0 || model->size > 1)), "%s has no faces",
+      degree = MpmShapeDegree(model->scene.shape);
+      ck_assert_msg(SceneAll((PetscBool)(model->disc.space.face_count > 0 || model->size > 1)), "%s has no faces",
                     shapes[s]);
       SCENE_CALL(Forces(model, degree, &polynomial, &random));
       ck_assert_msg(random > 0., "%dD %s: no penalty", (int)dim, shapes[s]);
@@ -145,9 +146,9 @@ static PetscErrorCode Iterations(MpmModel model, PetscInt *iterations)
 
   PetscFunctionBeginUser;
   PetscCall(SceneBegin(model, 0.25));
-  PetscCall(VecZeroEntries(model->x));
-  PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, model->x, &J));
-  PetscCall(VecDuplicate(model->x, &b));
+  PetscCall(VecZeroEntries(model->solver.x));
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, model->solver.x, &J));
+  PetscCall(VecDuplicate(model->solver.x, &b));
   PetscCall(SceneFill(model, 1, amplitude, PETSC_TRUE, b));
   PetscCall(KSPCreate(model->comm, &ksp));
   PetscCall(KSPSetOperators(ksp, J, J));
@@ -155,7 +156,7 @@ static PetscErrorCode Iterations(MpmModel model, PetscInt *iterations)
   PetscCall(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 20000));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCJACOBI));
-  PetscCall(KSPSolve(ksp, b, model->x));
+  PetscCall(KSPSolve(ksp, b, model->solver.x));
   PetscCall(KSPGetIterationNumber(ksp, iterations));
   PetscCall(KSPDestroy(&ksp));
   PetscCall(VecDestroy(&b));

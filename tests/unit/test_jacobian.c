@@ -103,14 +103,14 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
 /* The share of points whose elastic left Cauchy-Green tensor is no longer F F^T. */
 static PetscErrorCode PlasticShare(MpmModel model, PetscReal *share)
 {
-  const PetscInt dim     = model->grid.dim;
+  const PetscInt dim     = model->disc.grid.dim;
   PetscInt       plastic = 0;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->particles, &points));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
   for (PetscInt p = 0; points.state && p < points.count; p++) {
-    const PetscReal *F = &points.F[p * dim * dim], *b = &points.state[p * model->particles.state_size];
+    const PetscReal *F = &points.F[p * dim * dim], *b = &points.state[p * model->state.particles.state_size];
     PetscReal        away = 0.;
 
     for (PetscInt a = 0; a < dim; a++) {
@@ -121,16 +121,16 @@ static PetscErrorCode PlasticShare(MpmModel model, PetscReal *share)
     }
     plastic += away > 1e-4;
   }
-  PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &plastic, 1, MPIU_INT, MPI_SUM, model->comm));
-  *share = (PetscReal)plastic / (PetscReal)model->particles.total;
+  *share = (PetscReal)plastic / (PetscReal)model->state.particles.total;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Amplitude(MpmModel model, PetscReal cells, PetscReal amplitude[])
 {
   PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < model->grid.dim; a++) amplitude[a] = cells * model->grid.h[a];
+  for (PetscInt a = 0; a < model->disc.grid.dim; a++) amplitude[a] = cells * model->disc.grid.h[a];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,13 +154,13 @@ static PetscErrorCode IsSmoothAlong(MpmModel model, Vec x, Vec v, PetscBool *smo
   PetscCall(VecDuplicate(x, &at));
   PetscCall(VecDuplicate(x, &slope));
   for (PetscInt k = 0; k < 3; k++) PetscCall(VecDuplicate(x, &r[k]));
-  PetscCall(SNESComputeFunction(model->snes, x, r[0]));
+  PetscCall(SNESComputeFunction(model->solver.snes, x, r[0]));
   for (int k = SCENE_TAYLOR_LONGEST; k <= SCENE_TAYLOR_SHORTEST && *smooth; k++) {
     const PetscReal eps = 1. / (PetscReal)(1 << k);
 
     for (PetscInt side = 1; side <= 2; side++) {
       PetscCall(VecWAXPY(at, side == 1 ? eps : -eps, v, x));
-      PetscCall(SNESComputeFunction(model->snes, at, r[side]));
+      PetscCall(SNESComputeFunction(model->solver.snes, at, r[side]));
     }
     PetscCall(VecWAXPY(at, -1., r[2], r[1]));
     PetscCall(VecScale(at, 0.5 / eps));
@@ -199,7 +199,8 @@ static PetscErrorCode FindSmooth(MpmModel model, PetscInt seed, Vec x, Vec v)
     smooth = PETSC_TRUE;
     for (PetscInt d = SMOOTH_DIRECTIONS; d > 0 && smooth; d--) {
       PetscCall(SceneFill(model, first + d, amplitude, PETSC_TRUE, v));
-      if (!(model->materials[0].info.traits & MPM_LAW_SMALL_STRAIN)) PetscCall(IsSmoothAlong(model, x, v, &smooth));
+      if (!(model->scene.materials.at[0].info.traits & MPM_LAW_SMALL_STRAIN))
+        PetscCall(IsSmoothAlong(model, x, v, &smooth));
     }
   }
   ck_assert_msg(smooth, "no place without a kink in %d tries", (int)tries);
@@ -220,32 +221,32 @@ static PetscErrorCode Look(MpmModel model, const Law *law, PetscReal domain, Pet
   for (PetscInt k = 0; k < 5 && (k == 0 || (law->plastic && *plastic < 0.5)); k++) {
     PetscCall(SceneBegin(model, 0.25));
     PetscCall(Amplitude(model, CELLS, amplitude));
-    PetscCall(SceneFill(model, 1 + 1000 * SEED + 500 * k, amplitude, PETSC_FALSE, model->x));
-    PetscCall(SceneCommit(model, model->x));
+    PetscCall(SceneFill(model, 1 + 1000 * SEED + 500 * k, amplitude, PETSC_FALSE, model->solver.x));
+    PetscCall(SceneCommit(model, model->solver.x));
     PetscCall(PlasticShare(model, plastic));
   }
   if (domain > 0.) {
     MpmPoints points;
 
-    PetscCall(MpmParticlesGetArrays(&model->particles, &points));
-    for (PetscInt k = 0; k < points.count * model->grid.dim; k++)
-      points.half_length[k] = domain * model->grid.h[k % model->grid.dim];
-    PetscCall(MpmParticlesRestoreArrays(&model->particles, &points));
+    PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+    for (PetscInt k = 0; k < points.count * model->disc.grid.dim; k++)
+      points.half_length[k] = domain * model->disc.grid.h[k % model->disc.grid.dim];
+    PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
   }
   PetscCall(SceneBegin(model, 0.25));
-  PetscCall(VecDuplicate(model->x, &v));
-  PetscCall(FindSmooth(model, 2 + 1000 * SEED, model->x, v));
-  PetscCall(SceneCompare(model, model->x, v, verdict));
+  PetscCall(VecDuplicate(model->solver.x, &v));
+  PetscCall(FindSmooth(model, 2 + 1000 * SEED, model->solver.x, v));
+  PetscCall(SceneCompare(model, model->solver.x, v, verdict));
   PetscCall(VecDestroy(&v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plastic, const SceneVerdict *verdict)
 {
-  const unsigned traits = model->materials[0].info.traits;
+  const unsigned traits = model->scene.materials.at[0].info.traits;
   char           name[200];
 
-  snprintf(name, sizeof(name), "%dD %s %s %s", (int)model->grid.dim, MpmShapeTypes[model->shape], law->name,
+  snprintf(name, sizeof(name), "%dD %s %s %s", (int)model->disc.grid.dim, MpmShapeTypes[model->scene.shape], law->name,
            variant_names[held]);
   ck_assert_msg(verdict->norm > 0., "%s: the Jacobian is empty", name);
   ck_assert_msg(verdict->coloring <= 1e-14, "%s: local and coloured Jacobian differ by %g", name,
@@ -275,10 +276,10 @@ static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plast
 /* All boundaries have pushed in the step that was committed. */
 static void CheckTouch(MpmModel model)
 {
-  for (PetscInt b = 0; b < model->boundary_count; b++) {
-    SCENE_CALL(MpmContactsCommit(&model->contacts, &model->sum, model->u, &model->particles));
-    ck_assert_msg(model->contacts.depth[b] > 0.01 * model->grid.h[0], "boundary %s has a depth of %g",
-                  model->boundary_names[b], (double)model->contacts.depth[b]);
+  for (PetscInt b = 0; b < model->scene.boundaries.count; b++) {
+    SCENE_CALL(MpmContactsCommit(&model->disc.contacts, &model->disc.sum, model->disc.u, &model->state.particles));
+    ck_assert_msg(model->disc.contacts.depth[b] > 0.01 * model->disc.grid.h[0], "boundary %s has a depth of %g",
+                  model->scene.boundaries.names[b], (double)model->disc.contacts.depth[b]);
   }
 }
 
@@ -295,10 +296,11 @@ static void CheckAll(PetscInt dim)
         if (held >= INCLINED && l != 2 && l != 4) continue;
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], held, &model));
         SCENE_CALL(Look(model, &laws[l], 0., &plastic, &verdict));
-        ck_assert_int_eq(model->constraints.any || !held || held == TOUCHING, 1); /* its one edge may be on one rank */
-        ck_assert_int_eq(model->constraints.frame_of != NULL, held >= INCLINED);
+        ck_assert_int_eq(model->disc.constraints.any || !held || held == TOUCHING,
+                         1); /* its one edge may be on one rank */
+        ck_assert_int_eq(model->disc.constraints.frame_of != NULL, held >= INCLINED);
         if (held == TOUCHING) CheckTouch(model);
-        ck_assert_int_eq((int)model->layout.means, held == HELD_FBAR || (held == INCLINED && dim == 3));
+        ck_assert_int_eq((int)model->disc.layout.means, held == HELD_FBAR || (held == INCLINED && dim == 3));
         Check(model, &laws[l], held, plastic, &verdict);
         SCENE_CALL(SceneDestroy(&model));
       }
@@ -333,7 +335,7 @@ START_TEST(open_edges)
         PetscReal    plastic;
 
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], law, variants[v], &model));
-        ck_assert_int_eq(model->edge, MPM_EDGE_OPEN);
+        ck_assert_int_eq(model->scene.edge, MPM_EDGE_OPEN);
         SCENE_CALL(Look(model, law, 0., &plastic, &verdict));
         Check(model, law, variants[v], plastic, &verdict);
         SCENE_CALL(SceneDestroy(&model));
@@ -358,8 +360,8 @@ START_TEST(long_domains)
 
       SCENE_CALL(Create(dim, shapes[s], &laws[2], s == 0 ? HELD : FREE, &model));
       SCENE_CALL(Look(model, &laws[2], dim == 2 ? half : 0.7, &plastic, &verdict));
-      ck_assert_int_ge((int)model->space.width, dim == 2 ? 5 : 4);
-      ck_assert_int_eq((int)model->pattern.reach, (int)model->space.width - 1);
+      ck_assert_int_ge((int)model->disc.space.width, dim == 2 ? 5 : 4);
+      ck_assert_int_eq((int)model->disc.pattern.reach, (int)model->disc.space.width - 1);
       Check(model, &laws[2], s == 0 ? HELD : FREE, plastic, &verdict);
       SCENE_CALL(SceneDestroy(&model));
     }

@@ -1,7 +1,7 @@
 /*
   Options: what is accepted, what is refused and in which words, and that what is written can be run again.
 */
-#include "mpmoptions.h"
+#include "options/options.h"
 #include "unit.h"
 
 #include <stdarg.h>

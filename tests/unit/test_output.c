@@ -11,7 +11,7 @@
 #include <unistd.h>
 #include <check.h>
 #include <hdf5.h>
-#include "mpmoutput.h"
+#include "io/io.h"
 
 #define CALL(call)  ck_assert_int_eq((int)(call), 0)
 #define PATH_LENGTH 256

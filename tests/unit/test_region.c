@@ -1,7 +1,7 @@
 /*
   Regions and ramps: what they hold, what they refuse.
 */
-#include "mpmregion.h"
+#include "geometry/geometry.h"
 #include "unit.h"
 
 #include <math.h>

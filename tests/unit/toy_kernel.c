@@ -9,7 +9,7 @@
   The two fields act on each other through beta and through the J in the diffusivity. lambda and mu are the material's, D and beta the
   physics'.
 */
-#include "elasticity.h"
+#include "talus/point/elasticity.h"
 
 enum { DIFFUSIVITY, COUPLING };
 

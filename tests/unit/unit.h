@@ -4,7 +4,7 @@
 
   Tests run in this very process (no fork): MPI does not survive one, and the sanitizers see everything.
 */
-#include "mpmcompat.h"
+#include "talus/compat.h"
 
 #include <check.h>
 #include <stdlib.h>

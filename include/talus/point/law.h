@@ -1,0 +1,60 @@
+#pragma once
+/*
+  The pointwise engine: what a constitutive law and a physics see of one material point.
+
+  A kernel is written once, in `Scalar`, and compiled for several scalar types. CMake compiles every file of materials/
+  and src/kernels/ once for each instance, an instance being a pair of
+
+    MPM_DIM          2 (plane strain) or 3
+    MPM_DIRECTIONS   number of derivative directions that a Scalar carries: 0 (plain double), 1 (one direction, for
+                     Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). What
+                     else a kernel takes, such as a mean over the cell, it composes from these by the chain rule; a
+                     physics that asks no law may have as many directions as inputs
+
+  Every symbol with external linkage carries the instance in its name through MPM_INSTANCE(). Nothing here or in a
+  kernel calls PETSc, allocates, does I/O or touches a global, and all of it is in the common subset of C11 and CUDA
+  C++.
+
+  Signs: tension positive. Components of symmetric tensors: xx, yy, zz, xy (, yz, xz).
+*/
+#if !defined(MPM_DIM) || !defined(MPM_DIRECTIONS)
+#error "compile this file through the build's list of kernel instances: MPM_DIM and MPM_DIRECTIONS are not set"
+#endif
+#include "tables.h"
+#include "tensor.h"
+
+#define MPM_INSTANCE3(a, b, c) a##_##b##d##_##c
+#define MPM_INSTANCE2(a, b, c) MPM_INSTANCE3(a, b, c)
+/* MPM_INSTANCE(name) is name_2d_0, name_3d_9, ... */
+#define MPM_INSTANCE(name) MPM_INSTANCE2(name, MPM_DIM, MPM_DIRECTIONS)
+
+/*
+  What a constitutive law is told about one point.
+
+  state_n   history at the step's start, in the order of the law's state table
+  state     where history at the step's end goes, or NULL when the caller does not want it (Jacobians): a law
+            must not write, nor spend time on, what nobody asked for
+  F_n       deformation gradient at the step's start, row-major, MPM_DIM x MPM_DIM (its zz is 1 in plane strain)
+*/
+typedef struct {
+  const double *parameter; /* in the order of the law's parameter table */
+  const double *state_n;
+  double       *state;
+  const double *F_n;
+  double        dt; /* s */
+} MpmLawPoint;
+
+/*
+  A constitutive law: dF = F_{n+1} F_n^{-1} in, Kirchhoff stress tau (Pa) out. Returns 0, or non-zero where it has no
+  answer (det F <= 0, no real root): the caller then reports a domain error and the step backs off.
+*/
+typedef int (*MPM_INSTANCE(MpmLaw))(const MpmLawPoint *point, const Tensor *dF, Sym *tau);
+
+/*
+  A physics' kernel: inputs (values and gradients of its fields, gradients taken with respect to the position at the
+  step's start) to conjugate fluxes, integrated over the point: the residual of node i is the sum over points and inputs
+  k of phi_k(i) flux_k, where phi_k is the weight or the derivative of it that made input k.
+*/
+typedef int (*MPM_INSTANCE(MpmKernel))(const MpmKernelPoint *point, const Scalar input[], Scalar flux[]);
+
+#include "instance.h"

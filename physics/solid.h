@@ -1,0 +1,37 @@
+#pragma once
+/*
+  What the kernels of solids share: the flux of a stress, and what may become the state.
+*/
+#include "talus/point/law.h"
+
+/* The flux conjugate to du_a,b: V_0 (tau dF^{-T})_ab, or V_0 sigma_ac F_n,bc at small strain. */
+MPM_FN void SolidFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF, Scalar flux[])
+{
+  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+    for (int a = 0; a < MPM_DIM; a++) {
+      for (int b = 0; b < MPM_DIM; b++) {
+        Scalar sum = ScalarConstant(0.);
+
+        for (int c = 0; c < MPM_DIM; c++) ScalarAddScaled(&sum, point->F_n[b * MPM_DIM + c], &tau->a[SymIndex(a, c)]);
+        flux[a * MPM_DIM + b] = ScalarScale(point->volume0, sum);
+      }
+    }
+  } else {
+    const Tensor P = SymTimesInverseTranspose(tau, dF, point->volume0);
+
+    for (int k = 0; k < MPM_DIM * MPM_DIM; k++) flux[k] = P.a[k];
+  }
+}
+
+/* F and Cauchy stress of the step's end, where somebody asks: Jacobians do not. */
+MPM_FN void SolidKeep(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF)
+{
+  if (point->F) {
+    const Tensor F     = TensorMulArray(dF, point->F_n);
+    const int    small = point->traits & MPM_LAW_SMALL_STRAIN;
+    const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), tau);
+
+    TensorStore(point->F, &F);
+    SymStore(point->stress, &sigma);
+  }
+}

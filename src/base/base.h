@@ -1,0 +1,131 @@
+#pragma once
+/*
+  What everything stands on: differences between PETSc's releases, numbers as text, texts that become files, bytes of
+  files, and exchange between ranks. Knows nothing of what the program is for.
+*/
+#include <stdint.h>
+#include <stddef.h>
+#include <petscsf.h>
+#include "talus/compat.h"
+#include "talus/point/dense.h"
+
+#define MPM_MAX_DIM 3
+
+/* ---- number.c ---- */
+
+/* Room for a number or a range as text. */
+#define MPM_NUMBER_TEXT 64
+
+/* Shortest decimal form that reads back as the same number. PETSc's own %g turns 1 into "1.", which is not what a user
+   wrote. */
+void MpmRealText(PetscReal value, char text[MPM_NUMBER_TEXT]);
+/* The whole of `text`, blanks around it aside, must be one finite number. */
+PetscBool MpmParseReal(const char text[], PetscReal *value);
+PetscBool MpmParseInt(const char text[], PetscInt *value);
+
+/* Appends formatted text to an allocated string (NULL to start with); free with PetscFree(). */
+PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* `value` fit for a one-line message: control characters become blanks, and a long one is cut short. Free with
+   PetscFree(). */
+PetscErrorCode MpmTextQuote(const char value[], char **quoted);
+
+/* ---- text_buffer.c ---- */
+
+/*
+  MpmTextFile - a text that grows and then becomes a file in one go. The file appears under its name complete or not
+  at all: it is written under a temporary name beside it and renamed.
+*/
+
+/* Start from MPM_TEXT_FILE_EMPTY. `data` ends with a zero byte once anything has been appended. */
+typedef struct {
+  char  *data;
+  size_t length, capacity;
+} MpmTextFile;
+#define MPM_TEXT_FILE_EMPTY ((MpmTextFile){NULL, 0, 0})
+
+/* Not collective. The format is C's printf's. */
+PetscErrorCode MpmTextFileAppend(MpmTextFile *text, const char *format, ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* Makes room for `more` bytes and the closing zero. */
+PetscErrorCode MpmTextFileReserve(MpmTextFile *text, size_t more);
+PetscErrorCode MpmTextFileDestroy(MpmTextFile *text);
+
+/*@
+  MpmTextFileWrite - write texts, one after the other, as the file `path`, replacing what was there
+
+  Collective; the texts of rank 0 count
+
+  Input Parameters:
++ comm  - the ranks that wait for the file
+. path  - its name
+. count - number of texts
+- texts - pointers to them
+
+  Notes:
+  Fails on all ranks with PETSC_ERR_FILE_WRITE and one line with the name and the system's reason.
+@*/
+PetscErrorCode MpmTextFileWrite(MPI_Comm comm, const char *path, PetscInt count, const MpmTextFile *const texts[]);
+
+/* Collective: when `failure`, the value of errno on rank 0, is not 0, all ranks fail with PETSC_ERR_FILE_WRITE and
+   one line. */
+PetscErrorCode MpmFileCheck(MPI_Comm comm, const char *path, int failure);
+
+/* ---- raw_io.c ---- */
+
+/*
+  Bytes of files: whole reads and writes at a place, and a hash that does not depend on who reads which part.
+*/
+
+/* 0, or -1 with the reason in errno (0: the file ends before). */
+int MpmReadAt(int file, void *bytes, size_t size, PetscInt64 offset);
+int MpmWriteAt(int file, const void *bytes, size_t size, PetscInt64 offset);
+
+/*
+  A sum over the words of 8 bytes (the last one filled up with zeros) of a mixture of word and place: the parts of a
+  file may be summed in any order, and a change of any one word changes the sum. `place` is that of the first byte; parts
+  must meet at multiples of 8.
+*/
+uint64_t MpmHashBytes(const void *bytes, size_t size, uint64_t place);
+
+/* Brings the names in the folder of `path` to the disk; 0 or errno. */
+int MpmSyncFolder(const char *path);
+
+/* ---- exchange.c ---- */
+
+/*
+  Sends a list of integers to each of some ranks and receives likewise (exchange.c). Received data: from[k] sent
+  data[offset[k] .. offset[k+1]).
+*/
+typedef struct {
+  PetscInt     count;
+  PetscMPIInt *rank;
+  PetscInt    *offset; /* count + 1 */
+  PetscInt    *data;
+} MpmLists;
+PetscErrorCode MpmListsExchange(MPI_Comm comm, const MpmLists *sent, MpmLists *received);
+PetscErrorCode MpmListsDestroy(MpmLists *lists);
+
+/* ---- monitor.c ---- */
+
+/* Where wall time went, s (maximum over ranks). */
+typedef enum {
+  MPM_TIME_SETUP,
+  MPM_TIME_TRANSFER,
+  MPM_TIME_RESIDUAL,
+  MPM_TIME_JACOBIAN,
+  MPM_TIME_SOLVE,
+  MPM_TIME_MIGRATE,
+  MPM_TIME_OUTPUT,
+  MPM_TIME_COUNT
+} MpmTimer;
+
+/* What the engine tells of itself while it works: messages go to whoever listens, times add up. */
+typedef struct {
+  PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: nobody listens */
+  void     *ctx;
+  PetscReal seconds[MPM_TIME_COUNT];
+} MpmMonitor;
+/* A note to the step under way, and a line of its own in place of a step's. */
+PetscErrorCode MpmMonitorNote(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+PetscErrorCode MpmMonitorLine(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* Stops the clock of one task: adds the seconds since `since` to it. */
+void MpmMonitorClock(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since);

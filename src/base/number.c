@@ -1,0 +1,88 @@
+/*
+  Numbers from and to text: strict where a user wrote it, round-trip safe where the program writes it.
+*/
+#include "options/options.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MPM_QUOTE_LENGTH 80 /* characters of a value that a message repeats */
+
+void MpmRealText(PetscReal value, char text[MPM_NUMBER_TEXT])
+{
+  for (int digits = 15; digits <= 17; digits++) {
+    snprintf(text, MPM_NUMBER_TEXT, "%.*g", digits, (double)value);
+    if (strtod(text, NULL) == value) return;
+  }
+}
+
+/* Nothing but blanks from here on? */
+static PetscBool OnlyBlanks(const char text[])
+{
+  while (isspace((unsigned char)*text)) text++;
+  return *text ? PETSC_FALSE : PETSC_TRUE;
+}
+
+PetscBool MpmParseReal(const char text[], PetscReal *value)
+{
+  char        *end;
+  const double number = strtod(text, &end);
+
+  /* Overflow reads as infinity and is refused with it; underflow to a tiny number or zero is what the user meant. */
+  if (end == text || !OnlyBlanks(end) || !isfinite(number)) return PETSC_FALSE;
+  *value = (PetscReal)number;
+  return PETSC_TRUE;
+}
+
+PetscBool MpmParseInt(const char text[], PetscInt *value)
+{
+  char     *end;
+  long long number;
+
+  errno  = 0;
+  number = strtoll(text, &end, 10);
+  if (end == text || !OnlyBlanks(end) || errno == ERANGE) return PETSC_FALSE;
+  if (number < (long long)PETSC_INT_MIN || number > (long long)PETSC_INT_MAX) return PETSC_FALSE;
+  *value = (PetscInt)number;
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmTextAppend(char **text, const char format[], ...)
+{
+  va_list arguments;
+  size_t  old = 0;
+  int     extra;
+  char   *longer;
+
+  PetscFunctionBegin;
+  if (*text) old = strlen(*text);
+  va_start(arguments, format);
+  extra = vsnprintf(NULL, 0, format, arguments);
+  va_end(arguments);
+  PetscCheck(extra >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "vsnprintf() failed on \"%s\"", format);
+  PetscCall(PetscMalloc1(old + (size_t)extra + 1, &longer));
+  if (*text) memcpy(longer, *text, old);
+  va_start(arguments, format);
+  vsnprintf(longer + old, (size_t)extra + 1, format, arguments);
+  va_end(arguments);
+  PetscCall(PetscFree(*text));
+  *text = longer;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTextQuote(const char value[], char **quoted)
+{
+  PetscFunctionBegin;
+  while (isspace((unsigned char)value[0]) && value[1]) value++;
+  *quoted = NULL;
+  PetscCall(MpmTextAppend(quoted, "%.*s%s", MPM_QUOTE_LENGTH, value, strlen(value) > MPM_QUOTE_LENGTH ? "..." : ""));
+  for (char *c = *quoted; *c; c++) {
+    if (iscntrl((unsigned char)*c)) *c = ' ';
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

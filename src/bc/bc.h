@@ -1,0 +1,90 @@
+#pragma once
+/*
+  Prescribed unknowns: conditions, the constraints that follow from them, and the frames of nodes with a normal.
+*/
+#include "space/space.h"
+
+/* ---- condition.c, frame.c ---- */
+
+/* A Dirichlet condition on nodes: on components of their unknowns, or on the displacement along a normal. */
+typedef struct {
+  char     *name;
+  MpmRegion region;
+  PetscBool inclined;            /* it has a normal: value[0] is along it, components are those of the reaction */
+  PetscReal normal[MPM_MAX_DIM]; /* of length 1 */
+  PetscInt  component_count;
+  PetscInt  component[MPM_MAX_BLOCK];
+  PetscReal value[MPM_MAX_BLOCK];
+  MpmRamp   ramp;
+  PetscBool active; /* in this stage; its ramp counts from `start` */
+  PetscReal start;
+} MpmCondition;
+
+/* Conditions, with the names of their blocks. */
+typedef struct {
+  PetscInt      count;
+  char        **names;
+  MpmCondition *at;
+} MpmConditions;
+
+/* The frame of a node that a condition with a normal holds; rows q_r, of which the first `held` are held (frame.c). */
+typedef struct {
+  PetscInt  held, condition[MPM_MAX_DIM]; /* condition: whose equation it is */
+  PetscReal value[MPM_MAX_DIM];
+  PetscReal axis[MPM_MAX_DIM][MPM_MAX_DIM];   /* q_r */
+  PetscReal factor[MPM_MAX_DIM][MPM_MAX_DIM]; /* L_kr */
+} MpmFrame;
+
+/*
+  The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement are
+  its components in the frame.
+*/
+typedef struct {
+  PetscInt  *condition; /* per local unknown: which condition holds it, or -1 */
+  PetscReal *value;     /* the value that it takes */
+  PetscBool  any;
+  PetscInt   dim;
+  PetscInt  *frame_of; /* per local node: its frame, or -1; NULL where no condition has a normal */
+  MpmFrame  *frames;
+} MpmConstraints;
+
+PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                                  const MpmLayout *layout, MpmCondition *bc);
+PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
+/* The walls that a condition makes; walls has room for 2*dim. */
+PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
+                                    MpmWall walls[]);
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
+                                   const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space,
+                                   PetscReal time_n, PetscReal time);
+PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
+/*
+  Adds the forces of the supports on the body, those that the owned nodes' residual lacks in balance; reaction[b*block + c]
+  for condition b and component c.
+*/
+void MpmConstraintsAddReactions(const MpmConstraints *constraints, PetscInt block, PetscInt owned,
+                                const PetscReal residual[], PetscReal reaction[]);
+
+static inline const MpmFrame *MpmConstraintsFrame(const MpmConstraints *constraints, PetscInt node)
+{
+  return constraints->frame_of && constraints->frame_of[node] >= 0 ? &constraints->frames[constraints->frame_of[node]]
+                                                                   : NULL;
+}
+/* Adds the equation a . u = g, |a| = 1, unless it depends on those there are; then makes the frame whole. */
+void MpmFrameAdd(MpmFrame *frame, PetscInt dim, const PetscReal a[], PetscReal g, PetscInt condition);
+void MpmFrameComplete(MpmFrame *frame, PetscInt dim);
+/* The force along the vector of each equation into which the supports' force on the node falls. */
+void MpmFrameForces(const MpmFrame *frame, PetscInt dim, const PetscReal force[], PetscReal amount[]);
+/*
+  Turns the values (`bs` a node) of the first `nodes` local nodes from components along the axes into those that the solver
+  works with, and back; element blocks [i][c][d][j] and the diagonal blocks of nodes likewise. Where no node has a frame
+  nothing is done.
+*/
+void MpmFramesToUnknowns(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);
+void MpmFramesToAxes(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);
+/* Values [i][c] of the nodes of a box. */
+void MpmFramesRotateVector(const MpmConstraints *constraints, PetscInt bs, PetscInt n, const PetscInt nodes[],
+                           PetscReal values[]);
+void MpmFramesRotateElement(const MpmConstraints *constraints, PetscInt bs, PetscInt n, const PetscInt nodes[],
+                            PetscReal element[]);
+void MpmFramesRotateBlocks(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal blocks[]);

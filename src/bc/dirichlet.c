@@ -1,0 +1,337 @@
+/*
+  Dirichlet conditions on nodes, and the walls that they make for the shape functions.
+
+  A condition holds components of the unknowns at the nodes of its region, or the displacement along a normal, where the
+  tangential motion is free. Its value is the total since the start, value times ramp; a step prescribes what is added to
+  it from the step's beginning to its end, whatever came before at the node. Nodes do not move with the material.
+
+  A reaction is the force of the support on the body, the internal less the external forces at the nodes held.
+*/
+#include "bc/bc.h"
+
+/* The component of this name in the layout, or -1. */
+static PetscInt FindComponent(const MpmLayout *layout, const char *name)
+{
+  for (PetscInt c = 0; c < layout->block; c++)
+    if (!strcmp(layout->component_name[c], name)) return c;
+  return -1;
+}
+
+/* A region that holds no node of the grid is an error; the search ends at the first node found. */
+static PetscErrorCode CheckRegion(const MpmOptions *block, const MpmGrid *grid, MpmRegion region)
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], x[MPM_MAX_DIM];
+  PetscInt  first[MPM_MAX_DIM] = {0, 0, 0}, last[MPM_MAX_DIM] = {0, 0, 0}, node[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  PetscCall(MpmRegionGetBounds(region, lower, upper));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    first[a] = PetscMax((PetscInt)PetscCeilReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE), 0);
+    last[a] =
+      PetscMin((PetscInt)PetscFloorReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->nodes[a] - 1);
+  }
+  for (node[2] = first[2]; node[2] <= last[2]; node[2]++) {
+    for (node[1] = first[1]; node[1] <= last[1]; node[1]++) {
+      for (node[0] = first[0]; node[0] <= last[0]; node[0]++) {
+        for (PetscInt a = 0; a < grid->dim; a++) x[a] = grid->lower[a] + grid->h[a] * (PetscReal)node[a];
+        if (MpmRegionContains(region, x)) PetscFunctionReturn(PETSC_SUCCESS);
+      }
+    }
+  }
+  MpmCheckInput(PETSC_FALSE, "-%sregion: there is no node of the grid in it", block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which unknowns are held, and the values. */
+static PetscErrorCode ReadComponents(const MpmOptions *block, const MpmLayout *layout, MpmCondition *bc)
+{
+  char   **components;
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsNames(block, "components", "which unknowns are held: x, y, z, p (or give a normal)", MPM_REQUIRED,
+                            &count, &components));
+  MpmCheckInput(count <= layout->block, "-%scomponents: %" PetscInt_FMT " given, a node has %" PetscInt_FMT " unknowns",
+                block->prefix, count, layout->block);
+  for (PetscInt k = 0; k < count; k++) {
+    bc->component[k] = FindComponent(layout, components[k]);
+    if (bc->component[k] < 0 && !strcmp(components[k], "p")) bc->component[k] = FindComponent(layout, "pressure");
+    MpmCheckInput(bc->component[k] >= 0, "-%scomponents %s: this scene has no such unknown", block->prefix,
+                  components[k]);
+  }
+  bc->component_count = count;
+  PetscCall(MpmNamesDestroy(count, &components));
+  PetscCall(MpmOptionsReals(block, "value", "m or Pa", "prescribed values, one a component, or one along the normal",
+                            MPM_RANGE_ANY, MPM_OPTIONAL, count, bc->value, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The normal, and the value along it. */
+static PetscErrorCode ReadNormal(const MpmOptions *block, PetscInt dim, MpmCondition *bc)
+{
+  PetscBool components;
+  PetscReal norm;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, "components", &components));
+  PetscCall(MpmOptionsReals(block, "normal", "-",
+                            "direction along which the displacement is held, of any length but 0; across it is free",
+                            MPM_RANGE_ANY, MPM_OPTIONAL, dim, bc->normal, &bc->inclined));
+  if (MpmOptionsHelp()) bc->inclined = PETSC_FALSE;
+  if (!bc->inclined) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!components, "-%snormal and -%scomponents: give one of them, not both", block->prefix, block->prefix);
+  norm = hypot(hypot(bc->normal[0], bc->normal[1]), bc->normal[2]);
+  MpmCheckInput(norm > 0. && norm < PETSC_INFINITY, "-%snormal: the direction has no length", block->prefix);
+  for (PetscInt a = 0; a < dim; a++) {
+    bc->normal[a] /= norm;
+    bc->component[a] = a;
+  }
+  bc->component_count = dim;
+  PetscCall(MpmOptionsReals(block, "value", "m", "prescribed value along the normal", MPM_RANGE_ANY, MPM_OPTIONAL, 1,
+                            bc->value, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                                  const MpmLayout *layout, MpmCondition *bc)
+{
+  char       prefix[256];
+  MpmOptions block = {options->comm, prefix, options->record};
+  PetscReal  tolerance[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(bc, sizeof(*bc)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_bc_%s_", name));
+  PetscCall(PetscStrallocpy(name, &bc->name));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
+  PetscCall(MpmOptionsHeading(&block, "Condition"));
+  PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &bc->region));
+  if (!MpmOptionsHelp()) PetscCall(CheckRegion(&block, grid, bc->region));
+  PetscCall(ReadNormal(&block, grid->dim, bc));
+  if (!bc->inclined) PetscCall(ReadComponents(&block, layout, bc));
+  PetscCall(MpmRampCreate(&block, "ramp", "0:1", &bc->ramp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmConditionDestroy(MpmCondition *bc)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(bc->name));
+  PetscCall(MpmRegionDestroy(&bc->region));
+  PetscCall(MpmRampDestroy(&bc->ramp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The displacements that a condition prescribes along an axis, their least and largest; PETSC_FALSE where it has none. */
+static PetscBool MotionAlong(const MpmCondition *bc, PetscInt axis, PetscReal *least, PetscReal *most)
+{
+  PetscReal value = 0., low, high;
+  PetscBool held  = PETSC_FALSE;
+
+  if (bc->inclined) { /* only where the normal is the axis does it hold the material back */
+    held  = (PetscBool)(PetscAbsReal(bc->normal[axis]) == 1.);
+    value = bc->value[0] * bc->normal[axis];
+  } else {
+    for (PetscInt k = 0; k < bc->component_count; k++) {
+      if (bc->component[k] != axis) continue;
+      held  = PETSC_TRUE;
+      value = bc->value[k];
+    }
+  }
+  MpmRampBounds(bc->ramp, &low, &high);
+  *least = PetscMin(0., PetscMin(value * low, value * high));
+  *most  = PetscMax(0., PetscMax(value * low, value * high));
+  return held;
+}
+
+PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
+                                    MpmWall walls[])
+{
+  PetscFunctionBeginUser;
+  *count = 0;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmRegionGetType(bc->region) != MPM_REGION_BOX) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt axis = 0; axis < grid->dim; axis++) {
+    PetscInt  first, last;
+    PetscReal least, most;
+    PetscBool above, below;
+    MpmWall   wall = {.axis = axis};
+
+    if (!MotionAlong(bc, axis, &least, &most)) continue;
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+      wall.lower[a] = PETSC_NINFINITY;
+      wall.upper[a] = PETSC_INFINITY;
+    }
+    PetscCall(MpmRegionGetBounds(bc->region, wall.lower, wall.upper));
+    /* the outermost planes of held nodes; at the grid's edges there is nothing to add */
+    first =
+      (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->lower[axis]) / grid->h[axis], 0.) - MPM_TOLERANCE);
+    last = (PetscInt)PetscFloorReal(
+      PetscMin((wall.upper[axis] - grid->lower[axis]) / grid->h[axis], (PetscReal)grid->nodes[axis]) + MPM_TOLERANCE);
+    if (first > last) continue;
+    /* material that is drawn across the plane must not be cut there; splines need the end that a wall gives them */
+    above = (PetscBool)(degree > 1 || least == 0.);
+    below = (PetscBool)(degree > 1 || most == 0.);
+    if (above && last > 0 && last < grid->nodes[axis] - 1) {
+      wall.node         = last;
+      wall.side         = 1;
+      walls[(*count)++] = wall;
+    }
+    if (below && first > 0 && first < grid->nodes[axis] - 1) {
+      wall.node         = first;
+      wall.side         = -1;
+      walls[(*count)++] = wall;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(constraints->condition));
+  PetscCall(PetscFree(constraints->value));
+  PetscCall(PetscFree(constraints->frame_of));
+  PetscCall(PetscFree(constraints->frames));
+  constraints->any = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a ramp adds in the step, or its factor at the step's end for unknowns that are totals. */
+static PetscReal StepFactor(const MpmCondition *bc, PetscBool increment, PetscReal time_n, PetscReal time)
+{
+  const PetscReal before = increment && time_n > bc->start ? MpmRampEvaluate(bc->ramp, time_n - bc->start) : 0.;
+
+  return MpmRampEvaluate(bc->ramp, time - bc->start) - before;
+}
+
+static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    x[a] = grid->lower[a] + grid->h[a] * (PetscReal)space->node[node * grid->dim + a];
+}
+
+/* The frame of a node from all conditions that hold it; the last one counts first. */
+static void MakeFrame(PetscInt bc_count, const MpmCondition bcs[], const PetscReal x[], PetscInt dim, PetscReal time_n,
+                      PetscReal time, MpmFrame *frame)
+{
+  for (PetscInt b = bc_count - 1; b >= 0; b--) {
+    const MpmCondition *bc     = &bcs[b];
+    const PetscReal     factor = StepFactor(bc, PETSC_TRUE, time_n, time);
+
+    if (!bc->active || !MpmRegionContains(bc->region, x)) continue;
+    if (bc->inclined) {
+      MpmFrameAdd(frame, dim, bc->normal, bc->value[0] * factor, b);
+      continue;
+    }
+    for (PetscInt k = 0; k < bc->component_count; k++) {
+      PetscReal axis[MPM_MAX_DIM] = {0., 0., 0.};
+
+      if (bc->component[k] >= dim) continue;
+      axis[bc->component[k]] = 1.;
+      MpmFrameAdd(frame, dim, axis, bc->value[k] * factor, b);
+    }
+  }
+  MpmFrameComplete(frame, dim);
+}
+
+/* The frames of this step's nodes, and what they hold. */
+static PetscErrorCode SetUpFrames(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
+                                  const MpmGrid *grid, PetscInt bs, const MpmSpace *space, PetscReal time_n,
+                                  PetscReal time)
+{
+  PetscInt count = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(space->local, &constraints->frame_of));
+  for (PetscInt i = 0; i < space->local; i++) {
+    PetscReal x[MPM_MAX_DIM];
+
+    constraints->frame_of[i] = -1;
+    NodePosition(grid, space, i, x);
+    for (PetscInt b = 0; b < bc_count && constraints->frame_of[i] < 0; b++)
+      if (bcs[b].active && bcs[b].inclined && MpmRegionContains(bcs[b].region, x)) constraints->frame_of[i] = count++;
+  }
+  PetscCall(PetscCalloc1(count, &constraints->frames));
+  for (PetscInt i = 0; i < space->local; i++) {
+    PetscReal x[MPM_MAX_DIM];
+
+    if (constraints->frame_of[i] < 0) continue;
+    MpmFrame *frame = &constraints->frames[constraints->frame_of[i]];
+
+    NodePosition(grid, space, i, x);
+    MakeFrame(bc_count, bcs, x, grid->dim, time_n, time, frame);
+    for (PetscInt r = 0; r < grid->dim; r++) {
+      constraints->condition[i * bs + r] = r < frame->held ? frame->condition[r] : -1;
+      constraints->value[i * bs + r]     = r < frame->held ? frame->value[r] : 0.;
+    }
+    constraints->any = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
+                                   const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space,
+                                   PetscReal time_n, PetscReal time)
+{
+  const PetscInt bs       = layout->block;
+  PetscBool      inclined = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmConstraintsReset(constraints));
+  constraints->dim = grid->dim;
+  PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
+  PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
+  for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = -1;
+  for (PetscInt b = 0; b < bc_count; b++) {
+    if (bcs[b].active && bcs[b].inclined) inclined = PETSC_TRUE;
+    for (PetscInt i = 0; i < space->local && bcs[b].active && !bcs[b].inclined; i++) {
+      PetscReal x[MPM_MAX_DIM];
+
+      NodePosition(grid, space, i, x);
+      if (!MpmRegionContains(bcs[b].region, x)) continue;
+      for (PetscInt k = 0; k < bcs[b].component_count; k++) {
+        const PetscInt c = bcs[b].component[k];
+
+        constraints->condition[i * bs + c] = b;
+        constraints->value[i * bs + c]     = bcs[b].value[k] * StepFactor(&bcs[b], layout->increment[c], time_n, time);
+        constraints->any                   = PETSC_TRUE;
+      }
+    }
+  }
+  if (inclined) PetscCall(SetUpFrames(constraints, bc_count, bcs, grid, bs, space, time_n, time));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A node with a frame: each equation a_r . u = g_r has its own force, along a_r. */
+static void AddFrameReactions(const MpmFrame *frame, PetscInt dim, PetscInt block, const PetscReal force[],
+                              PetscReal reaction[])
+{
+  PetscReal amount[MPM_MAX_DIM];
+
+  MpmFrameForces(frame, dim, force, amount);
+  for (PetscInt r = 0; r < frame->held; r++) {
+    for (PetscInt c = 0; c < dim; c++) {
+      PetscReal a = 0.;
+
+      for (PetscInt k = 0; k <= r; k++) a += frame->factor[r][k] * frame->axis[k][c];
+      reaction[frame->condition[r] * block + c] += amount[r] * a;
+    }
+  }
+}
+
+void MpmConstraintsAddReactions(const MpmConstraints *constraints, PetscInt block, PetscInt owned,
+                                const PetscReal residual[], PetscReal reaction[])
+{
+  for (PetscInt k = 0; k < owned * block; k++) {
+    const MpmFrame *frame = MpmConstraintsFrame(constraints, k / block);
+
+    if (frame && k % block == 0) AddFrameReactions(frame, constraints->dim, block, &residual[k], reaction);
+    if (frame && k % block < constraints->dim) continue;
+    if (constraints->condition[k] >= 0) reaction[constraints->condition[k] * block + k % block] += residual[k];
+  }
+}

@@ -1,0 +1,50 @@
+#pragma once
+/*
+  MpmRegion - a part of space, read from options: box, sphere, cylinder, polygon (file regions of bodies are read by the
+  bodies).
+  MpmRamp   - a piecewise linear factor of time, read from "time:factor" pairs.
+*/
+#include "options/options.h"
+
+typedef enum {
+  MPM_REGION_ALL,
+  MPM_REGION_BOX,
+  MPM_REGION_SPHERE,
+  MPM_REGION_CYLINDER,
+  MPM_REGION_POLYGON,
+  MPM_REGION_FILE
+} MpmRegionType;
+
+typedef struct _p_MpmRegion *MpmRegion;
+typedef struct _p_MpmRamp   *MpmRamp;
+
+/* For -help: the options of every type of region. */
+PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm);
+/*
+  Reads -<prefix>region, -<prefix>lower, ...; see region.c. `tolerance` holds one length per axis (1e-6 of a cell): what
+  lies within it of the edge counts as inside. Fails with MPM_ERR_INPUT and one line that names the option.
+*/
+PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const PetscReal tolerance[], MpmRegion *region);
+PetscErrorCode MpmRegionDestroy(MpmRegion *region);
+PetscBool      MpmRegionContains(MpmRegion region, const PetscReal x[]);
+MpmRegionType  MpmRegionGetType(MpmRegion region);
+/*
+  The region's bounding box, clipped to the given one on entry: lower and upper hold the domain and return the
+  intersection.
+*/
+PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal upper[]);
+
+/*
+  Reads -<prefix>vertices, a polygon that does not meet itself: x and y of `count` vertices in order; free with
+  PetscFree(). With -help there may be none.
+*/
+PetscErrorCode MpmPolygonRead(const MpmOptions *options, PetscInt *count, PetscReal **vertices);
+
+/*
+  Reads -<prefix><name> "t:f,t:f,..."; `fallback` is the text used when the option is absent. Times must not decrease.
+*/
+PetscErrorCode MpmRampCreate(const MpmOptions *options, const char *name, const char *fallback, MpmRamp *ramp);
+PetscErrorCode MpmRampDestroy(MpmRamp *ramp);
+PetscReal      MpmRampEvaluate(MpmRamp ramp, PetscReal time);
+/* The least and the largest factor of all times. */
+void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most);

@@ -1,0 +1,448 @@
+/*
+  MpmRegion - a part of space, read from the options of a block.
+
+    region    all (default) | box | sphere | cylinder | polygon | file (of points, which the block's owner reads)
+    box       lower, upper: corners; equal ones make a plane, a line or a point
+    sphere    center, radius; a disc in 2D
+    cylinder  3D only: point, axis (any length, default 0,0,1), radius, length (along the axis from the point; without
+              it endless both ways)
+    polygon   vertices: x1,y1,x2,y2,... in order round the boundary, closed by itself; in 3D a prism along z, from
+              lower_z to upper_z where they are given
+
+  A place within the tolerance of the edge counts as inside. The tolerance is one length per axis; at an angle it is
+  what the ellipsoid with these semi-axes reaches.
+*/
+#include "geometry/geometry.h"
+#include "options/options.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define MPM_REGION_DIM 3
+
+struct _p_MpmRegion {
+  MpmRegionType type;
+  PetscInt      dim;
+  PetscReal     tolerance[MPM_REGION_DIM];
+  PetscReal     lower[MPM_REGION_DIM],
+    upper[MPM_REGION_DIM];           /* bounding box of what counts as inside; infinite where the region is */
+  PetscReal  center[MPM_REGION_DIM]; /* sphere; a cylinder's `point` */
+  PetscReal  axis[MPM_REGION_DIM];   /* unit vector */
+  PetscReal  radius, length;         /* length < 0: endless */
+  PetscInt   vertex_count;
+  PetscReal *vertices; /* in units of the tolerance, so that a distance up to 1 is on the edge */
+};
+
+static const char *const region_types[] = {"all", "box", "sphere", "cylinder", "polygon", "file", NULL};
+
+static const char *Prefix(const MpmOptions *options)
+{
+  return options->prefix ? options->prefix : "";
+}
+
+/* ---- reading, by type ---- */
+
+static PetscErrorCode ReadBox(const MpmOptions *options, MpmRegion region)
+{
+  PetscReal lower[MPM_REGION_DIM] = {0., 0., 0.}, upper[MPM_REGION_DIM] = {0., 0., 0.};
+  char      low[MPM_NUMBER_TEXT], high[MPM_NUMBER_TEXT];
+
+  PetscFunctionBegin;
+  PetscCall(
+    MpmOptionsReals(options, "lower", "m", "lower corner", MPM_RANGE_ANY, MPM_REQUIRED, region->dim, lower, NULL));
+  PetscCall(
+    MpmOptionsReals(options, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, region->dim, upper, NULL));
+  for (PetscInt a = 0; a < region->dim; a++) {
+    MpmRealText(lower[a], low);
+    MpmRealText(upper[a], high);
+    /* With -help one of the two may be missing, and nothing is compared. */
+    if (lower[a] > upper[a]) {
+      PetscBool help;
+
+      PetscCall(PetscOptionsHasHelp(NULL, &help));
+      MpmCheckInput(help, "-%supper %s on axis %c: must be >= -%slower, which is %s", Prefix(options), high, "xyz"[a],
+                    Prefix(options), low);
+    }
+    region->lower[a] = lower[a] - region->tolerance[a];
+    region->upper[a] = upper[a] + region->tolerance[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadSphere(const MpmOptions *options, MpmRegion region)
+{
+  PetscFunctionBegin;
+  PetscCall(
+    MpmOptionsReals(options, "center", "m", "centre", MPM_RANGE_ANY, MPM_REQUIRED, region->dim, region->center, NULL));
+  PetscCall(MpmOptionsReal(options, "radius", "m", "radius", MPM_RANGE_POSITIVE, MPM_REQUIRED, &region->radius, NULL));
+  for (PetscInt a = 0; a < region->dim; a++) {
+    region->lower[a] = region->center[a] - region->radius - region->tolerance[a];
+    region->upper[a] = region->center[a] + region->radius + region->tolerance[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A disc of radius r across the unit vector a reaches r sqrt(1 - a_i^2) along axis i. */
+static void BoundCylinder(MpmRegion region)
+{
+  for (PetscInt i = 0; i < 3; i++) {
+    const PetscReal slope  = region->axis[i],
+                    across = region->radius * sqrt(PetscMax(0., 1. - slope * slope)) + region->tolerance[i];
+    const PetscReal along  = PetscMax(region->length, 0.) * slope;
+
+    /* Endless ones are bounded only across axes they run exactly at right angles to. */
+    if (region->length < 0. && slope != 0.) continue;
+    region->lower[i] = region->center[i] + PetscMin(0., along) - across;
+    region->upper[i] = region->center[i] + PetscMax(0., along) + across;
+  }
+}
+
+static PetscErrorCode ReadCylinder(const MpmOptions *options, MpmRegion region)
+{
+  PetscReal axis[MPM_REGION_DIM] = {0., 0., 1.}, length = 0., norm;
+  PetscBool set;
+
+  PetscFunctionBegin;
+  MpmCheckInput(region->dim == 3, "-%sregion cylinder: exists in 3 dimensions only; in 2, a sphere is a disc",
+                Prefix(options));
+  PetscCall(MpmOptionsReals(options, "point", "m", "a point of the axis, where `length` starts", MPM_RANGE_ANY,
+                            MPM_REQUIRED, 3, region->center, NULL));
+  PetscCall(MpmOptionsReals(options, "axis", "-", "direction of the axis, of any length but 0", MPM_RANGE_ANY,
+                            MPM_OPTIONAL, 3, axis, NULL));
+  PetscCall(MpmOptionsReal(options, "radius", "m", "radius", MPM_RANGE_POSITIVE, MPM_REQUIRED, &region->radius, NULL));
+  PetscCall(MpmOptionsReal(options, "length", "m", "length from the point along the axis; endless both ways if absent",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &length, &set));
+  region->length = set ? length : -1.;
+  norm           = hypot(hypot(axis[0], axis[1]), axis[2]);
+  MpmCheckInput(norm > 0. && norm < PETSC_INFINITY, "-%saxis: the direction has no length", Prefix(options));
+  for (PetscInt i = 0; i < 3; i++) region->axis[i] = axis[i] / norm;
+  BoundCylinder(region);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- polygons ---- */
+
+static PetscReal Cross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
+{
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/* Is c, known to be in line with a and b, between them? */
+static PetscBool Between(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
+{
+  return (c[0] >= PetscMin(a[0], b[0]) && c[0] <= PetscMax(a[0], b[0]) && c[1] >= PetscMin(a[1], b[1]) &&
+          c[1] <= PetscMax(a[1], b[1]))
+           ? PETSC_TRUE
+           : PETSC_FALSE;
+}
+
+/* Do the closed segments ab and cd have a point in common? */
+static PetscBool SegmentsMeet(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2], const PetscReal d[2])
+{
+  const PetscReal abc = Cross(a, b, c), abd = Cross(a, b, d), cda = Cross(c, d, a), cdb = Cross(c, d, b);
+
+  if (((abc > 0. && abd < 0.) || (abc < 0. && abd > 0.)) && ((cda > 0. && cdb < 0.) || (cda < 0. && cdb > 0.)))
+    return PETSC_TRUE;
+  if ((abc == 0. && Between(a, b, c)) || (abd == 0. && Between(a, b, d))) return PETSC_TRUE;
+  if ((cda == 0. && Between(c, d, a)) || (cdb == 0. && Between(c, d, b))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Does the boundary turn straight back at vertex b, on its way from a to c? */
+static PetscBool IsSpike(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
+{
+  const PetscReal dot = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
+
+  return (Cross(a, b, c) == 0. && dot < 0.) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Every pair of edges, once: input, so its cost does not matter. An area of zero needs edges that overlap. */
+static PetscErrorCode CheckPolygon(const MpmOptions *options, PetscInt n, const PetscReal v[])
+{
+  const char *prefix = Prefix(options);
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal *a = v + 2 * i, *b = v + 2 * ((i + 1) % n), *c = v + 2 * ((i + 2) % n);
+
+    MpmCheckInput(a[0] != b[0] || a[1] != b[1], "-%svertices: vertices %lld and %lld are the same", prefix,
+                  (long long)i + 1, (long long)(i + 1) % n + 1);
+    MpmCheckInput(!IsSpike(a, b, c), "-%svertices: the boundary turns back on itself at vertex %lld", prefix,
+                  (long long)(i + 1) % n + 1);
+  }
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt j = i + 2; j < n; j++) {
+      if (i == 0 && j == n - 1) continue; /* neighbours, round the end */
+      MpmCheckInput(!SegmentsMeet(v + 2 * i, v + 2 * (i + 1), v + 2 * j, v + 2 * ((j + 1) % n)),
+                    "-%svertices: the edges from vertex %lld and from vertex %lld cross or touch", prefix,
+                    (long long)i + 1, (long long)j + 1);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* From a prism's lower_z to upper_z. */
+static PetscErrorCode ReadPrism(const MpmOptions *options, MpmRegion region)
+{
+  PetscReal lower = 0., upper = 0.;
+  PetscBool set_lower, set_upper;
+
+  PetscFunctionBegin;
+  PetscCall(MpmOptionsReal(options, "lower_z", "m", "lower end of the prism; endless if absent", MPM_RANGE_ANY,
+                           MPM_OPTIONAL, &lower, &set_lower));
+  PetscCall(MpmOptionsReal(options, "upper_z", "m", "upper end of the prism; endless if absent", MPM_RANGE_ANY,
+                           MPM_OPTIONAL, &upper, &set_upper));
+  MpmCheckInput(!set_lower || !set_upper || lower <= upper, "-%supper_z: must be >= -%slower_z", Prefix(options),
+                Prefix(options));
+  if (set_lower) region->lower[2] = lower - region->tolerance[2];
+  if (set_upper) region->upper[2] = upper + region->tolerance[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPolygonRead(const MpmOptions *options, PetscInt *count, PetscReal **vertices)
+{
+  PetscInt   numbers, n;
+  PetscReal *v;
+
+  PetscFunctionBegin;
+  PetscCall(MpmOptionsRealList(options, "vertices", "m", "x1,y1,x2,y2,... round the boundary, 3 vertices at least",
+                               MPM_REQUIRED, &numbers, &v));
+  *count    = 0;
+  *vertices = v;
+  if (numbers == 0) PetscFunctionReturn(PETSC_SUCCESS); /* missing, with -help */
+  MpmCheckInput(numbers % 2 == 0, "-%svertices: has %lld numbers, must have two a vertex", Prefix(options),
+                (long long)numbers);
+  n = numbers / 2;
+  if (n > 1 && v[0] == v[numbers - 2] && v[1] == v[numbers - 1]) n--; /* closed by hand */
+  MpmCheckInput(n >= 3, "-%svertices: has %lld vertices, must have 3 at least", Prefix(options), (long long)n);
+  PetscCall(CheckPolygon(options, n, v));
+  *count = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadPolygon(const MpmOptions *options, MpmRegion region)
+{
+  PetscInt   n;
+  PetscReal *v;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPolygonRead(options, &n, &v));
+  if (region->dim == 3) PetscCall(ReadPrism(options, region));
+  if (n == 0) {
+    PetscCall(PetscFree(v));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < 2; a++) {
+    region->lower[a] = PETSC_INFINITY;
+    region->upper[a] = PETSC_NINFINITY;
+    for (PetscInt i = 0; i < n; i++) {
+      region->lower[a] = PetscMin(region->lower[a], v[2 * i + a] - region->tolerance[a]);
+      region->upper[a] = PetscMax(region->upper[a], v[2 * i + a] + region->tolerance[a]);
+      v[2 * i + a] /= region->tolerance[a];
+    }
+  }
+  region->vertex_count = n;
+  region->vertices     = v;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- region ---- */
+
+/* Geometry without a type is a slip that would otherwise fill the grid. */
+static PetscErrorCode CheckNoGeometry(const MpmOptions *options)
+{
+  static const char *const names[] = {"lower", "upper", "center", "radius", "vertices"};
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+    PetscBool has;
+
+    PetscCall(MpmOptionsHas(options, names[i], &has));
+    MpmCheckInput(!has, "-%sregion is missing, but -%s%s is given: one of box, sphere, cylinder, polygon",
+                  Prefix(options), Prefix(options), names[i]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
+{
+  PetscFunctionBegin;
+  switch (region->type) {
+  case MPM_REGION_BOX:
+    PetscCall(ReadBox(options, region));
+    break;
+  case MPM_REGION_SPHERE:
+    PetscCall(ReadSphere(options, region));
+    break;
+  case MPM_REGION_CYLINDER:
+    PetscCall(ReadCylinder(options, region));
+    break;
+  case MPM_REGION_POLYGON:
+    PetscCall(ReadPolygon(options, region));
+    break;
+  case MPM_REGION_ALL:
+    PetscCall(CheckNoGeometry(options));
+    break;
+  case MPM_REGION_FILE:
+    break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const PetscReal tolerance[], MpmRegion *region)
+{
+  MpmRegion r;
+  PetscInt  type = MPM_REGION_ALL;
+
+  PetscFunctionBegin;
+  *region = NULL;
+  PetscCheck(dim == 2 || dim == 3, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "A region has 2 or 3 dimensions, not %lld", (long long)dim);
+  PetscCall(PetscNew(&r));
+  r->dim = dim;
+  for (PetscInt a = 0; a < MPM_REGION_DIM; a++) {
+    r->lower[a] = PETSC_NINFINITY;
+    r->upper[a] = PETSC_INFINITY;
+    if (a < dim) r->tolerance[a] = tolerance[a];
+    PetscCheck(a >= dim || tolerance[a] > 0., PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+               "A region's tolerance must be positive");
+  }
+  PetscCall(MpmOptionsWord(options, "region", "which part of space", region_types, MPM_OPTIONAL, &type, NULL));
+  r->type = (MpmRegionType)type;
+  PetscCall(ReadGeometry(options, r));
+  *region = r;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
+{
+  static const struct {
+    MpmRegionType type;
+    PetscInt      dim;
+    const char   *title;
+  } kinds[] = {{MPM_REGION_BOX, 2, "Regions of type box (BLOCK: body_NAME, bc_NAME, load_NAME, track_NAME)"},
+               {MPM_REGION_SPHERE, 2, "Regions of type sphere; in 2D, a disc"},
+               {MPM_REGION_CYLINDER, 3, "Regions of type cylinder, in 3D"},
+               {MPM_REGION_POLYGON, 3, "Regions of type polygon; in 3D, a prism along z"}};
+  const MpmOptions options = {comm, "mpm_BLOCK_", NULL};
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < sizeof(kinds) / sizeof(kinds[0]); k++) {
+    struct _p_MpmRegion region = {.type = kinds[k].type, .dim = kinds[k].dim};
+
+    PetscCall(MpmOptionsHeading(&options, kinds[k].title));
+    PetscCall(ReadGeometry(&options, &region));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegionDestroy(MpmRegion *region)
+{
+  PetscFunctionBegin;
+  if (!*region) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*region)->vertices));
+  PetscCall(PetscFree(*region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MpmRegionType MpmRegionGetType(MpmRegion region)
+{
+  return region->type;
+}
+
+PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal upper[])
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < region->dim; a++) {
+    lower[a] = PetscMax(lower[a], region->lower[a]);
+    upper[a] = PetscMin(upper[a], region->upper[a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- contains ---- */
+
+/* How far the ellipsoid of tolerances reaches along d, |d| = norm. */
+static PetscReal ToleranceAlong(MpmRegion region, const PetscReal d[], PetscReal norm)
+{
+  PetscReal sum = 0.;
+
+  if (norm <= 0.) return 0.;
+  for (PetscInt a = 0; a < region->dim; a++) sum += PetscSqr(d[a] / norm * region->tolerance[a]);
+  return sqrt(sum);
+}
+
+static PetscReal Norm(PetscInt dim, const PetscReal d[])
+{
+  PetscReal sum = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) sum += d[a] * d[a];
+  return sqrt(sum);
+}
+
+static PetscBool InSphere(MpmRegion region, const PetscReal x[])
+{
+  PetscReal d[MPM_REGION_DIM], norm;
+
+  for (PetscInt a = 0; a < region->dim; a++) d[a] = x[a] - region->center[a];
+  norm = Norm(region->dim, d);
+  return norm <= region->radius + ToleranceAlong(region, d, norm) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool InCylinder(MpmRegion region, const PetscReal x[])
+{
+  PetscReal d[MPM_REGION_DIM], along = 0., end, norm;
+
+  for (PetscInt a = 0; a < 3; a++) d[a] = x[a] - region->center[a];
+  for (PetscInt a = 0; a < 3; a++) along += d[a] * region->axis[a];
+  for (PetscInt a = 0; a < 3; a++) d[a] -= along * region->axis[a];
+  end = ToleranceAlong(region, region->axis, 1.);
+  if (region->length >= 0. && (along < -end || along > region->length + end)) return PETSC_FALSE;
+  norm = Norm(3, d);
+  return norm <= region->radius + ToleranceAlong(region, d, norm) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Square of the distance from p to the segment ab. */
+static PetscReal SegmentDistance2(const PetscReal a[2], const PetscReal b[2], const PetscReal p[2])
+{
+  const PetscReal e[2] = {b[0] - a[0], b[1] - a[1]}, d[2] = {p[0] - a[0], p[1] - a[1]};
+  const PetscReal along = PetscMax(0., PetscMin(1., (d[0] * e[0] + d[1] * e[1]) / (e[0] * e[0] + e[1] * e[1])));
+
+  return PetscSqr(d[0] - along * e[0]) + PetscSqr(d[1] - along * e[1]);
+}
+
+/* Crossings of the ray from x towards +x, each edge with its lower end and without its upper one; the edges themselves
+   come first. */
+static PetscBool InPolygon(MpmRegion region, const PetscReal x[])
+{
+  const PetscReal  p[2] = {x[0] / region->tolerance[0], x[1] / region->tolerance[1]};
+  const PetscReal *v    = region->vertices;
+  PetscBool        in   = PETSC_FALSE;
+
+  for (PetscInt i = 0, j = region->vertex_count - 1; i < region->vertex_count; j = i++) {
+    const PetscReal *a = v + 2 * j, *b = v + 2 * i;
+
+    if (SegmentDistance2(a, b, p) <= 1.) return PETSC_TRUE;
+    if ((a[1] > p[1]) == (b[1] > p[1])) continue;
+    if (p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) in = in ? PETSC_FALSE : PETSC_TRUE;
+  }
+  return in;
+}
+
+PetscBool MpmRegionContains(MpmRegion region, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < region->dim; a++) {
+    /* Written so that not-a-number is outside. */
+    if (!(x[a] >= region->lower[a] && x[a] <= region->upper[a])) return PETSC_FALSE;
+  }
+  switch (region->type) {
+  case MPM_REGION_SPHERE:
+    return InSphere(region, x);
+  case MPM_REGION_CYLINDER:
+    return InCylinder(region, x);
+  case MPM_REGION_POLYGON:
+    return InPolygon(region, x);
+  default:
+    return PETSC_TRUE;
+  }
+}

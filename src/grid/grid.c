@@ -1,0 +1,416 @@
+/*
+  The background grid: a regular lattice, cut among the ranks by planes between its nodes.
+
+  Cuts nest: the first divides the lattice among two halves of the ranks, the next ones divide each part again, across
+  whichever axis balances its points best (Berger and Bokhari 1987, doi:10.1109/TC.1987.1676942). So the parts are
+  boxes, of any number of ranks, and follow the points also where a product of cuts per axis could not: along a slope,
+  for instance. Where a layer of cells holds too much for that, the cut passes through it with a step.
+*/
+#include "grid/grid.h"
+
+/* Points on the fullest rank over their mean from which on to look for other cuts: one look costs some hundredth of a
+   step's work on the points (scripts/bench.py balance). */
+#define BALANCE 1.05
+/* What a point beside a cut costs, in points; from which excess of the fuller side on a cut has a step. */
+#define BESIDE_CUT 0.25
+#define STEP_FROM  1.02
+
+PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim)
+{
+  const MpmOptions block  = {options->comm, "mpm_grid_", options->record};
+  PetscInt         refine = 1;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(grid, sizeof(*grid)));
+  grid->comm = options->comm;
+  grid->dim  = dim;
+  PetscCallMPI(MPI_Comm_rank(grid->comm, &grid->rank));
+  PetscCallMPI(MPI_Comm_size(grid->comm, &grid->size));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    grid->cells[a] = grid->nodes[a] = 1;
+    grid->h[a]                      = 1.;
+  }
+  PetscCall(MpmOptionsHeading(&block, "Grid"));
+  PetscCall(MpmOptionsReals(&block, "lower", "m", "lower corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->lower, NULL));
+  PetscCall(MpmOptionsReals(&block, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->upper, NULL));
+  PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 999999999, MPM_REQUIRED, dim, grid->cells, NULL));
+  PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
+  grid->balance = BALANCE;
+  PetscCall(MpmOptionsReal(&block, "balance", "-",
+                           "the points are shared out anew when the fullest rank holds so many times their mean",
+                           (MpmRange){1., PETSC_INFINITY, PETSC_FALSE}, MPM_OPTIONAL, &grid->balance, NULL));
+  for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
+    MpmCheckInput(grid->upper[a] > grid->lower[a],
+                  "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],
+                  (double)(grid->upper[a]), (double)(grid->lower[a]));
+    MpmCheckInput((PetscInt64)grid->cells[a] * refine < 1000000000,
+                  "-mpm_grid_refine %" PetscInt_FMT ": too many cells on axis %c", refine, "xyz"[a]);
+    grid->cells[a] *= refine;
+    grid->nodes[a] = grid->cells[a] + 1;
+    grid->h[a]     = (grid->upper[a] - grid->lower[a]) / (PetscReal)grid->cells[a];
+    MpmCheckInput(
+      grid->h[a] > 1e-300 && grid->h[a] > 1e-12 * PetscMax(PetscAbsReal(grid->lower[a]), PetscAbsReal(grid->upper[a])),
+      "-mpm_grid_cells: a cell of %g on axis %c is too small for its coordinates", (double)(grid->h[a]), "xyz"[a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGridDestroy(MpmGrid *grid)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(grid->cuts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) cell[a] = 0;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal xi = PetscFloorReal((x[a] - grid->lower[a]) / grid->h[a]);
+
+    cell[a] = (PetscInt)PetscMin(PetscMax(xi, 0.), (PetscReal)(grid->cells[a] - 1));
+  }
+}
+
+static inline PetscBool IsBelow(const MpmCut *cut, const PetscInt node[])
+{
+  return (PetscBool)(node[cut->axis] < cut->node || (node[cut->axis] == cut->node && node[cut->row_axis] < cut->row));
+}
+
+/*
+  The part below a cut goes to the lower half of its ranks. Cuts stand in preorder: right behind one those of the part
+  below, then those above, one less than there are ranks in each.
+*/
+PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
+{
+  const MpmCut *cut   = grid->cuts;
+  PetscMPIInt   first = 0, ranks = grid->size;
+
+  while (ranks > 1) {
+    const PetscMPIInt below = ranks / 2;
+
+    if (IsBelow(cut, node)) {
+      cut++;
+      ranks = below;
+    } else {
+      cut += below;
+      first += below;
+      ranks -= below;
+    }
+  }
+  return first;
+}
+
+static PetscInt BoxOwners(const MpmCut *cut, PetscMPIInt first, PetscMPIInt ranks, const PetscInt lower[],
+                          const PetscInt upper[], PetscMPIInt owner[])
+{
+  const PetscMPIInt below = ranks / 2;
+  PetscInt          count = 0;
+
+  if (ranks == 1) {
+    owner[0] = first;
+    return 1;
+  }
+  if (IsBelow(cut, lower)) count += BoxOwners(cut + 1, first, below, lower, upper, owner);
+  if (!IsBelow(cut, upper)) count += BoxOwners(cut + below, first + below, ranks - below, lower, upper, owner + count);
+  return count;
+}
+
+PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[])
+{
+  return BoxOwners(grid->cuts, 0, grid->size, lower, upper, owner);
+}
+
+/* ---- partition ---- */
+
+/* A part of the lattice that is yet to be cut: a box of cells, upper ones excluded, but for what steps take from it. */
+typedef struct {
+  PetscMPIInt ranks;
+  PetscInt    cut; /* into the grid's cuts */
+  PetscInt    lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscInt    histogram[MPM_MAX_DIM]; /* where its points per layer of cells start, on each axis */
+  PetscInt    rows;                   /* where the points per row of the layer at its cut start; -1: no step */
+  PetscInt64  total, below;           /* points in it; below the cut */
+} Part;
+
+/* The box of all cells with points. */
+static PetscErrorCode FindBox(const MpmGrid *grid, PetscInt count, const PetscReal x[], Part *box)
+{
+  PetscInt bound[2 * MPM_MAX_DIM]; /* minima and negated maxima */
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    bound[a]               = grid->cells[a] - 1;
+    bound[MPM_MAX_DIM + a] = 0;
+  }
+  for (PetscInt p = 0; p < count; p++) {
+    PetscInt cell[MPM_MAX_DIM];
+
+    MpmGridFindCell(grid, &x[p * grid->dim], cell);
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      bound[a]               = PetscMin(bound[a], cell[a]);
+      bound[MPM_MAX_DIM + a] = PetscMin(bound[MPM_MAX_DIM + a], -cell[a]);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bound, 2 * MPM_MAX_DIM, MPIU_INT, MPI_MIN, grid->comm));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    box->lower[a] = bound[a];
+    box->upper[a] = PetscMax(-bound[MPM_MAX_DIM + a], bound[a]) + 1;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points per layer of cells, for every part and axis; `part` tells which part each point is in. */
+static PetscErrorCode Histograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt part[],
+                                 PetscInt part_count, Part parts[], PetscInt64 **histogram)
+{
+  PetscInt size = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < part_count; k++) {
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      parts[k].histogram[a] = size;
+      size += parts[k].upper[a] - parts[k].lower[a];
+    }
+  }
+  PetscCall(PetscCalloc1(size, histogram));
+  for (PetscInt p = 0; p < count; p++) {
+    PetscInt cell[MPM_MAX_DIM];
+
+    if (part[p] < 0) continue;
+    MpmGridFindCell(grid, &x[p * grid->dim], cell);
+    for (PetscInt a = 0; a < grid->dim; a++)
+      (*histogram)[parts[part[p]].histogram[a] + cell[a] - parts[part[p]].lower[a]]++;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points for a rank on the fuller side. */
+static PetscReal FullerSide(const Part *part, PetscInt64 below)
+{
+  const PetscMPIInt ranks = part->ranks / 2;
+
+  return PetscMax((PetscReal)below / ranks, (PetscReal)(part->total - below) / (part->ranks - ranks));
+}
+
+/*
+  Chooses the plane at which the fuller side has fewest points for a rank; what lies beside the plane counts as well, for
+  it is what ranks have to tell each other.
+*/
+static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
+{
+  PetscReal best = PETSC_MAX_REAL;
+
+  part->total = 0;
+  for (PetscInt i = 0; i < part->upper[0] - part->lower[0]; i++) part->total += histogram[part->histogram[0] + i];
+  part->below = part->total;
+  *cut        = (MpmCut){0, part->upper[0], 0, 0}; /* in a single cell there is nothing to share */
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt64 *layer = &histogram[part->histogram[a]];
+    PetscInt64        sum   = 0;
+
+    for (PetscInt i = 1; i < part->upper[a] - part->lower[a]; i++) {
+      PetscReal cost;
+
+      sum += layer[i - 1];
+      cost = FullerSide(part, sum) + BESIDE_CUT * (PetscReal)PetscMin(layer[i - 1], layer[i]) / part->ranks;
+      if (cost >= best) continue;
+      best        = cost;
+      part->below = sum;
+      *cut        = (MpmCut){a, part->lower[a] + i, a, 0};
+    }
+  }
+}
+
+/*
+  Where the plane leaves one side too full: the layer that the middle of the points lies in, on the axis on which it holds
+  fewest. Rows are those of the longest other axis. PETSC_FALSE where the plane will do.
+*/
+static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
+{
+  const PetscReal target = (PetscReal)part->total * (part->ranks / 2) / part->ranks;
+  PetscInt64      fewest = PETSC_INT_MAX;
+
+  if (FullerSide(part, part->below) * part->ranks <= STEP_FROM * (PetscReal)part->total) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt64 *layer = &histogram[part->histogram[a]];
+    PetscInt64        sum   = 0;
+    PetscInt          i = 0, other = a ? 0 : 1;
+
+    while (i < part->upper[a] - part->lower[a] - 1 && (PetscReal)(sum + layer[i]) <= target) sum += layer[i++];
+    if (layer[i] >= fewest) continue;
+    fewest      = layer[i];
+    part->below = sum;
+    for (PetscInt b = 0; b < dim; b++)
+      if (b != a && part->upper[b] - part->lower[b] > part->upper[other] - part->lower[other]) other = b;
+    *cut = (MpmCut){a, part->lower[a] + i, other, part->lower[other]};
+  }
+  return PETSC_TRUE;
+}
+
+/* Points per row of the layers that cuts pass through; NULL where there are none. */
+static PetscErrorCode RowHistograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt in[],
+                                    PetscInt part_count, Part parts[], const MpmCut cuts[], PetscInt64 **histogram)
+{
+  PetscInt size = 0;
+
+  PetscFunctionBeginUser;
+  *histogram = NULL;
+  for (PetscInt k = 0; k < part_count; k++) {
+    const PetscInt a = cuts[parts[k].cut].row_axis;
+
+    if (parts[k].rows < 0) continue;
+    parts[k].rows = size;
+    size += parts[k].upper[a] - parts[k].lower[a];
+  }
+  if (!size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(size, histogram));
+  for (PetscInt p = 0; p < count; p++) {
+    const Part   *part = in[p] < 0 ? NULL : &parts[in[p]];
+    const MpmCut *cut  = part ? &cuts[part->cut] : NULL;
+    PetscInt      cell[MPM_MAX_DIM];
+
+    if (!part || part->rows < 0) continue;
+    MpmGridFindCell(grid, &x[p * grid->dim], cell);
+    if (cell[cut->axis] == cut->node) (*histogram)[part->rows + cell[cut->row_axis] - part->lower[cut->row_axis]]++;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Chooses the row at which the layer is divided. */
+static void ChooseRow(Part *part, const PetscInt64 histogram[], MpmCut *cut)
+{
+  const PetscInt lower = part->lower[cut->row_axis], upper = part->upper[cut->row_axis];
+  PetscInt64     sum = part->below;
+
+  for (PetscInt i = lower; i < upper; i++) {
+    sum += histogram[part->rows + i - lower];
+    if (FullerSide(part, sum) >= FullerSide(part, part->below)) continue;
+    part->below = sum;
+    cut->row    = i + 1;
+  }
+}
+
+/* The two sides of a cut that more than one rank shares become parts of the next level; returns how many there are. */
+static PetscInt Divide(const Part *part, const MpmCut *cut, Part next[], PetscInt index[2], PetscInt first)
+{
+  const PetscMPIInt below = part->ranks / 2, ranks[2] = {below, part->ranks - below};
+  PetscInt          made = 0;
+
+  for (PetscInt side = 0; side < 2; side++) {
+    index[side] = ranks[side] > 1 ? first + made : -1;
+    if (ranks[side] == 1) continue;
+    next[made]       = *part;
+    next[made].ranks = ranks[side];
+    next[made].cut   = part->cut + (side ? below : 1);
+    if (side) next[made].lower[cut->axis] = PetscMin(cut->node, part->upper[cut->axis] - 1);
+    else next[made].upper[cut->axis] = PetscMin(cut->node + (part->rows >= 0), part->upper[cut->axis]);
+    made++;
+  }
+  return made;
+}
+
+/* Points on the fuller of those sides that are one rank's alone. */
+static PetscInt64 FullestRank(const Part *part)
+{
+  const PetscInt64 below = part->ranks / 2 == 1 ? part->below : 0;
+
+  return PetscMax(below, part->ranks - part->ranks / 2 == 1 ? part->total - part->below : 0);
+}
+
+/* All cuts, level by level; `most` becomes the points on the fullest rank. */
+static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscReal x[], MpmCut cuts[], PetscInt64 *most)
+{
+  Part    *parts, *next;
+  PetscInt part_count = 1, *part, (*index)[2];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(grid->size, &parts, grid->size, &next, grid->size, &index));
+  PetscCall(PetscCalloc1(count, &part));
+  parts[0] = (Part){.ranks = grid->size};
+  PetscCall(FindBox(grid, count, x, &parts[0]));
+  while (part_count) {
+    PetscInt64 *histogram, *row_histogram;
+    PetscInt    made = 0;
+
+    PetscCall(Histograms(grid, count, x, part, part_count, parts, &histogram));
+    for (PetscInt k = 0; k < part_count; k++) {
+      MpmCut *cut = &cuts[parts[k].cut];
+
+      ChoosePlane(grid->dim, &parts[k], histogram, cut);
+      parts[k].rows = ChooseLayer(grid->dim, &parts[k], histogram, cut) ? 0 : -1;
+    }
+    PetscCall(RowHistograms(grid, count, x, part, part_count, parts, cuts, &row_histogram));
+    for (PetscInt k = 0; k < part_count; k++) {
+      MpmCut *cut = &cuts[parts[k].cut];
+
+      if (parts[k].rows >= 0) ChooseRow(&parts[k], row_histogram, cut);
+      *most = PetscMax(*most, FullestRank(&parts[k]));
+      made += Divide(&parts[k], cut, &next[made], index[k], made);
+    }
+    PetscCall(PetscFree(histogram));
+    PetscCall(PetscFree(row_histogram));
+    for (PetscInt p = 0; p < count && made; p++) {
+      PetscInt cell[MPM_MAX_DIM];
+
+      if (part[p] < 0) continue;
+      MpmGridFindCell(grid, &x[p * grid->dim], cell);
+      part[p] = index[part[p]][!IsBelow(&cuts[parts[part[p]].cut], cell)];
+    }
+    PetscCall(PetscArraycpy(parts, next, made));
+    part_count = made;
+  }
+  PetscCall(PetscFree(part));
+  PetscCall(PetscFree3(parts, next, index));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken)
+{
+  PetscInt64 most = 0;
+  MpmCut    *cuts;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(grid->size, &cuts));
+  if (grid->size > 1) PetscCall(CutAll(grid, count, x, cuts, &most));
+  *taken = (PetscBool)(!grid->cuts || (PetscReal)most <= worth);
+  if (*taken) {
+    PetscCall(PetscFree(grid->cuts));
+    grid->cuts = cuts;
+  } else PetscCall(PetscFree(cuts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the partition as numbers ---- */
+
+PetscErrorCode MpmGridGetCut(const MpmGrid *grid, PetscInt *count, PetscInt **numbers)
+{
+  PetscFunctionBeginUser;
+  *count = 4 * (grid->size - 1);
+  PetscCall(PetscMalloc1(*count, numbers));
+  for (PetscInt k = 0; k < grid->size - 1; k++) {
+    const MpmCut *cut = &grid->cuts[k];
+
+    (*numbers)[4 * k]     = cut->axis;
+    (*numbers)[4 * k + 1] = cut->node;
+    (*numbers)[4 * k + 2] = cut->row_axis;
+    (*numbers)[4 * k + 3] = cut->row;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGridSetCut(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set)
+{
+  PetscFunctionBeginUser;
+  *set = (PetscBool)(count == 4 * (grid->size - 1));
+  if (!*set) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(grid->cuts));
+  PetscCall(PetscMalloc1(grid->size, &grid->cuts));
+  for (PetscInt k = 0; k < grid->size - 1; k++) {
+    grid->cuts[k] = (MpmCut){
+      .axis = numbers[4 * k], .node = numbers[4 * k + 1], .row_axis = numbers[4 * k + 2], .row = numbers[4 * k + 3]};
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,298 @@
+/*
+  One-dimensional shape functions of material points; include/mpmshape.h says what they are.
+
+  With B the cardinal B-spline of degree p centred at a node and [x - l, x + l] the point's domain,
+
+    S_i = 1/(2l) int_{x-l}^{x+l} B(r - i) dr,    dS_i/dx = 1/(2l) int_{x-l}^{x+l} B'(r - i) dr.
+
+  The knots of B (integers for odd p, half-integers for even p) split the domain into segments on each of which B is one
+  polynomial. A segment of length s about m, a fraction f = s/(2l) of the domain, contributes
+
+    f (B(m - i) + B''(m - i) s^2/24)   and   f B'(m - i),
+
+  which is exact up to p = 2. On each interval the p + 1 polynomials sum to one, their derivatives to zero, and their
+  first moment is m, so partition of unity and linear reproduction hold segment by segment.
+
+  Everything is measured from the point, not from the origin: knot distances are then exact to rounding and domains of
+  1e-16 cells keep their fractions.
+
+  At an edge the nodes beyond do not exist. Their coefficients extend the others linearly, which makes a quadratic or
+  cubic spline's second derivative zero there, or the edge is open: the knot next to it is left out ("not a knot"), and
+  the spline is any polynomial of its degree up to the edge.
+
+  Sources: Bardenhagen & Kober (2004), CMES 5, 477 (the domain average); Charlton, Coombs & Augarde (2017), Comput.
+  Struct. 190, 108 (contiguous domains); Steffen, Kirby & Berzins (2008), Int. J. Numer. Meth. Eng. 76, 922 (B-splines
+  in MPM); de Boor (1978), A Practical Guide to Splines, IV (not a knot).
+*/
+#include "talus/compat.h"
+#include "grid/grid.h"
+
+#include <math.h>
+
+const char *const MpmShapeTypes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2", NULL};
+const char *const MpmEdgeTypes[]  = {"linear", "open", NULL};
+
+/* Overlaps with an interval that are smaller than this part of the domain are rounding. */
+#define MPM_SHAPE_TOUCH 1e-9
+/* Domains shorter than this count as points: their inverse length would overflow. */
+#define MPM_SHAPE_POINT 1e-100
+
+/* The point's knot interval: B-splines are polynomials of `local` while it stays between `offset` and `offset` + 1. */
+typedef struct {
+  PetscInt  index;        /* interval [index + offset, index + offset + 1] */
+  PetscInt  lower, upper; /* first and last interval between the edges */
+  PetscReal offset;       /* 0 for knots at the nodes, -1/2 for knots between them */
+  PetscReal local;        /* position from node `index` */
+} Interval;
+
+PetscBool MpmShapeHasDomain(MpmShapeType type)
+{
+  return (type == MPM_SHAPE_GIMP || type == MPM_SHAPE_GIMP_BSPLINE2) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscInt MpmShapeDegree(MpmShapeType type)
+{
+  switch (type) {
+  case MPM_SHAPE_BSPLINE2:
+  case MPM_SHAPE_GIMP_BSPLINE2:
+    return 2;
+  case MPM_SHAPE_BSPLINE3:
+    return 3;
+  default:
+    return 1;
+  }
+}
+
+PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length)
+{
+  const PetscInt degree = MpmShapeDegree(type);
+
+  /* A domain of length 2l meets at most ceil(2l) + 1 knot intervals, an interval meets p + 1 nodes, and the next one
+     adds one node. */
+  if (!MpmShapeHasDomain(type)) return degree + 1;
+  return degree + 1 + (PetscInt)ceil(2. * half_length);
+}
+
+/*
+  A point on a knot belongs to the interval above it, except on the upper edge. The interval at an edge is taken to
+  reach beyond it: a domain that sticks out by rounding then touches no node that the edge does not already have.
+*/
+static inline Interval Locate(PetscInt degree, PetscReal xi, PetscInt edge_lower, PetscInt edge_upper)
+{
+  Interval at;
+
+  at.offset = (degree % 2) ? 0. : -0.5;
+  at.lower  = edge_lower;
+  at.upper  = (degree % 2) ? edge_upper - 1 : edge_upper;
+  at.index  = (PetscInt)floor(xi - at.offset);
+  if (at.index < at.lower) at.index = at.lower;
+  if (at.index > at.upper) at.index = at.upper;
+  at.local = xi - (PetscReal)at.index;
+  return at;
+}
+
+/*
+  Adds fraction f of the domain, of length s about t, to the p + 1 nodes of its interval; t counts from the node the
+  interval is named after. A function of the cardinal B-spline's polynomial pieces, see de Boor (1978), A Practical
+  Guide to Splines.
+*/
+static inline void AddSegment(PetscInt degree, PetscReal t, PetscReal s, PetscReal f, PetscReal w[], PetscReal g[])
+{
+  if (degree == 1) {
+    w[0] += f * (1. - t);
+    w[1] += f * t;
+    g[0] -= f;
+    g[1] += f;
+  } else if (degree == 2) {
+    const PetscReal below = 0.5 - t, above = 0.5 + t, bend = s * s / 24.;
+
+    w[0] += f * (0.5 * below * below + bend);
+    w[1] += f * (0.75 - t * t - 2. * bend);
+    w[2] += f * (0.5 * above * above + bend);
+    g[0] -= f * below;
+    g[1] -= f * 2. * t;
+    g[2] += f * above;
+  } else {
+    const PetscReal r = 1. - t, tt = t * t, rr = r * r;
+
+    w[0] += f * (rr * r / 6.);
+    w[1] += f * ((4. - 6. * tt + 3. * tt * t) / 6.);
+    w[2] += f * ((4. - 6. * rr + 3. * rr * r) / 6.);
+    w[3] += f * (tt * t / 6.);
+    g[0] -= f * 0.5 * rr;
+    g[1] += f * (1.5 * tt - 2. * t);
+    g[2] += f * (2. * r - 1.5 * rr);
+    g[3] += f * 0.5 * tt;
+  }
+}
+
+/*
+  Averages over [-l, l] about the point; returns how many nodes from *first on were filled. An interval that the domain
+  enters by less than MPM_SHAPE_TOUCH of its length is not entered: the interval before it is taken to reach that far, as at an edge.
+  A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no stiffness.
+*/
+static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, PetscInt *first, PetscReal w[],
+                                 PetscReal g[])
+{
+  const PetscReal inverse = 0.5 / l, reach = l - 2. * l * MPM_SHAPE_TOUCH;
+  const PetscReal knot = at.offset - at.local; /* distance from the point to the lower end of its interval */
+  PetscInt        low = 0, high = 0, count;
+  PetscReal       from = -l;
+
+  while (at.index + low > at.lower && knot + (PetscReal)low > -reach) low--;
+  while (at.index + high < at.upper && knot + (PetscReal)(high + 1) < reach) high++;
+  *first = at.index + low - degree / 2;
+  count  = high - low + degree + 1;
+  for (PetscInt k = 0; k < count; k++) w[k] = g[k] = 0.;
+  for (PetscInt j = low; j <= high; j++) {
+    const PetscReal to = (j == high) ? l : knot + (PetscReal)(j + 1);
+
+    AddSegment(degree, at.local - (PetscReal)j + 0.5 * (from + to), to - from, (to - from) * inverse, w + (j - low),
+               g + (j - low));
+    from = to;
+  }
+  return count;
+}
+
+/*
+  An open edge has the coefficients of the nodes one beyond it and on it from the edge's value and the p nodes after it:
+  the two that make the (p + 1)-th difference over the nodes from the one beyond vanish, which removes the knot next to
+  the edge, and give the edge node the spline's value there. By p - 2, then beyond and on.
+*/
+static const PetscReal open_edge[2][2][4] = {
+  {{8. / 3., -7. / 3., 2. / 3.}, {8. / 9., 2. / 9., -1. / 9.}},
+  {{3., -3.5, 2., -0.5}, {0.75, 0.625, -0.5, 0.125}},
+};
+
+/*
+  Gives `outer`, what the node beyond an edge has, and with an open edge what the edge's node has, to the edge's node,
+  at[0], and those after it, at[step], ...
+*/
+static inline void FoldEdge(PetscInt degree, MpmEdgeType edge, PetscInt step, PetscReal outer, PetscReal at[])
+{
+  const PetscReal on = at[0];
+
+  if (edge == MPM_EDGE_LINEAR) {
+    at[0] += 2. * outer;
+    at[step] -= outer;
+    return;
+  }
+  at[0] = 0.;
+  for (PetscInt k = 0; k <= degree; k++)
+    at[step * k] += open_edge[degree - 2][0][k] * outer + open_edge[degree - 2][1][k] * on;
+}
+
+/*
+  Both edges; each has at most one node beyond it, since every interval between them has. On an axis of a single cell
+  the node that takes the linear extension's -1 is the other edge.
+*/
+static inline void FoldEdges(PetscInt degree, MpmEdgeType edge, PetscInt edge_lower, PetscInt edge_upper,
+                             PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+{
+  const PetscInt from  = edge == MPM_EDGE_OPEN ? 0 : 1; /* nodes beyond from which on there is something to do */
+  const PetscInt below = edge_lower - *first;
+
+  if (below >= from) {
+    const PetscReal w_outer = below ? w[0] : 0., g_outer = below ? g[0] : 0.;
+
+    *first += below;
+    *count -= below;
+    for (PetscInt k = 0; below && k < *count; k++) {
+      w[k] = w[k + 1];
+      g[k] = g[k + 1];
+    }
+    if (edge == MPM_EDGE_OPEN && *count == degree) {
+      w[degree] = g[degree] = 0.;
+      (*count)++;
+    }
+    FoldEdge(degree, edge, 1, w_outer, w);
+    FoldEdge(degree, edge, 1, g_outer, g);
+  }
+  const PetscInt above = *first + *count - 1 - edge_upper;
+
+  if (above >= from) {
+    const PetscReal w_outer = above ? w[*count - 1] : 0., g_outer = above ? g[*count - 1] : 0.;
+
+    *count -= above;
+    if (edge == MPM_EDGE_OPEN && *count == degree) {
+      for (PetscInt k = degree; k > 0; k--) {
+        w[k] = w[k - 1];
+        g[k] = g[k - 1];
+      }
+      w[0] = g[0] = 0.;
+      (*first)--;
+      (*count)++;
+    }
+    FoldEdge(degree, edge, -1, w_outer, &w[*count - 1]);
+    FoldEdge(degree, edge, -1, g_outer, &g[*count - 1]);
+  }
+}
+
+/* Drops nodes at the ends that a point does not touch at all: a quadratic spline on its knot has two nodes, not three.
+   */
+static inline void TrimEnds(PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+{
+  PetscInt lead = 0;
+
+  while (*count > 1 && w[*count - 1] == 0. && g[*count - 1] == 0.) (*count)--;
+  while (lead < *count - 1 && w[lead] == 0. && g[lead] == 0.) lead++;
+  if (lead == 0) return;
+  for (PetscInt k = lead; k < *count; k++) {
+    w[k - lead] = w[k];
+    g[k - lead] = g[k];
+  }
+  *first += lead;
+  *count -= lead;
+}
+
+/* Inlined with a constant degree, so that each shape gets its own straight-line code. */
+static inline void Evaluate(PetscInt degree, MpmEdgeType edge, PetscReal xi, PetscReal l, PetscInt edge_lower,
+                            PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+{
+  const Interval at = Locate(degree, xi, edge_lower, edge_upper);
+
+  if (l > MPM_SHAPE_POINT) {
+    *count = AddDomain(degree, at, l, first, w, g);
+  } else {
+    *first = at.index - degree / 2;
+    *count = degree + 1;
+    for (PetscInt k = 0; k <= degree; k++) w[k] = g[k] = 0.;
+    AddSegment(degree, at.local, 0., 1., w, g);
+  }
+  if (degree > 1)
+    FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, first, count, w, g);
+  TrimEnds(first, count, w, g);
+}
+
+MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells)
+{
+  return degree > 1 && cells > degree ? edge : MPM_EDGE_LINEAR;
+}
+
+PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond, PetscInt k)
+{
+  if (edge == MPM_EDGE_OPEN) return open_edge[degree - 2][1 - beyond][k];
+  if (!beyond) return k ? 0. : 1.;
+  return k == 0 ? 2. : k == 1 ? -1. : 0.;
+}
+
+void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
+                      PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[])
+{
+  switch (type) {
+  case MPM_SHAPE_GIMP:
+    Evaluate(1, edge, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
+    break;
+  case MPM_SHAPE_BSPLINE2:
+    Evaluate(2, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    break;
+  case MPM_SHAPE_BSPLINE3:
+    Evaluate(3, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    break;
+  case MPM_SHAPE_GIMP_BSPLINE2:
+    Evaluate(2, edge, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
+    break;
+  default:
+    Evaluate(1, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+  }
+}

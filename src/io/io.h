@@ -1,0 +1,229 @@
+#pragma once
+/*
+  What a run leaves behind: points in HDF5 with an XDMF index, the history as CSV, the account of the run as JSON. These
+  objects know nothing of the model: they are handed names and arrays.
+*/
+#include "options/options.h"
+
+typedef struct _p_MpmOutput  *MpmOutput;
+typedef struct _p_MpmHistory *MpmHistory;
+
+/*
+  One dataset: `count` rows on this rank (given to MpmOutputWrite) of `components` numbers each. They stand in `real` or
+  `integer`, or `fill` makes them when they are written, so that not all datasets need memory at once. On a rank without
+  rows the arrays may be NULL. Six reals are a symmetric tensor: xx, yy, zz, xy, yz, xz.
+*/
+typedef struct {
+  const char      *name;
+  PetscInt         components;
+  const PetscReal *real;
+  const PetscInt  *integer;
+  PetscErrorCode (*fill)(const void *ctx, PetscReal values[]);
+  const void *ctx;
+} MpmDataset;
+
+/* A number at a group; exactly one of the pointers is set. */
+typedef struct {
+  const char       *name;
+  const PetscReal  *real;
+  const PetscInt64 *integer;
+} MpmAttribute;
+
+/* A dataset of bytes; the size is known to all ranks, what rank 0 holds is written. */
+typedef struct {
+  const char *name;
+  size_t      size;
+  const void *data;
+} MpmBytes;
+
+/* Where a state goes, and what stands beside the rows of its points. */
+typedef struct {
+  const char         *path, *group;
+  PetscBool           append;     /* to the file, which exists; otherwise it is made anew */
+  PetscInt64          head;       /* bytes before HDF5's own in a new file: 0 or a power of two from 512 */
+  PetscInt64          collective; /* bytes from which on all ranks write together */
+  PetscInt            attribute_count;
+  const MpmAttribute *attributes;
+  PetscInt            bytes_count;
+  const MpmBytes     *bytes;
+  PetscBool           single; /* reals in single precision */
+  PetscInt64          slab;   /* most bytes a rank hands to HDF5 at once; 0: MPM_STATE_SLAB */
+} MpmStateFile;
+#define MPM_STATE_SLAB (1 << 30)
+
+/* Rows of one kind. */
+typedef struct {
+  PetscInt          count; /* on this rank, may be 0 */
+  const PetscInt   *id;    /* >= 0 and no two alike over all ranks; the rows of each dataset go by ascending id */
+  PetscInt          dataset_count;
+  const MpmDataset *datasets; /* what is written besides id */
+} MpmTable;
+
+/* A state as an index describes it. */
+#define MPM_STATE_PATH 128
+typedef struct {
+  PetscInt64 rows;                    /* over all ranks */
+  size_t     real_size;               /* bytes of a real */
+  PetscBool *integer;                 /* of each dataset: integers or reals? To be freed. */
+  char       numbers[MPM_STATE_PATH]; /* path of a dataset of the numbers of the rows, 0, 1, ... */
+} MpmStateView;
+
+/*
+  MpmStateWrite - write one state as a group of an HDF5 file, rows ordered by id
+
+  Output Parameter:
+. view - or NULL, for a file that is not viewed
+
+  Collective. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming the file.
+
+  Viewers are given symmetric tensors with all nine components, by virtual datasets in the group /tensors, which take no
+  room: they refer to the columns of the real ones. A point is a cell whose corner is its row: where ids are not 0, 1, ...
+  (bodies have been removed) the numbers of the rows stand in /rows/<number of rows>, once for all states that have so
+  many.
+*/
+PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, const MpmTable *table, MpmStateView *view);
+
+/*
+  MpmOutputCreate - the writer of <prefix>.h5 and <prefix>.xdmf; creates no file yet
+
+  MpmOutputWrite - append the group /points/<step, six digits> with attributes time and step
+
+  Input Parameters:
++ count    - local points, may be 0 on any rank
+. id       - their ids, >= 0 and no two alike over all ranks; the rows of each dataset go by ascending id
+. datasets - what is written besides id; a dataset called position must be among them (XDMF geometry, 2 or 3 components)
+- dataset_count
+
+  MpmOutputWriteGrid - append the groups /grid/<step, six digits>/nodes and /cells, likewise
+
+  Input Parameters:
++ nodes - with a dataset called position
+- cells - with a dataset of integers called nodes: the ids of each cell's 4 or 8 nodes, in XDMF's order
+
+  The index then holds the grid as a second collection, and <prefix>_grid.xdmf holds it alone, for programs that read
+  one mesh a file.
+
+  Collective. The first write truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
+  the file.
+*/
+PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output);
+PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
+                              PetscInt dataset_count, const MpmDataset datasets[]);
+PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal time, const MpmTable *nodes,
+                                  const MpmTable *cells);
+/* Reals in single precision. */
+PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single);
+/* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */
+PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
+/* Does the results file exist? */
+PetscBool MpmOutputStarted(MpmOutput output);
+/* Lends the name of the HDF5 file, and the indices of points and grids so far, which rank 0 holds. */
+PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const MpmTextFile **index,
+                                 const MpmTextFile **grid_index);
+/* Further states go to the results file that is there; the indices (rank 0) are those up to now, or NULL. Collective. */
+PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index, const char *grid_index);
+
+/* No rank hands more bytes than this (1 GiB unless told) to HDF5 at once: MPI-IO fails at 2 GiB. */
+PetscErrorCode MpmOutputSetSlab(MpmOutput output, PetscInt64 bytes);
+PetscErrorCode MpmOutputDestroy(MpmOutput *output);
+
+/*
+  A mark: what a results file was at some time, so that it can become just that again whatever has been appended to it
+  since, and even where a killed run has left it inconsistent (mark.c). It holds every byte of the file but the points'
+  numbers, which stand still once they are written. Rank 0 holds it; empty for a file that does not exist.
+*/
+PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark);
+/*
+  Without `apply` nothing is done but to look whether it could be. `why` is NULL, or the reason for which the file cannot
+  become what it was (static text); `there`: is there a file?
+*/
+PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool apply,
+                             PetscBool *there, const char **why);
+
+/* The CSV writer: header at once, then one row a call, flushed; rank 0 writes. All values with 17 significant digits,
+   integers plain. */
+PetscErrorCode MpmHistoryCreate(MPI_Comm comm, const char *path, PetscInt columns, const char *const names[],
+                                MpmHistory *history);
+/*
+  Where a history stands: its bytes and their hash, on rank 0. The file is on the disk when MpmHistoryMark() returns.
+  MpmHistoryContinue() opens what is there, drops what has been appended since, and goes on; without a file it makes one.
+  `why` is NULL, or the reason for which it cannot be (static text).
+*/
+typedef struct {
+  PetscInt64 length, hash;
+} MpmHistoryPlace;
+PetscErrorCode MpmHistoryMark(MpmHistory history, MpmHistoryPlace *place);
+PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt columns, const char *const names[],
+                                  const MpmHistoryPlace *place, MpmHistory *history, const char **why);
+PetscErrorCode MpmHistoryAppend(MpmHistory history, const PetscReal values[]);
+PetscErrorCode MpmHistoryDestroy(MpmHistory *history);
+
+extern const char *const MpmTimers[];
+
+/* The account of a run; written as <prefix>_summary.json. */
+typedef struct {
+  const char *status; /* "completed" or the reason */
+  PetscInt    dim;
+  const char *title, *physics, *shape, *jacobian, *solver;
+  PetscInt64  points, cells, active_dofs_max;
+  PetscInt    steps, step_cuts;
+  PetscInt64  newton_iterations, linear_iterations;
+  PetscReal   time_total, time[MPM_TIME_COUNT];
+  PetscReal   imbalance;  /* points on the fullest rank over their mean, the most of any step */
+  PetscInt    rebalances; /* how often the partition has moved */
+  PetscReal   memory_max; /* bytes, sum over ranks of each rank's maximum resident size */
+} MpmSummary;
+
+/* Makes one account of the ranks' own: times become the maximum over ranks, memory_max the sum of the processes'
+   resident maxima as the
+   system has them now. Collective. */
+PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
+/* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
+   active_dofs_max, steps, step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s,
+   time {setup, ...}, memory_max_bytes. */
+PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
+
+/* ---- checkpoint_file.c ---- */
+
+/*
+  The files of checkpoints: <prefix>_checkpoint.h5 is the newest, older ones that are kept carry the number of their step.
+
+  A checkpoint is an HDF5 file behind a head of 512 bytes of text, which says what it is, how long, and the hash of every
+  byte: nothing of the file is trusted, and HDF5 does not see it, before that hash has been made anew.
+*/
+
+#define MPM_CHECKPOINT_FORMAT 2
+#define MPM_CHECKPOINT_HEAD   512
+
+typedef struct {
+  long long format, step, size; /* size: bytes in all */
+  long long run;                /* a number that tells one run from another; restarts belong to their run */
+  uint64_t  hash;
+} MpmCheckpointHead;
+
+/*
+  Completes a file that MpmStateWrite() has made: writes the head, brings it to the disk and gives it its name; what had
+  this name is kept under the number of its step, and those beyond the newest `keep` of this run are removed. All ranks
+  read the file where it has at least `collective` bytes. Collective; fails with PETSC_ERR_FILE_WRITE and one line.
+*/
+PetscErrorCode MpmCheckpointPublish(MPI_Comm comm, const char *prefix, const char *temporary, MpmCheckpointHead *head,
+                                    PetscInt keep, PetscInt64 collective);
+/* Is it whole and of this format? `why` is NULL, or the reason (in `text`) for which it is not. Collective. */
+PetscErrorCode MpmCheckpointVerify(MPI_Comm comm, const char *path, PetscInt64 collective, MpmCheckpointHead *head,
+                                   char text[256], const char **why);
+/* The checkpoints of a prefix, the newest first. Collective; free with MpmNamesDestroy(). */
+PetscErrorCode MpmCheckpointList(MPI_Comm comm, const char *prefix, PetscInt *count, char ***paths);
+
+/* ---- point_table.c ---- */
+
+/*
+  A file of points, HDF5 or CSV, of which each rank has `count` rows. Get gives a quantity's components, row by row, to
+  be freed; NULL where the file has none and the need is optional. All collective.
+*/
+typedef struct _p_MpmPointFile *MpmPointFile;
+PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const char *path, const char *step,
+                                MpmPointFile *file);
+PetscErrorCode MpmPointFileClose(MpmPointFile *file);
+PetscInt       MpmPointFileCount(MpmPointFile file);
+PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
+                               PetscReal **values);

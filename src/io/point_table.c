@@ -1,0 +1,404 @@
+/*
+  Files of points: HDF5 or CSV, asked for one quantity after the other. Each rank gets its share of the rows.
+
+  HDF5: datasets of one row a point, in the group /points/<step> where the file has a group /points, as this program
+  writes them, or at its root. Every rank reads its own rows.
+  CSV: a line of names, then a row of numbers a point; lines that start with # are remarks. A quantity of several
+  components has a column each: stress_xx, F_xy, half_length_x; the position's are x, y and z. Rank 0 reads.
+*/
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "io/hdf5_rows.h"
+#include "io/io.h"
+
+#define MESSAGE_LENGTH 512
+
+struct _p_MpmPointFile {
+  MPI_Comm    comm;
+  PetscMPIInt rank, size;
+  PetscInt    dim;
+  const char *prefix; /* of the block that named the file, and the file's name: borrowed */
+  char       *path;
+  PetscInt64  total, first; /* rows over all ranks, and this rank's first one */
+  PetscInt    count;
+  hid_t       file, group; /* HDF5, or negative; it stays silent while the file is open */
+  H5E_auto2_t report;
+  void       *context;
+  PetscInt    columns; /* CSV, rank 0 */
+  char      **name;
+  PetscReal  *table; /* row by row */
+};
+
+/* A complaint that rank 0 has, or an empty one: all ranks end with it, or none. */
+static PetscErrorCode Share(MpmPointFile file, char message[MESSAGE_LENGTH])
+{
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Bcast(message, MESSAGE_LENGTH, MPI_CHAR, 0, file->comm));
+  MpmCheckInput(!message[0], "-%sfile %s: %s", file->prefix, file->path, message);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode DealRows(MpmPointFile file)
+{
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Bcast(&file->total, 1, MPIU_INT64, 0, file->comm));
+  file->first = file->total * file->rank / file->size;
+  file->count = (PetscInt)(file->total * (file->rank + 1) / file->size - file->first);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- CSV ---- */
+
+/* Cuts a line at its commas, blanks around the words taken off; returns how many words there are. */
+static PetscInt CutLine(char *line, PetscInt most, char *word[])
+{
+  PetscInt count = 0;
+
+  for (char *next = line; next; count++) {
+    char *end = strchr(next, ','), *last;
+
+    if (end) *end = '\0';
+    while (*next == ' ' || *next == '\t') next++;
+    for (last = next + strlen(next); last > next && strchr(" \t\r\n", last[-1]); last--) last[-1] = '\0';
+    if (count < most) word[count] = next;
+    next = end ? end + 1 : NULL;
+  }
+  return count;
+}
+
+/* One row into the table; a complaint where it is not one. */
+static PetscErrorCode TakeRow(MpmPointFile file, char *line, long long number, char message[MESSAGE_LENGTH])
+{
+  char   **word;
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(file->columns, &word));
+  count = CutLine(line, file->columns, word);
+  if (count != file->columns)
+    PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "line %lld has %d numbers, its columns are %d", number, (int)count,
+                            (int)file->columns));
+  for (PetscInt c = 0; c < file->columns && !message[0]; c++) {
+    char *end;
+
+    file->table[file->total * file->columns + c] = (PetscReal)strtod(word[c], &end);
+    if (end == word[c] || *end)
+      PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "line %lld, column %s: '%.40s' is not a number", number,
+                              file->name[c], word[c]));
+  }
+  file->total++;
+  PetscCall(PetscFree(word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TakeNames(MpmPointFile file, char *line)
+{
+  PetscInt most = 1;
+  char   **word;
+
+  PetscFunctionBeginUser;
+  for (const char *c = line; *c; c++) most += *c == ',';
+  PetscCall(PetscMalloc1(most, &word));
+  file->columns = CutLine(line, most, word);
+  PetscCall(PetscMalloc1(file->columns, &file->name));
+  for (PetscInt c = 0; c < file->columns; c++) PetscCall(PetscStrallocpy(word[c], &file->name[c]));
+  PetscCall(PetscFree(word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The whole file as text, or NULL and a complaint. */
+static PetscErrorCode ReadText(const char *path, char **text, char message[MESSAGE_LENGTH])
+{
+  FILE *stream = fopen(path, "rb");
+  long  length = -1;
+
+  PetscFunctionBeginUser;
+  *text = NULL;
+  if (stream && !fseek(stream, 0, SEEK_END)) length = ftell(stream);
+  if (length == LONG_MAX) { /* a folder */
+    errno  = EISDIR;
+    length = -1;
+  }
+  if (length < 0) PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "cannot be read: %s", strerror(errno)));
+  else {
+    rewind(stream);
+    PetscCall(PetscCalloc1(((size_t)length + 1), text));
+    if (fread(*text, 1, (size_t)length, stream) != (size_t)length)
+      PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "cannot be read"));
+  }
+  if (stream) (void)fclose(stream);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadTable(MpmPointFile file, char message[MESSAGE_LENGTH])
+{
+  char     *text, *next;
+  PetscInt  lines  = 1;
+  long long number = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadText(file->path, &text, message));
+  for (const char *c = text; c && *c; c++) lines += *c == '\n';
+  for (char *line = text; line && !message[0]; line = next) {
+    number++;
+    next = strchr(line, '\n');
+    if (next) *next++ = '\0';
+    if (line[0] == '#' || !line[strspn(line, " \t\r")]) continue;
+    if (!file->columns) {
+      PetscCall(TakeNames(file, line));
+      PetscCall(PetscMalloc1(((size_t)lines * (size_t)file->columns), &file->table));
+    } else PetscCall(TakeRow(file, line, number, message));
+  }
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In the plane a tensor may come without its components across it: they are 0, and F_zz is 1. */
+static PetscBool MayBeAbsent(const char *name)
+{
+  const char *component = strrchr(name, '_');
+  PetscBool   one, other;
+
+  if (!component || strlen(component) != 3) return PETSC_FALSE;
+  one   = (PetscBool)(component[1] == 'z');
+  other = (PetscBool)(component[2] == 'z');
+  return (PetscBool)(one != other || (one && other && !strcmp(name, "F_zz")));
+}
+
+/* values = the named columns of this rank's rows; `found` how many of them there are. */
+static PetscErrorCode GetColumns(MpmPointFile file, PetscInt components, char *const names[], PetscInt *found,
+                                 PetscReal values[])
+{
+  PetscMPIInt *counts, *starts, mine = (PetscMPIInt)(file->count * components);
+  PetscInt    *column;
+  PetscReal   *all = NULL;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(file->size, &counts, file->size, &starts, components, &column));
+  *found = 0;
+  for (PetscInt k = 0; k < components; k++) {
+    column[k] = -1;
+    for (PetscInt c = 0; c < file->columns; c++)
+      if (!strcmp(file->name[c], names[k])) column[k] = c;
+    *found += column[k] >= 0;
+  }
+  for (PetscInt k = 0; *found && k < components; k++)
+    if (column[k] < 0 && file->dim == 2 && MayBeAbsent(names[k])) ++*found;
+  PetscCallMPI(MPI_Bcast(found, 1, MPIU_INT, 0, file->comm));
+  if (*found == components) {
+    for (PetscMPIInt r = 0; r < file->size; r++) {
+      starts[r] = (PetscMPIInt)(file->total * r / file->size * components);
+      counts[r] = (PetscMPIInt)(file->total * (r + 1) / file->size * components) - starts[r];
+    }
+    if (!file->rank) {
+      PetscCall(PetscMalloc1((file->total * components), &all));
+      for (PetscInt64 i = 0; i < file->total; i++)
+        for (PetscInt k = 0; k < components; k++) {
+          const PetscReal absent = strcmp(names[k], "F_zz") ? 0. : 1.;
+
+          all[i * components + k] = column[k] < 0 ? absent : file->table[i * file->columns + column[k]];
+        }
+    }
+    PetscCallMPI(MPI_Scatterv(all, counts, starts, MPIU_REAL, values, mine, MPIU_REAL, 0, file->comm));
+    PetscCall(PetscFree(all));
+  }
+  PetscCall(PetscFree3(counts, starts, column));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- HDF5 ---- */
+
+/* The last group of /points by name, which is by step. */
+static herr_t KeepLast(hid_t group, const char *name, const H5L_info_t *info, void *context)
+{
+  char *last = (char *)context;
+
+  (void)group;
+  (void)info;
+  if (strlen(name) < 64 && strcmp(name, last) > 0) (void)strcpy(last, name);
+  return 0;
+}
+
+/* The name of the group that holds the points; a complaint where there is none. */
+static PetscErrorCode FindGroup(MpmPointFile file, const char *step, char group[128], char message[MESSAGE_LENGTH])
+{
+  char name[64] = "";
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscStrncpy(group, "/", 128));
+  if (H5Lexists(file->file, "points", H5P_DEFAULT) <= 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!strcmp(step, "latest")) {
+    hid_t points = H5Gopen2(file->file, "points", H5P_DEFAULT);
+
+    if (points >= 0) {
+      (void)H5Literate(points, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, KeepLast, name);
+      (void)H5Gclose(points);
+    }
+  } else PetscCall(PetscSNPrintf(name, sizeof(name), "%06lld", strtoll(step, NULL, 10)));
+  PetscCall(PetscSNPrintf(group, 128, "/points/%s", name));
+  if (!name[0] || H5Lexists(file->file, group, H5P_DEFAULT) <= 0)
+    PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "has no step %s in /points", step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GetDataset(MpmPointFile file, const char *name, PetscInt components, PetscInt *found,
+                                 PetscReal values[])
+{
+  char       message[MESSAGE_LENGTH] = "";
+  PetscInt64 extent[2]               = {0, 0};
+  PetscBool  worked;
+
+  PetscFunctionBeginUser;
+  if (!file->rank) {
+    MpmHdf5Extent(file->group, name, extent);
+    if (extent[0] >= 0 && (extent[0] != file->total || extent[1] != components))
+      PetscCall(PetscSNPrintf(
+        message, sizeof(message), "dataset %s has %lld x %lld numbers, must have %lld x %lld, a row a point", name,
+        (long long)extent[0], (long long)extent[1], (long long)file->total, (long long)components));
+  }
+  PetscCall(Share(file, message));
+  PetscCallMPI(MPI_Bcast(extent, 2, MPIU_INT64, 0, file->comm));
+  *found = extent[0] >= 0 ? components : 0;
+  if (!*found) PetscFunctionReturn(PETSC_SUCCESS);
+  worked = MpmHdf5ReadRows(file->group, name, MpmHdf5Real(), file->first, file->count, components, values);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &worked, 1, MPIU_BOOL, MPI_LAND, file->comm));
+  MpmCheckInput(worked, "-%sfile %s: dataset %s cannot be read", file->prefix, file->path, name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Opens the file and its group on every rank; rank 0 complains. HDF5 itself is silent. */
+static PetscErrorCode OpenHDF5(MpmPointFile file, const char *step)
+{
+  char       message[MESSAGE_LENGTH] = "", group[128] = "";
+  PetscInt64 extent[2] = {0, 0};
+
+  PetscFunctionBeginUser;
+  file->file = MpmHdf5Open(file->path);
+  if (!file->rank) {
+    if (file->file < 0) PetscCall(PetscSNPrintf(message, sizeof(message), "cannot be opened"));
+    else PetscCall(FindGroup(file, step, group, message));
+  }
+  PetscCall(Share(file, message));
+  PetscCallMPI(MPI_Bcast(group, (PetscMPIInt)sizeof(group), MPI_CHAR, 0, file->comm));
+  PetscCheck(file->file >= 0, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "rank %d cannot open %s", (int)file->rank,
+             file->path);
+  file->group = H5Gopen2(file->file, group, H5P_DEFAULT);
+  MpmHdf5Extent(file->group, "position", extent);
+  file->total = PetscMax(extent[0], 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- either ---- */
+
+PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const char *path, const char *step,
+                                MpmPointFile *handle)
+{
+  char         message[MESSAGE_LENGTH] = "";
+  int          hdf5                    = 0;
+  MpmPointFile file;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(handle));
+  file         = *handle;
+  file->comm   = block->comm;
+  file->prefix = block->prefix;
+  file->dim    = dim;
+  file->file = file->group = H5I_INVALID_HID;
+  PetscCall(PetscStrallocpy(path, &file->path));
+  PetscCallMPI(MPI_Comm_rank(file->comm, &file->rank));
+  PetscCallMPI(MPI_Comm_size(file->comm, &file->size));
+  (void)H5Eget_auto2(H5E_DEFAULT, &file->report, &file->context);
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  if (!file->rank) hdf5 = H5Fis_hdf5(path) > 0;
+  PetscCallMPI(MPI_Bcast(&hdf5, 1, MPI_INT, 0, file->comm));
+  if (hdf5) PetscCall(OpenHDF5(file, step));
+  else if (!file->rank) PetscCall(ReadTable(file, message));
+  PetscCall(Share(file, message));
+  PetscCall(DealRows(file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointFileClose(MpmPointFile *handle)
+{
+  MpmPointFile file = *handle;
+
+  PetscFunctionBeginUser;
+  if (!file) PetscFunctionReturn(PETSC_SUCCESS);
+  if (file->group >= 0) (void)H5Gclose(file->group);
+  if (file->file >= 0) (void)H5Fclose(file->file);
+  (void)H5Eset_auto2(H5E_DEFAULT, file->report, file->context);
+  for (PetscInt c = 0; c < file->columns; c++) PetscCall(PetscFree(file->name[c]));
+  PetscCall(PetscFree(file->name));
+  PetscCall(PetscFree(file->table));
+  PetscCall(PetscFree(file->path));
+  PetscCall(PetscFree(*handle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmPointFileCount(MpmPointFile file)
+{
+  return file->count;
+}
+
+/* The name of a column. */
+static PetscErrorCode ColumnName(const char *quantity, PetscInt components, PetscInt k, char name[256])
+{
+  static const char *const axes[] = {"x", "y", "z"}, *const sym[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
+  const char row = "xyz"[k / 3], column = "xyz"[k % 3];
+
+  PetscFunctionBeginUser;
+  if (!strcmp(quantity, "position")) PetscCall(PetscStrncpy(name, axes[k], 256));
+  else if (components == 1) PetscCall(PetscStrncpy(name, quantity, 256));
+  else if (components == 6) PetscCall(PetscSNPrintf(name, 256, "%s_%s", quantity, sym[k]));
+  else if (components == 9) PetscCall(PetscSNPrintf(name, 256, "%s_%c%c", quantity, row, column));
+  else PetscCall(PetscSNPrintf(name, 256, "%s_%s", quantity, axes[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every number must be one. */
+static PetscErrorCode CheckFinite(MpmPointFile file, const char *quantity, PetscInt components,
+                                  const PetscReal values[])
+{
+  PetscInt64 bad = PETSC_MAX_INT;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = file->count * components - 1; k >= 0; k--)
+    if (PetscIsInfOrNanReal(values[k])) bad = file->first + k / components;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT64, MPI_MIN, file->comm));
+  MpmCheckInput(bad == PETSC_MAX_INT, "-%sfile %s: %s of point %lld is not a finite number", file->prefix, file->path,
+                quantity, (long long)bad);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
+                               PetscReal **values)
+{
+  PetscInt found;
+  char   **names;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((file->count * components + 1), values));
+  PetscCall(PetscMalloc1(components, &names));
+  for (PetscInt k = 0; k < components; k++) {
+    char name[256];
+
+    PetscCall(ColumnName(quantity, components, k, name));
+    PetscCall(PetscStrallocpy(name, &names[k]));
+  }
+  if (file->group >= 0) PetscCall(GetDataset(file, quantity, components, &found, *values));
+  else {
+    PetscCall(GetColumns(file, components, names, &found, *values));
+    MpmCheckInput(!found || found == components, "-%sfile %s: %s needs the columns %s to %s, %d of the %d are there",
+                  file->prefix, file->path, quantity, names[0], names[components - 1], (int)found, (int)components);
+  }
+  MpmCheckInput(found || need == MPM_OPTIONAL, "-%sfile %s: there is no %s", file->prefix, file->path,
+                file->group >= 0 ? quantity : names[0]);
+  for (PetscInt k = 0; k < components; k++) PetscCall(PetscFree(names[k]));
+  PetscCall(PetscFree(names));
+  if (found) PetscCall(CheckFinite(file, quantity, components, *values));
+  else PetscCall(PetscFree(*values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,123 @@
+/*
+  The account of a run: as JSON for programs, as a table for people.
+*/
+#include <math.h>
+#include <sys/resource.h>
+#include "io/io.h"
+#include "base/base.h"
+
+const char *const MpmTimers[] = {"setup", "transfer", "residual", "jacobian", "solve", "migrate", "output", NULL};
+
+/* Largest resident size of this process so far, bytes. */
+static PetscReal ProcessMemory(void)
+{
+  struct rusage usage;
+
+  if (getrusage(RUSAGE_SELF, &usage)) return 0.;
+#if defined(__APPLE__)
+  return (PetscReal)usage.ru_maxrss;
+#else
+  return 1024. * (PetscReal)usage.ru_maxrss;
+#endif
+}
+
+PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary)
+{
+  const PetscReal memory = ProcessMemory();
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, summary->time, MPM_TIME_COUNT, MPIU_REAL, MPIU_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &summary->time_total, 1, MPIU_REAL, MPIU_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(&memory, &summary->memory_max, 1, MPIU_REAL, MPIU_SUM, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A JSON string: quotes, backslashes and control characters escaped, other bytes (UTF-8) as they are; NULL becomes
+   null. */
+static PetscErrorCode AppendString(MpmTextFile *text, const char *key, const char *value)
+{
+  PetscFunctionBeginUser;
+  if (!value) {
+    PetscCall(MpmTextFileAppend(text, "  \"%s\": null,\n", key));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmTextFileAppend(text, "  \"%s\": \"", key));
+  for (const char *c = value; *c; ++c) {
+    unsigned char byte = (unsigned char)*c;
+    if (byte == '"' || byte == '\\') PetscCall(MpmTextFileAppend(text, "\\%c", *c));
+    else if (byte < 0x20) PetscCall(MpmTextFileAppend(text, "\\u%04x", (unsigned)byte));
+    else PetscCall(MpmTextFileAppend(text, "%c", *c));
+  }
+  PetscCall(MpmTextFileAppend(text, "\",\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AppendCount(MpmTextFile *text, const char *key, PetscInt64 value)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmTextFileAppend(text, "  \"%s\": %lld,\n", key, (long long)value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* JSON knows neither infinity nor not-a-number. */
+static PetscErrorCode AppendNumber(MpmTextFile *text, PetscReal value)
+{
+  PetscFunctionBeginUser;
+  if (isfinite(value)) PetscCall(MpmTextFileAppend(text, "%.9g", (double)value));
+  else PetscCall(MpmTextFileAppend(text, "null"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const char *version,
+                                    const MpmSummary *summary)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmTextFileAppend(text, "{\n"));
+  PetscCall(AppendString(text, "status", summary->status));
+  PetscCall(AppendString(text, "version", version));
+  PetscCall(AppendString(text, "title", summary->title));
+  PetscCall(AppendCount(text, "ranks", ranks));
+  PetscCall(AppendCount(text, "dim", summary->dim));
+  PetscCall(AppendString(text, "physics", summary->physics));
+  PetscCall(AppendString(text, "shape", summary->shape));
+  PetscCall(AppendString(text, "jacobian", summary->jacobian));
+  PetscCall(AppendString(text, "solver", summary->solver));
+  PetscCall(AppendCount(text, "points", summary->points));
+  PetscCall(AppendCount(text, "cells", summary->cells));
+  PetscCall(AppendCount(text, "active_dofs_max", summary->active_dofs_max));
+  PetscCall(AppendCount(text, "steps", summary->steps));
+  PetscCall(AppendCount(text, "step_cuts", summary->step_cuts));
+  PetscCall(AppendCount(text, "newton_iterations", summary->newton_iterations));
+  PetscCall(AppendCount(text, "linear_iterations", summary->linear_iterations));
+  PetscCall(MpmTextFileAppend(text, "  \"imbalance\": "));
+  PetscCall(AppendNumber(text, summary->imbalance));
+  PetscCall(MpmTextFileAppend(text, ",\n"));
+  PetscCall(AppendCount(text, "rebalances", summary->rebalances));
+  PetscCall(MpmTextFileAppend(text, "  \"time_total_s\": "));
+  PetscCall(AppendNumber(text, summary->time_total));
+  PetscCall(MpmTextFileAppend(text, ",\n  \"time\": {"));
+  for (int i = 0; i < MPM_TIME_COUNT; ++i) {
+    PetscCall(MpmTextFileAppend(text, "%s\"%s\": ", i ? ", " : "", MpmTimers[i]));
+    PetscCall(AppendNumber(text, summary->time[i]));
+  }
+  PetscCall(MpmTextFileAppend(text, "},\n  \"memory_max_bytes\": "));
+  PetscCall(MpmTextFileAppend(text, "%.0f\n}\n", (double)summary->memory_max));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary)
+{
+  PetscMPIInt        rank, size;
+  MpmTextFile        text    = MPM_TEXT_FILE_EMPTY;
+  const MpmTextFile *texts[] = {&text};
+  PetscErrorCode     written;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  if (rank == 0) PetscCall(AppendSummary(&text, size, version, summary));
+  written = MpmTextFileWrite(comm, path, 1, texts);
+  PetscCall(MpmTextFileDestroy(&text));
+  PetscCall(written);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,526 @@
+/*
+  The typed readers of mpmoptions.h.
+
+  A reader states what an option means in an ItemSpec; ItemRead() makes the line of -help, the entry in the record and
+  the complaint about a missing option out of it, so that the three cannot disagree. Then the reader parses what was
+  given, all of it, and checks it.
+
+  With -help a required option that is missing is no error: the run only prints its manual and ends. The reader then
+  leaves the value as it was on entry (lists, texts and names: empty), so callers initialise what they pass, required or
+  not.
+
+  A refusal ends the run, so what was allocated on the way to it is not given back.
+*/
+#include "options/options.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What an option means. */
+typedef struct {
+  const char *name; /* without the block's prefix */
+  const char *help;
+  const char *unit;     /* NULL where a unit makes no sense */
+  const char *accepts;  /* "> 0", "in (-1, 0.5)", "one of a, b"; empty for anything */
+  const char *fallback; /* the default as text; NULL for none */
+  MpmNeed     need;
+  PetscBool   lasting;  /* would the default be accepted if it were given? */
+  PetscBool   presence; /* the caller wants to know whether the option is there */
+} ItemSpec;
+
+/* What the user gave. */
+typedef struct {
+  char       *name; /* in full, no dash */
+  const char *raw;  /* NULL when the option is absent or has no value; lent by PETSc */
+  PetscBool   given;
+} Item;
+
+/* ---- one option ---- */
+
+static PetscErrorCode FullName(const MpmOptions *options, const char name[], char **full)
+{
+  PetscFunctionBegin;
+  *full = NULL;
+  PetscCall(MpmTextAppend(full, "%s%s", options->prefix ? options->prefix : "", name));
+  /* PETSc cuts longer names, and then finds the wrong option or none. */
+  MpmCheckInput(strlen(*full) < PETSC_MAX_OPTION_NAME - 2, "-%.100s...: the name has more than %d characters", *full,
+                PETSC_MAX_OPTION_NAME - 3);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* "Young's modulus (Pa; > 0; required)" */
+static PetscErrorCode ItemPrintHelp(MPI_Comm comm, const Item *item, const ItemSpec *spec)
+{
+  char *text = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTextAppend(&text, "%s (", spec->help));
+  if (spec->unit && strcmp(spec->unit, "-")) PetscCall(MpmTextAppend(&text, "%s; ", spec->unit));
+  if (*spec->accepts) PetscCall(MpmTextAppend(&text, "%s; ", spec->accepts));
+  if (spec->need == MPM_REQUIRED) PetscCall(MpmTextAppend(&text, "required)"));
+  else if (spec->presence || !spec->lasting) PetscCall(MpmTextAppend(&text, "optional)"));
+  else if (spec->fallback && *spec->fallback) PetscCall(MpmTextAppend(&text, "default %s)", spec->fallback));
+  else PetscCall(MpmTextAppend(&text, "default none)"));
+  PetscCall(MpmHelpEntry(comm, item->name, text));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* "Young's modulus (Pa), > 0" */
+static PetscErrorCode ItemMeaning(const ItemSpec *spec, char **text)
+{
+  PetscFunctionBegin;
+  *text = NULL;
+  PetscCall(MpmTextAppend(text, "%s", spec->help));
+  if (spec->unit) PetscCall(MpmTextAppend(text, " (%s)", spec->unit));
+  if (*spec->accepts) PetscCall(MpmTextAppend(text, ", %s", spec->accepts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ItemRecord(MpmRecord record, const Item *item, const ItemSpec *spec, PetscBool *first)
+{
+  MpmRecordEntry *entry;
+  const char     *value = item->given ? (item->raw ? item->raw : "") : (spec->lasting ? spec->fallback : NULL);
+
+  PetscFunctionBegin;
+  *first = PETSC_TRUE;
+  if (!record) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRecordGet(record, item->name, &entry));
+  *first       = entry->known ? PETSC_FALSE : PETSC_TRUE;
+  entry->known = PETSC_TRUE;
+  entry->given = item->given;
+  if (spec->presence) entry->presence = PETSC_TRUE;
+  PetscCall(PetscFree(entry->value));
+  if (value) PetscCall(PetscStrallocpy(value, &entry->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Looks an option up; ItemDestroy() when done. */
+static PetscErrorCode ItemRead(const MpmOptions *options, const ItemSpec *spec, Item *item)
+{
+  PetscBool help, first;
+  char     *meaning = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(FullName(options, spec->name, &item->name));
+  PetscCall(MpmDatabaseFind(item->name, &item->raw, &item->given));
+  PetscCall(ItemRecord(options->record, item, spec, &first));
+  PetscCall(PetscOptionsHasHelp(NULL, &help));
+  if (help && first) PetscCall(ItemPrintHelp(options->comm, item, spec));
+  if (!item->given && spec->need == MPM_REQUIRED && !help) {
+    PetscCall(ItemMeaning(spec, &meaning));
+    MpmCheckInput(PETSC_FALSE, "-%s is missing: %s", item->name, meaning);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ItemDestroy(Item *item, PetscBool *set)
+{
+  PetscFunctionBegin;
+  if (set) *set = item->given;
+  PetscCall(PetscFree(item->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the run: "-name value: must ..." */
+static PetscErrorCode ItemRefuse(const Item *item, const ItemSpec *spec, const char verb[])
+{
+  char *value = NULL, *meaning;
+
+  PetscFunctionBegin;
+  if (!item->raw) {
+    PetscCall(ItemMeaning(spec, &meaning));
+    MpmCheckInput(PETSC_FALSE, "-%s: a value must follow: %s", item->name, meaning);
+  }
+  PetscCall(MpmTextQuote(item->raw, &value));
+  MpmCheckInput(PETSC_FALSE, "-%s %s: %s", item->name, value, verb);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the run, and says what the option means: "-name value: must ...: Young's modulus (Pa), > 0". */
+static PetscErrorCode ItemRefuseForm(const Item *item, const ItemSpec *spec, const char verb[])
+{
+  char *text = NULL, *meaning;
+
+  PetscFunctionBegin;
+  PetscCall(ItemMeaning(spec, &meaning));
+  PetscCall(MpmTextAppend(&text, "%s: %s", verb, meaning));
+  PetscCall(ItemRefuse(item, spec, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- ranges and lists ---- */
+
+#define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
+
+static void RangeText(MpmRange range, char text[MPM_RANGE_TEXT])
+{
+  const PetscBool below = range.lower > PETSC_NINFINITY ? PETSC_TRUE : PETSC_FALSE,
+                  above = range.upper < PETSC_INFINITY ? PETSC_TRUE : PETSC_FALSE;
+  char lower[MPM_NUMBER_TEXT], upper[MPM_NUMBER_TEXT];
+
+  MpmRealText(range.lower, lower);
+  MpmRealText(range.upper, upper);
+  text[0] = '\0';
+  if (below && above) snprintf(text, MPM_RANGE_TEXT, range.open ? "in (%s, %s)" : "in [%s, %s]", lower, upper);
+  else if (below) snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? ">" : ">=", lower);
+  else if (above) snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? "<" : "<=", upper);
+}
+
+static PetscBool RangeHolds(MpmRange range, PetscReal value)
+{
+  const PetscBool infinite = (value <= PETSC_NINFINITY || value >= PETSC_INFINITY) ? PETSC_TRUE : PETSC_FALSE;
+
+  if (infinite) return PETSC_FALSE;
+  if (range.open) return (value > range.lower && value < range.upper) ? PETSC_TRUE : PETSC_FALSE;
+  return (value >= range.lower && value <= range.upper) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static void IntRangeText(PetscInt lower, PetscInt upper, char text[MPM_RANGE_TEXT])
+{
+  const long long low = (long long)lower, high = (long long)upper;
+
+  text[0] = '\0';
+  if (lower > PETSC_INT_MIN && upper < PETSC_INT_MAX) snprintf(text, MPM_RANGE_TEXT, "in [%lld, %lld]", low, high);
+  else if (lower > PETSC_INT_MIN) snprintf(text, MPM_RANGE_TEXT, ">= %lld", low);
+  else if (upper < PETSC_INT_MAX) snprintf(text, MPM_RANGE_TEXT, "<= %lld", high);
+}
+
+/* "must lie in (-1, 0.5)", "each must be > 0" */
+static PetscErrorCode ItemRefuseRange(const Item *item, const ItemSpec *spec, PetscInt count, const char range[])
+{
+  char text[MPM_RANGE_TEXT + 16];
+
+  PetscFunctionBegin;
+  snprintf(text, sizeof(text), "%smust %s %s", count == 1 ? "" : "each ", strncmp(range, "in ", 3) == 0 ? "lie" : "be",
+           range);
+  PetscCall(ItemRefuse(item, spec, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a list of `count` values accepts: "2 values, each > 0"; one value goes without saying, and so
+   does a number that -help does not know. */
+static void ListText(PetscInt count, const char range[], char text[2 * MPM_RANGE_TEXT])
+{
+  if (count <= 1) snprintf(text, 2 * MPM_RANGE_TEXT, "%s", range);
+  else if (*range) snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values, each %s", (long long)count, range);
+  else snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values", (long long)count);
+}
+
+PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts)
+{
+  PetscInt n = 0, commas = 0;
+
+  PetscFunctionBegin;
+  for (const char *c = text; *c; c++) commas += (*c == ',');
+  PetscCall(PetscCalloc1((size_t)commas + 1, parts));
+  while (isspace((unsigned char)*text)) text++;
+  while (*text || n > 0) {
+    const char *end = text + strcspn(text, ","), *next = *end ? end + 1 : NULL;
+
+    while (isspace((unsigned char)*text) && text < end) text++;
+    while (end > text && isspace((unsigned char)end[-1])) end--;
+    PetscCall(MpmTextAppend(&(*parts)[n++], "%.*s", (int)(end - text), text));
+    if (!next) break;
+    text = next;
+  }
+  *count = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names)
+{
+  PetscFunctionBegin;
+  if (!*names) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < count; i++) PetscCall(PetscFree((*names)[i]));
+  PetscCall(PetscFree(*names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckCount(const Item *item, const ItemSpec *spec, PetscInt wanted, PetscInt count)
+{
+  char text[MPM_RANGE_TEXT];
+
+  PetscFunctionBegin;
+  if (wanted == count) PetscFunctionReturn(PETSC_SUCCESS);
+  snprintf(text, sizeof(text), "must have %lld value%s, has %lld", (long long)wanted, wanted == 1 ? "" : "s",
+           (long long)count);
+  PetscCall(ItemRefuseForm(item, spec, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- readers ---- */
+
+PetscBool MpmOptionsHelp(void)
+{
+  PetscBool help = PETSC_FALSE;
+
+  (void)PetscOptionsHasHelp(NULL, &help);
+  return help;
+}
+
+PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title)
+{
+  PetscBool help;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasHelp(NULL, &help));
+  if (help && !strcmp(title, "bcs")) title = "conditions";
+  if (help) PetscCall((*PetscHelpPrintf)(options->comm, "\n%c%s\n", toupper((unsigned char)title[0]), title + 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has)
+{
+  char           *full;
+  MpmRecordEntry *entry;
+
+  PetscFunctionBegin;
+  PetscCall(FullName(options, name, &full));
+  PetscCall(MpmDatabaseHas(full, has));
+  if (options->record) {
+    PetscCall(MpmRecordGet(options->record, full, &entry));
+    entry->presence = PETSC_TRUE;
+  }
+  PetscCall(PetscFree(full));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, const char *unit, const char *help,
+                               MpmRange range, MpmNeed need, PetscInt count, PetscReal values[], PetscBool *set)
+{
+  char      interval[MPM_RANGE_TEXT], accepts[2 * MPM_RANGE_TEXT], number[MPM_NUMBER_TEXT];
+  char     *fallback = NULL, **parts;
+  PetscInt  part_count;
+  PetscBool lasting = PETSC_TRUE;
+  Item      item;
+
+  PetscFunctionBegin;
+  RangeText(range, interval);
+  ListText(count, interval, accepts);
+  for (PetscInt i = 0; i < count && need == MPM_OPTIONAL; i++) {
+    MpmRealText(values[i], number);
+    PetscCall(MpmTextAppend(&fallback, "%s%s", i ? "," : "", number));
+    if (!RangeHolds(range, values[i])) lasting = PETSC_FALSE;
+  }
+  const ItemSpec spec = {name, help, unit, accepts, fallback, need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
+  PetscCall(ItemRead(options, &spec, &item));
+  if (item.given) {
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
+    if (part_count == 0) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
+    PetscCall(CheckCount(&item, &spec, count, part_count));
+    for (PetscInt i = 0; i < count; i++) {
+      PetscReal value;
+
+      if (!MpmParseReal(parts[i], &value))
+        PetscCall(ItemRefuseForm(&item, &spec, count == 1 ? "not a number" : "not a list of numbers"));
+      if (!RangeHolds(range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
+      values[i] = value;
+    }
+    PetscCall(MpmNamesDestroy(part_count, &parts));
+  }
+  PetscCall(PetscFree(fallback));
+  PetscCall(ItemDestroy(&item, set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsReal(const MpmOptions *options, const char *name, const char *unit, const char *help,
+                              MpmRange range, MpmNeed need, PetscReal *value, PetscBool *set)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmOptionsReals(options, name, unit, help, range, need, 1, value, set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsInts(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
+                              PetscInt upper, MpmNeed need, PetscInt count, PetscInt values[], PetscBool *set)
+{
+  char      interval[MPM_RANGE_TEXT], accepts[2 * MPM_RANGE_TEXT];
+  char     *fallback = NULL, **parts;
+  PetscInt  part_count;
+  PetscBool lasting = PETSC_TRUE;
+  Item      item;
+
+  PetscFunctionBegin;
+  IntRangeText(lower, upper, interval);
+  ListText(count, interval, accepts);
+  for (PetscInt i = 0; i < count && need == MPM_OPTIONAL; i++) {
+    PetscCall(MpmTextAppend(&fallback, "%s%lld", i ? "," : "", (long long)values[i]));
+    if (values[i] < lower || values[i] > upper) lasting = PETSC_FALSE;
+  }
+  const ItemSpec spec = {name, help, "-", accepts, fallback, need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
+  PetscCall(ItemRead(options, &spec, &item));
+  if (item.given) {
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
+    if (part_count == 0) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
+    PetscCall(CheckCount(&item, &spec, count, part_count));
+    for (PetscInt i = 0; i < count; i++) {
+      PetscInt value;
+
+      if (!MpmParseInt(parts[i], &value)) {
+        PetscCall(ItemRefuseForm(&item, &spec, count == 1 ? "not a whole number" : "not a list of whole numbers"));
+      }
+      if (value < lower || value > upper) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
+      values[i] = value;
+    }
+    PetscCall(MpmNamesDestroy(part_count, &parts));
+  }
+  PetscCall(PetscFree(fallback));
+  PetscCall(ItemDestroy(&item, set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsInt(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
+                             PetscInt upper, MpmNeed need, PetscInt *value, PetscBool *set)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmOptionsInts(options, name, help, lower, upper, need, 1, value, set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsRealList(const MpmOptions *options, const char *name, const char *unit, const char *help,
+                                  MpmNeed need, PetscInt *count, PetscReal **values)
+{
+  const ItemSpec spec = {name, help, unit, "", NULL, need, PETSC_FALSE, PETSC_TRUE};
+  char         **parts;
+  Item           item;
+
+  PetscFunctionBegin;
+  *count  = 0;
+  *values = NULL;
+  PetscCall(ItemRead(options, &spec, &item));
+  if (item.given) {
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", count, &parts));
+    if (*count == 0) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
+    PetscCall(PetscMalloc1((size_t)*count, values));
+    for (PetscInt i = 0; i < *count; i++) {
+      if (!MpmParseReal(parts[i], &(*values)[i])) PetscCall(ItemRefuseForm(&item, &spec, "not a list of numbers"));
+    }
+    PetscCall(MpmNamesDestroy(*count, &parts));
+  }
+  PetscCall(ItemDestroy(&item, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Index of `word` in the list, case aside; -1 where it is none of them. */
+static PetscErrorCode FindWord(const char *const choices[], const char word[], PetscInt *index)
+{
+  PetscFunctionBegin;
+  *index = -1;
+  for (PetscInt i = 0; choices[i] && *index < 0; i++) {
+    PetscBool same;
+
+    PetscCall(PetscStrcasecmp(choices[i], word, &same));
+    if (same) *index = i;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsWord(const MpmOptions *options, const char *name, const char *help,
+                              const char *const choices[], MpmNeed need, PetscInt *value, PetscBool *set)
+{
+  char    *accepts = NULL, *refusal = NULL;
+  PetscInt index;
+  Item     item;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; choices[i]; i++) PetscCall(MpmTextAppend(&accepts, "%s%s", i ? ", " : "one of ", choices[i]));
+  const ItemSpec spec = {
+    name, help, NULL, accepts, *value < 0 ? NULL : choices[*value], need, PETSC_TRUE, set ? PETSC_TRUE : PETSC_FALSE};
+  PetscCall(ItemRead(options, &spec, &item));
+  if (item.given) {
+    PetscCall(FindWord(choices, item.raw ? item.raw : "", &index));
+    if (index < 0) {
+      PetscCall(MpmTextAppend(&refusal, "must be %s", accepts));
+      PetscCall(ItemRefuse(&item, &spec, refusal));
+    }
+    *value = index;
+  }
+  PetscCall(PetscFree(accepts));
+  PetscCall(ItemDestroy(&item, set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsBool(const MpmOptions *options, const char *name, const char *help, PetscBool *value,
+                              PetscBool *set)
+{
+  /* PETSc's own words, false and true in turn */
+  static const char *const words[] = {"false", "true", "no", "yes", "0", "1", "off", "on", NULL};
+  const ItemSpec           spec    = {name,
+                                      help,
+                                      NULL,
+                                      "true or false",
+                         *value ? "true" : "false",
+                                      MPM_OPTIONAL,
+                                      PETSC_TRUE,
+                         set ? PETSC_TRUE : PETSC_FALSE};
+  PetscInt                 index;
+  Item                     item;
+
+  PetscFunctionBegin;
+  PetscCall(ItemRead(options, &spec, &item));
+  if (item.given) {
+    PetscCall(FindWord(words, item.raw ? item.raw : "true", &index));
+    if (index < 0) PetscCall(ItemRefuse(&item, &spec, "must be true or false"));
+    *value = index % 2 ? PETSC_TRUE : PETSC_FALSE;
+  }
+  PetscCall(ItemDestroy(&item, set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
+                              MpmNeed need, char **value)
+{
+  const ItemSpec spec = {name, help, NULL, "text", fallback, need, PETSC_TRUE, PETSC_FALSE};
+  Item           item;
+
+  PetscFunctionBegin;
+  *value = NULL;
+  PetscCall(ItemRead(options, &spec, &item));
+  if (item.given && !item.raw && need == MPM_REQUIRED) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
+  if (item.given) PetscCall(PetscStrallocpy(item.raw ? item.raw : "", value));
+  else if (fallback) PetscCall(PetscStrallocpy(fallback, value));
+  PetscCall(ItemDestroy(&item, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options are looked up without regard to case, so names that differ in case only would share their block. */
+static PetscErrorCode CheckName(const Item *item, const ItemSpec *spec, PetscInt index, char *const names[])
+{
+  const char *name = names[index];
+
+  PetscFunctionBegin;
+  for (const char *c = name; *c; c++) {
+    if (!isalnum((unsigned char)*c) && *c != '_')
+      PetscCall(ItemRefuse(item, spec, "names consist of letters, digits and underscores"));
+  }
+  if (!*name) PetscCall(ItemRefuse(item, spec, "a name is empty"));
+  for (PetscInt i = 0; i < index; i++) {
+    PetscBool same;
+
+    PetscCall(PetscStrcasecmp(names[i], name, &same));
+    if (same) PetscCall(ItemRefuse(item, spec, "two names are alike (upper and lower case are not told apart)"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
+                               PetscInt *count, char ***names)
+{
+  const ItemSpec spec = {name, help, NULL, "names of blocks, comma-separated", NULL, need, PETSC_FALSE, PETSC_FALSE};
+  Item           item;
+
+  PetscFunctionBegin;
+  *count = 0;
+  *names = NULL;
+  PetscCall(ItemRead(options, &spec, &item));
+  if (item.given) {
+    PetscCall(MpmTextSplit(item.raw ? item.raw : "", count, names));
+    if (*count == 0 && need == MPM_REQUIRED) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
+    for (PetscInt i = 0; i < *count; i++) PetscCall(CheckName(&item, &spec, i, *names));
+    if (*count == 0) PetscCall(PetscFree(*names));
+  }
+  PetscCall(ItemDestroy(&item, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

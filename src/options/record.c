@@ -1,0 +1,435 @@
+/*
+  The record of options in force: what is known to the program, what nobody knows, and how to run the same thing again.
+
+  Order of calls: MpmRecordCreate(), the readers of mpmoptions.h, MpmOptionsCheckUnknown(), MpmOptionsWriteYAML(),
+  MpmRecordDestroy().
+*/
+#include "options/options.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* PETSc 3.18 dies on its 513th option. Below this many, defaults are written as keys, beyond it as comments. */
+#define MPM_YAML_KEYS 480
+
+typedef MpmForeignOption Pair; /* an option of the database; both strings are lent by PETSc */
+
+/* ---- database ---- */
+
+/*
+  PetscOptionsFindPair() is the only look-up, and it marks what it finds as used, in a fallback too. So presence is put
+  together from the two calls that go by exact names: what has been used, and the list of what has not.
+*/
+PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has)
+{
+  PetscInt count;
+  char   **names, **values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsUsed(NULL, name, has));
+  if (*has) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsLeftGet(NULL, &count, &names, &values));
+  for (PetscInt i = 0; i < count && !*has; i++) PetscCall(PetscStrcasecmp(names[i], name, has));
+  PetscCall(PetscOptionsLeftRestore(NULL, &count, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given)
+{
+  char *key = NULL;
+
+  PetscFunctionBegin;
+  *value = NULL;
+  PetscCall(MpmDatabaseHas(name, given));
+  if (!*given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTextAppend(&key, "-%s", name));
+  PetscCall(PetscOptionsFindPair(NULL, NULL, key, value, given));
+  PetscCall(PetscFree(key));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static int ComparePairs(const void *a, const void *b)
+{
+  return strcmp(((const Pair *)a)->name, ((const Pair *)b)->name);
+}
+
+static PetscErrorCode PairsAdd(PetscInt *count, Pair *pairs, const char name[], const char value[])
+{
+  PetscBool same = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < *count && !same; i++) PetscCall(PetscStrcasecmp(pairs[i].name, name, &same));
+  if (!same) pairs[(*count)++] = (Pair){name, value};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  All options in the database, sorted by name; free pairs and `text` with PetscFree() after use. PetscOptionsGetAll()
+  gives one string in which values cannot be told from names, so that its words only serve as candidates; nothing is
+  marked as used that was not before.
+*/
+static PetscErrorCode DatabaseGet(PetscInt *count, Pair **pairs, char **text)
+{
+  PetscInt  left, words = 0;
+  char    **names, **values;
+  PetscBool used;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsGetAll(NULL, text));
+  PetscCall(PetscOptionsLeftGet(NULL, &left, &names, &values));
+  for (const char *c = *text; *c; c++) words += (*c == '-');
+  PetscCall(PetscMalloc1((size_t)(left + words + 1), pairs));
+  *count = 0;
+  for (PetscInt i = 0; i < left; i++) PetscCall(PairsAdd(count, *pairs, names[i], values[i]));
+  PetscCall(PetscOptionsLeftRestore(NULL, &left, &names, &values));
+  for (char *word = strtok(*text, " "); word; word = strtok(NULL, " ")) {
+    const char *value;
+
+    if (word[0] != '-' || !word[1]) continue;
+    PetscCall(PetscOptionsUsed(NULL, word + 1, &used));
+    if (!used) continue;
+    PetscCall(PetscOptionsFindPair(NULL, NULL, word, &value, &used));
+    PetscCall(PairsAdd(count, *pairs, word + 1, value));
+  }
+  if (*count) qsort(*pairs, (size_t)*count, sizeof(Pair), ComparePairs);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode IsOurs(const char name[], PetscBool *ours)
+{
+  char head[5];
+
+  PetscFunctionBegin;
+  while (*name == '-') name++; /* --mpm_dim, to PETSc, is the option -mpm_dim of one dash more, which nobody asks for */
+  PetscCall(PetscStrncpy(head, name, sizeof(head)));
+  PetscCall(PetscStrcasecmp(head, "mpm_", ours));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options, char **text)
+{
+  PetscInt all;
+
+  PetscFunctionBegin;
+  PetscCall(DatabaseGet(&all, options, text));
+  *count = 0;
+  for (PetscInt i = 0; i < all; i++) {
+    PetscBool ours;
+
+    PetscCall(IsOurs((*options)[i].name, &ours));
+    if (!ours) (*options)[(*count)++] = (*options)[i];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- record ---- */
+
+PetscErrorCode MpmRecordCreate(MpmRecord *record)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(record));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRecordDestroy(MpmRecord *record)
+{
+  PetscFunctionBegin;
+  if (!*record) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < (*record)->count; i++) {
+    PetscCall(PetscFree((*record)->entries[i].name));
+    PetscCall(PetscFree((*record)->entries[i].value));
+  }
+  PetscCall(PetscFree((*record)->entries));
+  PetscCall(MpmForeignOptionsForget(*record));
+  PetscCall(PetscFree(*record));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry)
+{
+  PetscFunctionBegin;
+  *entry = NULL;
+  for (PetscInt i = 0; record && i < record->count; i++) {
+    PetscBool same;
+
+    PetscCall(PetscStrcasecmp(record->entries[i].name, name, &same));
+    if (same) {
+      *entry = &record->entries[i];
+      break;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry **entry)
+{
+  PetscFunctionBegin;
+  PetscCall(RecordFind(record, name, entry));
+  if (*entry) PetscFunctionReturn(PETSC_SUCCESS);
+  if (record->count == record->capacity) {
+    const PetscInt  capacity = record->capacity ? 2 * record->capacity : 64;
+    MpmRecordEntry *entries;
+
+    PetscCall(PetscCalloc1(capacity, &entries));
+    PetscCall(PetscArraycpy(entries, record->entries, record->count));
+    PetscCall(PetscFree(record->entries));
+    record->entries  = entries;
+    record->capacity = capacity;
+  }
+  *entry = &record->entries[record->count++];
+  PetscCall(PetscStrallocpy(name, &(*entry)->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- unknown ---- */
+
+/* Single-character insertions, deletions and replacements that turn one name into the other (Levenshtein 1966), case
+   aside. */
+static PetscErrorCode EditDistance(const char a[], const char b[], size_t *distance)
+{
+  const size_t length = strlen(b);
+  size_t      *row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(length + 1, &row));
+  for (size_t j = 0; j <= length; j++) row[j] = j;
+  for (size_t i = 0; a[i]; i++) {
+    size_t diagonal = row[0];
+
+    row[0] = i + 1;
+    for (size_t j = 0; j < length; j++) {
+      const size_t above  = row[j + 1];
+      const int    differ = tolower((unsigned char)a[i]) != tolower((unsigned char)b[j]);
+
+      row[j + 1] = PetscMin(PetscMin(above, row[j]) + 1, diagonal + (size_t)differ);
+      diagonal   = above;
+    }
+  }
+  *distance = row[length];
+  PetscCall(PetscFree(row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The known option whose name is nearest; NULL where none is known. */
+static PetscErrorCode NearestKnown(MpmRecord record, const char name[], const char **nearest)
+{
+  size_t best = 0;
+
+  PetscFunctionBegin;
+  *nearest = NULL;
+  for (PetscInt i = 0; record && i < record->count; i++) {
+    size_t distance = 0;
+
+    if (!record->entries[i].known) continue;
+    PetscCall(EditDistance(name, record->entries[i].name, &distance));
+    if (*nearest && distance >= best) continue;
+    best     = distance;
+    *nearest = record->entries[i].name;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options)
+{
+  PetscInt count;
+  Pair    *pairs;
+  char    *text, *unknown = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(MpmForeignOptionsCheck());
+  PetscCall(DatabaseGet(&count, &pairs, &text));
+  for (PetscInt i = 0; i < count && !unknown; i++) {
+    MpmRecordEntry *entry;
+    const char     *nearest;
+    PetscBool       ours;
+
+    PetscCall(IsOurs(pairs[i].name, &ours));
+    if (!ours) continue;
+    PetscCall(RecordFind(options->record, pairs[i].name, &entry));
+    if (entry && entry->known) continue;
+    PetscCall(NearestKnown(options->record, pairs[i].name, &nearest));
+    PetscCall(MpmTextAppend(&unknown, "-%.200s: unknown option%s%.200s%s", pairs[i].name,
+                            nearest ? "; did you mean -" : "", nearest ? nearest : "", nearest ? "?" : ""));
+  }
+  PetscCall(PetscFree(pairs));
+  PetscCall(PetscFree(text));
+  MpmCheckInput(!unknown, "%s", unknown);
+  PetscCall(MpmForeignOptionsKeep(options->record));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- YAML ---- */
+
+/* Bytes of the UTF-8 character at s, and its code point; 0 where there is none. */
+static int DecodeUTF8(const unsigned char s[], unsigned *code)
+{
+  static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000}; /* longer forms than needed are not UTF-8 */
+  const int size = s[0] < 0x80 ? 1 : s[0] < 0xC0 ? 0 : s[0] < 0xE0 ? 2 : s[0] < 0xF0 ? 3 : s[0] < 0xF8 ? 4 : 0;
+
+  *code = size < 2 ? s[0] : s[0] & (0x7Fu >> size);
+  for (int i = 1; i < size; i++) {
+    if ((s[i] & 0xC0) != 0x80) return 0;
+    *code = (*code << 6) | (s[i] & 0x3Fu);
+  }
+  if (*code < least[size] || *code > 0x10FFFF || (*code >= 0xD800 && *code < 0xE000)) return 0;
+  return size;
+}
+
+/* May the character stand in a double-quoted scalar as it is? The YAML reader refuses controls and folds line breaks.
+   */
+static PetscBool IsPlain(unsigned code)
+{
+  if (code == '"' || code == '\\' || code == 0x2028 || code == 0x2029 || code == 0xFEFF) return PETSC_FALSE;
+  if (code < 0x20 || (code > 0x7E && code < 0xA0) || (code > 0xFFFD && code < 0x10000)) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* A double-quoted scalar, the one YAML form that can hold any text on one line. */
+static void WriteQuoted(FILE *file, const char text[])
+{
+  const unsigned char *s = (const unsigned char *)text;
+
+  fputc('"', file);
+  while (*s) {
+    unsigned  code;
+    const int size = DecodeUTF8(s, &code);
+
+    if (size && IsPlain(code)) fwrite(s, 1, (size_t)size, file);
+    else if (*s == '"' || *s == '\\') fprintf(file, "\\%c", *s);
+    else if (size) fprintf(file, "\\U%08X", code);
+    else fprintf(file, "\\x%02X", *s); /* not UTF-8: YAML has no bytes, so the nearest is the Latin-1 character */
+    s += size ? size : 1;
+  }
+  fputc('"', file);
+}
+
+static void WriteLine(FILE *file, const char comment[], const char name[], const char value[])
+{
+  PetscBool plain = PETSC_TRUE;
+
+  for (const char *c = name; *c; c++)
+    plain = (plain && (isalnum((unsigned char)*c) || *c == '_')) ? PETSC_TRUE : PETSC_FALSE;
+  fputs(comment, file);
+  if (plain) fputs(name, file);
+  else WriteQuoted(file, name);
+  fputs(": ", file);
+  WriteQuoted(file, value ? value : "");
+  fputc('\n', file);
+}
+
+/* Options that say where options come from, or that end a run early: of no use in the file that they have led to. */
+static PetscErrorCode IsTransient(const char name[], PetscBool *transient)
+{
+  static const char *const names[] = {"options_file",
+                                      "options_file_yaml",
+                                      "options_string_yaml",
+                                      "prefix_push",
+                                      "prefix_pop",
+                                      "help",
+                                      "h",
+                                      "version",
+                                      "v"};
+
+  PetscFunctionBegin;
+  *transient = PETSC_FALSE;
+  for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !*transient; i++)
+    PetscCall(PetscStrcasecmp(name, names[i], transient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A default becomes a key only where reading it back cannot change anything but the defaults' origin. */
+static void WriteRecord(FILE *file, MpmRecord record, PetscInt others)
+{
+  const PetscBool room = (record->count + others <= MPM_YAML_KEYS) ? PETSC_TRUE : PETSC_FALSE;
+
+  for (PetscInt i = 0; i < record->count; i++) {
+    const MpmRecordEntry *entry = &record->entries[i];
+
+    if (!entry->known) continue;
+    if (entry->given) WriteLine(file, "", entry->name, entry->value);
+    else if (!entry->value) fprintf(file, "# %s: not given\n", entry->name);
+    else WriteLine(file, room && !entry->presence ? "" : "# ", entry->name, entry->value);
+  }
+}
+
+static PetscErrorCode WriteAll(FILE *file, MpmRecord record, PetscInt count, const Pair pairs[])
+{
+  PetscFunctionBegin;
+  fputs("# Options in force. Defaults whose mere presence would mean something stand as comments.\n", file);
+  if (record) WriteRecord(file, record, count);
+  for (PetscInt i = 0; i < count; i++) {
+    MpmRecordEntry *entry;
+    PetscBool       transient;
+
+    PetscCall(RecordFind(record, pairs[i].name, &entry));
+    PetscCall(IsTransient(pairs[i].name, &transient));
+    if (!transient && !(entry && entry->known)) WriteLine(file, "", pairs[i].name, pairs[i].value);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsTextYAML(const MpmOptions *options, MpmTextFile *text)
+{
+  PetscInt count;
+  Pair    *pairs;
+  char    *words, *bytes = NULL;
+  size_t   length;
+  FILE    *file = open_memstream(&bytes, &length);
+
+  PetscFunctionBegin;
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the options in force");
+  PetscCall(DatabaseGet(&count, &pairs, &words));
+  PetscCall(WriteAll(file, options->record, count, pairs));
+  PetscCall(PetscFree(pairs));
+  PetscCall(PetscFree(words));
+  PetscCheck(!fclose(file), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the options in force");
+  PetscCall(MpmTextFileAppend(text, "%s", bytes));
+  free(bytes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Under another name first: whoever finds the file finds all of it. */
+static PetscErrorCode WriteFile(MpmRecord record, const char path[], PetscBool *written)
+{
+  PetscInt  count;
+  Pair     *pairs;
+  char     *text, *temporary = NULL;
+  FILE     *file;
+  PetscBool good;
+
+  PetscFunctionBegin;
+  *written = PETSC_FALSE;
+  PetscCall(MpmTextAppend(&temporary, "%s.tmp", path));
+  file = fopen(temporary, "w");
+  if (file) {
+    PetscCall(DatabaseGet(&count, &pairs, &text));
+    PetscCall(WriteAll(file, record, count, pairs));
+    PetscCall(PetscFree(pairs));
+    PetscCall(PetscFree(text));
+    good = ferror(file) ? PETSC_FALSE : PETSC_TRUE;
+    if (fclose(file) == 0 && good && rename(temporary, path) == 0) *written = PETSC_TRUE;
+    else remove(temporary);
+  }
+  PetscCall(PetscFree(temporary));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path)
+{
+  PetscMPIInt rank;
+  int         written = 0;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(options->comm, &rank));
+  if (rank == 0) {
+    PetscBool done;
+
+    PetscCall(WriteFile(options->record, path, &done));
+    written = done;
+  }
+  PetscCallMPI(MPI_Bcast(&written, 1, MPI_INT, 0, options->comm));
+  PetscCheck(written, options->comm, PETSC_ERR_FILE_WRITE, "Cannot write the options in force to %s", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,342 @@
+/*
+  Bodies: where the points come from. Points stand on a regular sub-lattice of every cell; a cell that the body's edge
+  cuts keeps the points inside.
+*/
+#include "particles/particles.h"
+
+struct _p_MpmBody {
+  char       *name;
+  MpmRegion   region;
+  MpmImported imported; /* where the region is a file */
+  PetscInt    dim, material;
+  PetscInt    id_first, id_end;
+  PetscInt    per_cell[MPM_MAX_DIM];
+  PetscInt    cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
+  PetscInt    before_count;
+  MpmBody    *before; /* bodies whose points on a shared edge are not this one's */
+};
+
+/* The cells that the region meets; a bounded region must lie inside the grid. */
+static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, MpmBody body)
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = PETSC_NINFINITY;
+    upper[a] = PETSC_INFINITY;
+  }
+  PetscCall(MpmRegionGetBounds(body->region, lower, upper));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscReal tolerance = 3. * MPM_TOLERANCE * grid->h[a]; /* the bounds come with the region's own */
+
+    body->cell_lower[a] = 0;
+    body->cell_upper[a] = 1;
+    if (a >= grid->dim) continue;
+    MpmCheckInput(lower[a] <= PETSC_NINFINITY || upper[a] >= PETSC_INFINITY ||
+                    (lower[a] >= grid->lower[a] - tolerance && upper[a] <= grid->upper[a] + tolerance),
+                  "-%sregion: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]", block->prefix,
+                  (double)lower[a], (double)upper[a], "xyz"[a], (double)(grid->lower[a]), (double)(grid->upper[a]));
+    lower[a] = PetscMax(lower[a], grid->lower[a]);
+    upper[a] = PetscMin(upper[a], grid->upper[a]);
+    body->cell_lower[a] =
+      PetscMax((PetscInt)PetscFloorReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE), 0);
+    body->cell_upper[a] =
+      PetscMin((PetscInt)PetscCeilReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->cells[a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
+                             const MpmMaterial materials[], MpmBody *body)
+{
+  char         prefix[256];
+  MpmOptions   block = {options->comm, prefix, options->record};
+  const char **names;
+  PetscReal    tolerance[MPM_MAX_DIM];
+  PetscBool    is_file;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(body));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(PetscStrallocpy(name, &(*body)->name));
+  (*body)->dim = grid->dim;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    (*body)->per_cell[a] = a < grid->dim ? 2 : 1;
+    tolerance[a]         = MPM_TOLERANCE * grid->h[a];
+  }
+  PetscCall(MpmOptionsHeading(&block, "Body"));
+  PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &(*body)->region));
+  is_file = (PetscBool)(MpmRegionGetType((*body)->region) == MPM_REGION_FILE);
+  if (!is_file || MpmOptionsHelp())
+    PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
+                             (*body)->per_cell, NULL));
+  PetscCall(PetscCalloc1((material_count + 1), &names));
+  for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
+  PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
+  PetscCall(PetscFree(names));
+  if (is_file || MpmOptionsHelp())
+    PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
+  if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyDestroy(MpmBody *body)
+{
+  PetscFunctionBeginUser;
+  if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*body)->name));
+  PetscCall(MpmRegionDestroy(&(*body)->region));
+  PetscCall(MpmImportedDestroy(&(*body)->imported));
+  PetscCall(PetscFree((*body)->before));
+  PetscCall(PetscFree(*body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The part of the body's box that it fills, from a coarse lattice; never none. */
+static PetscReal FilledPart(const MpmBody body, const MpmGrid *grid)
+{
+  const PetscInt across = grid->dim == 2 ? 64 : 24, total = grid->dim == 2 ? 64 * 64 : 24 * 24 * 24;
+  PetscInt       inside = 0;
+
+  for (PetscInt k = 0; k < total; k++) {
+    const PetscInt sub[MPM_MAX_DIM] = {k % across, (k / across) % across, k / (across * across)};
+    PetscReal      x[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      x[a] = grid->lower[a] +
+             grid->h[a] * ((PetscReal)body->cell_lower[a] + (PetscReal)(body->cell_upper[a] - body->cell_lower[a]) *
+                                                              ((PetscReal)sub[a] + 0.5) / (PetscReal)across);
+    }
+    if (MpmRegionContains(body->region, x)) inside++;
+  }
+  return (PetscReal)PetscMax(inside, 1) / (PetscReal)total;
+}
+
+PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
+                               PetscReal *points)
+{
+  PetscFunctionBeginUser;
+  *points = 0.;
+  if (body->imported) PetscFunctionReturn(PETSC_SUCCESS); /* its points are in memory already */
+  *points = 1.;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    lower[a] = PetscMin(lower[a], body->cell_lower[a]);
+    upper[a] = PetscMax(upper[a], body->cell_upper[a]);
+    *points *= (PetscReal)(body->cell_upper[a] - body->cell_lower[a]) * (PetscReal)body->per_cell[a];
+  }
+  if (*points > 1e4) *points *= FilledPart(body, grid);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end)
+{
+  *first = body->id_first;
+  *end   = body->id_end;
+}
+
+PetscReal MpmBodySpacing(MpmBody body)
+{
+  PetscInt least = PETSC_INT_MAX;
+
+  for (PetscInt a = 0; a < body->dim; a++) least = PetscMin(least, body->per_cell[a]);
+  return body->imported ? 0. : 1. / (PetscReal)least;
+}
+
+PetscInt MpmBodyMaterial(MpmBody body)
+{
+  return body->material;
+}
+
+PetscBool MpmBodyIsImported(MpmBody body)
+{
+  return (PetscBool)(body->imported != NULL);
+}
+
+/* ---- whose a place is ---- */
+
+#define INTERIOR 1e-3 /* of a cell: what is further than this from the edge is inside a region, not on its edge */
+
+MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
+{
+  PetscReal y[MPM_MAX_DIM] = {0., 0., 0.};
+
+  if (body->imported) return MPM_HOLD_NONE;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal cell = (x[a] - grid->lower[a]) / grid->h[a];
+
+    if (cell < (PetscReal)body->cell_lower[a] || cell > (PetscReal)body->cell_upper[a]) return MPM_HOLD_NONE;
+    y[a] = x[a];
+  }
+  if (!MpmRegionContains(body->region, x)) return MPM_HOLD_NONE;
+  for (PetscInt k = 0; k < 2 * grid->dim; k++) {
+    const PetscInt a = k / 2;
+
+    y[a] = x[a] + (k % 2 ? INTERIOR : -INTERIOR) * grid->h[a];
+    if (!MpmRegionContains(body->region, y)) return MPM_HOLD_EDGE;
+    y[a] = x[a];
+  }
+  return MPM_HOLD_INSIDE;
+}
+
+PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other)
+{
+  PetscBool same = (PetscBool)(!one->imported && !other->imported);
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) same = (PetscBool)(same && one->per_cell[a] == other->per_cell[a]);
+  return same;
+}
+
+void MpmBodyHalfLengths(MpmBody body, const MpmGrid *grid, PetscReal half[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++) half[a] = 0.5 * grid->h[a] / (PetscReal)body->per_cell[a];
+}
+
+PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody before[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(count, &body->before));
+  for (PetscInt b = 0; b < count; b++)
+    if (MpmBodiesShareLattice(body, before[b])) body->before[body->before_count++] = before[b];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does the point stand on an edge that the body shares with one before it, which has a point at this very place? */
+static PetscBool IsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
+{
+  for (PetscInt b = 0; b < body->before_count; b++) {
+    if (MpmBodyHolds(body->before[b], grid, x) == MPM_HOLD_EDGE && MpmBodyHolds(body, grid, x) == MPM_HOLD_EDGE)
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* ---- points ---- */
+
+/*
+  Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where
+  points is given.
+*/
+static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id, PetscInt first, MpmPoints *points)
+{
+  const PetscInt dim      = grid->dim;
+  PetscInt64     cells    = 1, begin, end;
+  PetscInt       per_cell = 1, count = 0, extent[MPM_MAX_DIM];
+  PetscReal      volume = 1., x[MPM_MAX_DIM] = {0., 0., 0.};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    extent[a] = body->cell_upper[a] - body->cell_lower[a];
+    cells *= extent[a];
+    per_cell *= body->per_cell[a];
+    volume *= grid->h[a] / (PetscReal)body->per_cell[a];
+  }
+  begin = cells * grid->rank / grid->size;
+  end   = cells * (grid->rank + 1) / grid->size;
+  for (PetscInt64 k = begin; k < end; k++) {
+    const PetscInt64 cell[MPM_MAX_DIM] = {k % extent[0], (k / extent[0]) % extent[1],
+                                          k / ((PetscInt64)extent[0] * extent[1])};
+
+    for (PetscInt q = 0; q < per_cell; q++) {
+      const PetscInt *m = body->per_cell, sub[MPM_MAX_DIM] = {q % m[0], (q / m[0]) % m[1], q / (m[0] * m[1])};
+      PetscInt        p = first + count;
+
+      for (PetscInt a = 0; a < dim; a++) {
+        x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)(body->cell_lower[a] + cell[a]) +
+                                              ((PetscReal)sub[a] + 0.5) / (PetscReal)body->per_cell[a]);
+      }
+      if (!MpmRegionContains(body->region, x) || IsTaken(body, grid, x)) continue;
+      count++;
+      if (!points) continue;
+      points->id[p]       = (PetscInt)(id + count - 1);
+      points->material[p] = body->material;
+      points->volume0[p]  = volume;
+      for (PetscInt a = 0; a < dim; a++) {
+        points->x[p * dim + a] = points->x0[p * dim + a] = x[a];
+        if (points->half_length) points->half_length[p * dim + a] = 0.5 * grid->h[a] / (PetscReal)body->per_cell[a];
+        for (PetscInt b = 0; b < dim; b++) points->F[(p * dim + a) * dim + b] = a == b ? 1. : 0.;
+      }
+    }
+  }
+  return count;
+}
+
+/* Points of bodies on a lattice start without stress. */
+static void FillAtRest(const MpmMaterial materials[], const MpmParticles *particles, PetscInt first, PetscInt end,
+                       MpmPoints *points)
+{
+  for (PetscInt p = first; p < end; p++) {
+    const MpmMaterial *material = &materials[points->material[p]];
+
+    if (points->state) MpmMaterialStateAtRest(material, particles->dim, &points->state[p * particles->state_size]);
+    if (points->mass) points->mass[p] = points->volume0[p] * material->density;
+  }
+}
+
+/* All points of a body from `first` on; ids from `id` on. Returns where they end. */
+static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
+                               const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
+{
+  const PetscInt begin = *first;
+
+  PetscFunctionBeginUser;
+  if (!body->imported) {
+    *first += FillCells(body, grid, id, begin, points);
+    FillAtRest(materials, particles, begin, *first, points);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *first += MpmImportedCount(body->imported);
+  for (PetscInt p = begin; p < *first; p++) {
+    points->id[p]       = (PetscInt)(id + p - begin);
+    points->material[p] = body->material;
+  }
+  PetscCall(MpmImportedFill(body->imported, grid, &materials[body->material], particles->state_size, begin, points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                                 const MpmGrid *grid, MpmParticles *particles)
+{
+  PetscInt64 *count, *before, *total, id = 0;
+  PetscInt    local = 0, first = 0;
+  MpmPoints   points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(body_count, &count, body_count, &before, body_count, &total));
+  for (PetscInt b = 0; b < body_count; b++) {
+    count[b] = bodies[b]->imported ? MpmImportedCount(bodies[b]->imported) : FillCells(bodies[b], grid, 0, 0, NULL);
+    local += (PetscInt)count[b];
+  }
+  PetscCallMPI(MPI_Scan(count, before, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
+  PetscCall(MPIU_Allreduce(count, total, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
+  for (PetscInt b = 0; b < body_count; b++) {
+    MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it", bodies[b]->name);
+  }
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, MPM_PARTICLES_SPARE));
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
+  if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
+  for (PetscInt b = 0; b < body_count; b++) {
+    PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));
+    bodies[b]->id_first = (PetscInt)id;
+    id += total[b];
+    bodies[b]->id_end = (PetscInt)id;
+  }
+  if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
+  if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  particles->total = id;
+  PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "%" PetscInt64_FMT " points need PETSc with 64-bit indices", id);
+  PetscCall(PetscFree3(count, before, total));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[])
+{
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscInt b = 0;
+
+    while (b + 1 < body_count && points->id[p] >= bodies[b]->id_end) b++;
+    body_of[p] = b;
+  }
+}

@@ -1,0 +1,280 @@
+/*
+  Points that a body reads from a file.
+
+    file           HDF5 or CSV, see pointfile.c
+    step           of a file with /points: a number, or latest
+    file_material  only the points whose `material` is this number
+
+  Needed are position (x, y (, z)) and volume, as they stand. The rest is taken where it is there:
+
+    F             deformation gradient, 9 components; the initial volume is then volume/det F
+    half_length   of the domain that F deforms; else a cube of the volume
+    mass          else density times the volume
+    stress        Cauchy, xx, yy, zz, xy, yz, xz. Where F or the law's history do not say it already, they are searched
+    ...           the law's history by its names
+
+  Displacements start at zero.
+*/
+#include "io/io.h"
+#include "particles/particles.h"
+
+enum { POSITION, VOLUME, DEFORMATION, HALF_LENGTH, MASS, STRESS, STATES };
+
+/* `components` values a point, or NULL where the file has none. */
+typedef struct {
+  PetscInt   components;
+  PetscReal *value;
+} Quantity;
+
+struct _p_MpmImported {
+  PetscInt  count, quantity_count;
+  Quantity *quantity; /* by the names above, then by the law's history variables */
+  char     *path;
+};
+
+/* Leaves the points of one material of the file; a file with several needs a choice. */
+static PetscErrorCode ChooseRows(const MpmOptions *block, MpmPointFile file, MpmImported imported)
+{
+  PetscInt   wanted = -1, kept = 0;
+  PetscInt64 ends[2] = {-PETSC_MAX_INT, -PETSC_MAX_INT};
+  PetscReal *material;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsInt(block, "file_material", "take only the points of this `material` of the file", 0,
+                          PETSC_MAX_INT, MPM_OPTIONAL, &wanted, NULL));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPointFileGet(file, "material", 1, wanted < 0 ? MPM_OPTIONAL : MPM_REQUIRED, &material));
+  for (PetscInt p = 0; material && p < imported->count; p++) {
+    ends[0] = PetscMax(ends[0], -(PetscInt64)material[p]);
+    ends[1] = PetscMax(ends[1], (PetscInt64)material[p]);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPIU_INT64, MPI_MAX, block->comm));
+  MpmCheckInput(wanted >= 0 || !material || -ends[0] >= ends[1],
+                "-%sfile_material is missing: %s has points of the materials %lld to %lld", block->prefix,
+                imported->path, -(long long)ends[0], (long long)ends[1]);
+  for (PetscInt p = 0; wanted >= 0 && p < imported->count; p++) {
+    if ((PetscInt)material[p] != wanted) continue;
+    for (PetscInt q = 0; q < imported->quantity_count; q++) {
+      const PetscInt n = imported->quantity[q].components;
+
+      for (PetscInt c = 0; imported->quantity[q].value && c < n; c++)
+        imported->quantity[q].value[kept * n + c] = imported->quantity[q].value[p * n + c];
+    }
+    kept++;
+  }
+  if (wanted >= 0) imported->count = kept;
+  PetscCall(PetscFree(material));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is wrong with a point's own numbers, or NULL. */
+static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, PetscInt p)
+{
+  const PetscInt   dim = grid->dim;
+  const PetscReal *x = &imported->quantity[POSITION].value[p * dim], *F = imported->quantity[DEFORMATION].value;
+  PetscReal        plane[MPM_MAX_DIM * MPM_MAX_DIM], room               = 1.;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal slack = MPM_TOLERANCE * grid->h[a], extent = grid->upper[a] - grid->lower[a];
+
+    room *= extent;
+    if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return "is outside the grid";
+    if (imported->quantity[HALF_LENGTH].value && !(imported->quantity[HALF_LENGTH].value[p * dim + a] > 0.))
+      return "has a half_length that is not positive";
+    if (imported->quantity[HALF_LENGTH].value && imported->quantity[HALF_LENGTH].value[p * dim + a] > extent)
+      return "has a half_length that is more than the grid's extent";
+    for (PetscInt b = 0; F && b < dim; b++) plane[a * dim + b] = F[9 * p + 3 * a + b];
+  }
+  if (!(imported->quantity[VOLUME].value[p] > 0.)) return "has a volume that is not positive";
+  if (imported->quantity[VOLUME].value[p] > room) return "has a volume that is more than the grid's";
+  if (imported->quantity[MASS].value && !(imported->quantity[MASS].value[p] >= 0.)) return "has a negative mass";
+  if (F && !(MpmDeterminant(dim, plane) > 0.)) return "has an F whose determinant is not positive";
+  return NULL;
+}
+
+static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, const MpmImported imported)
+{
+  const char *why          = NULL;
+  PetscMPIInt rank         = grid->size;
+  char        message[256] = "";
+  PetscInt    p;
+
+  PetscFunctionBeginUser;
+  for (p = 0; p < imported->count && !why; p++) why = WrongPoint(imported, grid, p);
+  if (why) {
+    const PetscReal *x = &imported->quantity[POSITION].value[(p - 1) * grid->dim];
+
+    rank = grid->rank;
+    if (grid->dim == 2)
+      PetscCall(PetscSNPrintf(message, sizeof(message), "the point at (%g, %g) %s", (double)x[0], (double)x[1], why));
+    else
+      PetscCall(PetscSNPrintf(message, sizeof(message), "the point at (%g, %g, %g) %s", (double)x[0], (double)x[1],
+                              (double)x[2], why));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, grid->comm));
+  if (rank == grid->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(message, (PetscMPIInt)sizeof(message), MPI_CHAR, rank, grid->comm));
+  MpmCheckInput(PETSC_FALSE, "-%sfile %s: %s", block->prefix, imported->path, message);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmMaterial *material, MpmImported imported)
+{
+  static const char *const names[STATES]      = {"position", "volume", "F", "half_length", "mass", "stress"};
+  const PetscInt           components[STATES] = {dim, 1, 9, dim, 1, 6};
+
+  PetscFunctionBeginUser;
+  imported->count          = MpmPointFileCount(file);
+  imported->quantity_count = STATES + (PetscInt)material->info.state_count;
+  PetscCall(PetscCalloc1(imported->quantity_count, &imported->quantity));
+  for (PetscInt q = 0; q < imported->quantity_count; q++) {
+    const MpmStateVariable *variable = q < STATES ? NULL : &material->info.states[q - STATES];
+    Quantity               *quantity = &imported->quantity[q];
+
+    quantity->components = !variable ? components[q] : variable->kind == MPM_STATE_SYM ? 6 : 1;
+    PetscCall(MpmPointFileGet(file, variable ? variable->name : names[q], quantity->components,
+                              q <= VOLUME ? MPM_REQUIRED : MPM_OPTIONAL, &quantity->value));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
+                                 MpmImported *handle)
+{
+  MpmPointFile file;
+  MpmImported  imported;
+  char        *step;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(handle));
+  imported = *handle;
+  PetscCall(
+    MpmOptionsText(block, "file", "HDF5 or CSV file of points, for region file", NULL, MPM_REQUIRED, &imported->path));
+  PetscCall(MpmOptionsText(block, "step", "which step of a file with /points: a number, or latest", "latest",
+                           MPM_OPTIONAL, &step));
+  if (MpmOptionsHelp()) {
+    PetscCall(ChooseRows(block, NULL, imported));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmPointFileOpen(block, grid->dim, imported->path, step, &file));
+  PetscCall(ReadQuantities(file, grid->dim, material, imported));
+  PetscCall(ChooseRows(block, file, imported));
+  PetscCall(CheckPoints(block, grid, imported));
+  PetscCall(MpmPointFileClose(&file));
+  PetscCall(PetscFree(step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmImportedDestroy(MpmImported *handle)
+{
+  PetscFunctionBeginUser;
+  if (!*handle) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt q = 0; q < (*handle)->quantity_count; q++) PetscCall(PetscFree((*handle)->quantity[q].value));
+  PetscCall(PetscFree((*handle)->quantity));
+  PetscCall(PetscFree((*handle)->path));
+  PetscCall(PetscFree(*handle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmImportedCount(MpmImported imported)
+{
+  return imported->count;
+}
+
+/* ---- into the particles ---- */
+
+/* The row's history, at rest where the file does not have it; true when the file has all of it. */
+static PetscBool TakeState(const MpmImported imported, const MpmMaterial *material, PetscInt dim, PetscInt row,
+                           PetscReal state[])
+{
+  PetscBool all = PETSC_TRUE;
+
+  MpmMaterialStateAtRest(material, dim, state);
+  for (size_t v = 0; v < material->info.state_count; v++) {
+    const Quantity *quantity = &imported->quantity[STATES + v];
+    const PetscInt  n        = MpmStateComponents(&material->info.states[v], dim);
+
+    for (PetscInt c = 0; quantity->value && c < n; c++) state[c] = quantity->value[row * quantity->components + c];
+    if (!quantity->value) all = PETSC_FALSE;
+    state += n;
+  }
+  return all;
+}
+
+/* Position, volume, F, domain and mass. */
+static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal density, PetscInt row, PetscInt p,
+                         MpmPoints *points)
+{
+  const Quantity *quantity = imported->quantity;
+  const PetscReal volume   = quantity[VOLUME].value[row];
+  PetscReal      *F        = &points->F[p * dim * dim];
+
+  for (PetscInt a = 0; a < dim; a++) {
+    points->x[p * dim + a] = points->x0[p * dim + a] = quantity[POSITION].value[row * dim + a];
+    for (PetscInt b = 0; b < dim; b++)
+      F[a * dim + b] =
+        quantity[DEFORMATION].value ? quantity[DEFORMATION].value[9 * row + 3 * a + b] : (a == b ? 1. : 0.);
+  }
+  points->volume0[p] = volume / MpmDeterminant(dim, F);
+  points->mass[p]    = quantity[MASS].value ? quantity[MASS].value[row] : density * volume;
+  for (PetscInt a = 0; points->half_length && a < dim; a++)
+    points->half_length[p * dim + a] = quantity[HALF_LENGTH].value
+                                         ? quantity[HALF_LENGTH].value[row * dim + a]
+                                         : 0.5 * PetscPowReal(points->volume0[p], 1. / (PetscReal)dim);
+}
+
+/*
+  The row's stress, and F or history that give it where the file does not have them. What MpmInitialFind says.
+*/
+static int TakeStress(const MpmImported imported, const MpmInitial *initial, MpmStretch stretch, PetscInt row,
+                      PetscBool has_state, PetscInt p, MpmPoints *points, PetscReal state[])
+{
+  const PetscInt  dim = initial->model_dim, size = dim == 2 ? 4 : 6;
+  const PetscBool has_F  = (PetscBool)(imported->quantity[DEFORMATION].value != NULL);
+  PetscReal      *stress = &points->stress[p * size], *F = &points->F[p * dim * dim], own[MPM_INITIAL_STATE],
+            found[MPM_MAX_DIM * MPM_MAX_DIM], U[MPM_MAX_DIM], J;
+  int answer;
+
+  if (!imported->quantity[STRESS].value) return 0;
+  for (PetscInt c = 0; c < size; c++) stress[c] = imported->quantity[STRESS].value[6 * row + c];
+  if (initial->remembers ? has_state : has_F) return 0;
+  J = MpmDeterminant(dim, F);
+  for (PetscInt c = 0; initial->remembers && c < size; c++) stress[c] *= J; /* history holds the Kirchhoff stress */
+  answer = MpmInitialFind(initial, state, stress, found, own);
+  if (answer == 2) return 2;
+  for (PetscInt k = 0; k < initial->material->state_size; k++) state[k] = own[k];
+  for (PetscInt c = 0; initial->remembers && c < size; c++) stress[c] /= J;
+  if (initial->remembers) return answer;
+  if (stretch(found, U)) return 2;
+  for (PetscInt k = 0; k < dim * dim; k++) F[k] = found[k];
+  points->volume0[p] /= MpmDeterminant(dim, F);
+  for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
+  return answer;
+}
+
+PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
+                               PetscInt state_size, PetscInt first, MpmPoints *points)
+{
+  const MpmStretch stretch = MpmStretchFind(grid->dim);
+  PetscInt64       failed  = 0;
+  PetscReal       *state;
+  MpmInitial       initial;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmInitialCreate(material, grid->dim, &initial));
+  PetscCall(PetscCalloc1((state_size + 1), &state));
+  for (PetscInt row = 0; row < imported->count; row++) {
+    const PetscInt p = first + row;
+    PetscBool      has_state;
+
+    TakeGeometry(imported, grid->dim, material->density, row, p, points);
+    has_state = TakeState(imported, material, grid->dim, row, state);
+    if (TakeStress(imported, &initial, stretch, row, has_state, p, points, state) == 2) failed++;
+    for (PetscInt k = 0; k < state_size; k++) points->state[p * state_size + k] = state[k];
+  }
+  PetscCall(PetscFree(state));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT64, MPI_SUM, grid->comm));
+  MpmCheckInput(!failed, "%s: material %s cannot have the stress of %" PetscInt64_FMT " points", imported->path,
+                material->name, failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,415 @@
+/*
+  The material points: a DMSwarm of type BASIC whose fields are those that the scene's physics and materials use, and no
+  other.
+
+  Ownership is arithmetic on the grid: the rank that owns a cell's lower node owns the points in it, so a point goes to
+  its rank in one message however far it moved.
+*/
+#include "particles/particles.h"
+
+/* Other cuts are taken when the fullest rank then holds this much less. */
+#define BALANCE_GAIN 1.02
+
+/* Every field of the swarm is registered here: what is listed travels with its point and stands in checkpoints. */
+static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscInt components, PetscDataType type)
+{
+  MpmPointField *field = &particles->fields[particles->field_count++];
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, name, components, type));
+  PetscCall(PetscStrallocpy(name, &field->name));
+  field->components = components;
+  field->integer    = (PetscBool)(type == PETSC_INT);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fields besides the scene's own, at most. */
+#define OWN_FIELDS 16
+
+PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
+                                  PetscBool increment, PetscInt extra_count, char *const extra[],
+                                  MpmParticles *particles)
+{
+  const PetscInt dim = grid->dim;
+  DM             swarm;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMCreate(grid->comm, &swarm));
+  PetscCall(DMSetType(swarm, DMSWARM));
+  PetscCall(DMSetDimension(swarm, dim));
+  PetscCall(DMSwarmSetType(swarm, DMSWARM_BASIC));
+  particles->swarm       = swarm;
+  particles->field_count = 0;
+  PetscCall(PetscCalloc1((OWN_FIELDS + extra_count), &particles->fields));
+  PetscCall(Register(particles, "id", 1, PETSC_INT));
+  PetscCall(Register(particles, "material", 1, PETSC_INT));
+  PetscCall(Register(particles, "position", dim, PETSC_REAL));
+  PetscCall(Register(particles, "position0", dim, PETSC_REAL));
+  PetscCall(Register(particles, "F", dim * dim, PETSC_REAL));
+  PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
+  PetscCall(Register(particles, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
+  if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
+  if (half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
+  if (state_size) PetscCall(Register(particles, "state", state_size, PETSC_REAL));
+  if (increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
+  if (rates) PetscCall(Register(particles, "value", rates, PETSC_REAL));
+  for (PetscInt e = 0; e < extra_count; e++) PetscCall(Register(particles, extra[e], 1, PETSC_REAL));
+  PetscCall(DMSwarmFinalizeFieldRegister(swarm));
+  particles->dim             = dim;
+  particles->stress_size     = dim == 2 ? 4 : 6;
+  particles->state_size      = state_size;
+  particles->rates           = rates;
+  particles->has_half_length = half_length;
+  particles->has_increment   = increment;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  PetscCall(DMDestroy(&particles->swarm));
+  for (PetscInt k = 0; k < particles->field_count; k++) PetscCall(PetscFree(particles->fields[k].name));
+  PetscCall(PetscFree(particles->fields));
+  particles->field_count = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
+{
+  DM swarm = particles->swarm;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(points, sizeof(*points)));
+  PetscCall(DMSwarmGetLocalSize(swarm, &points->count));
+  PetscCall(DMSwarmGetField(swarm, "id", NULL, NULL, (void **)&points->id));
+  PetscCall(DMSwarmGetField(swarm, "material", NULL, NULL, (void **)&points->material));
+  PetscCall(DMSwarmGetField(swarm, "position", NULL, NULL, (void **)&points->x));
+  PetscCall(DMSwarmGetField(swarm, "position0", NULL, NULL, (void **)&points->x0));
+  PetscCall(DMSwarmGetField(swarm, "F", NULL, NULL, (void **)&points->F));
+  PetscCall(DMSwarmGetField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
+  PetscCall(DMSwarmGetField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_mass) PetscCall(DMSwarmGetField(swarm, "mass", NULL, NULL, (void **)&points->mass));
+  if (particles->has_half_length)
+    PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
+  if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->has_increment) PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
+  if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points)
+{
+  DM swarm = particles->swarm;
+
+  PetscFunctionBeginUser;
+  if (!points->id && !points->count) PetscFunctionReturn(PETSC_SUCCESS); /* nothing is lent */
+  PetscCall(DMSwarmRestoreField(swarm, "id", NULL, NULL, (void **)&points->id));
+  PetscCall(DMSwarmRestoreField(swarm, "material", NULL, NULL, (void **)&points->material));
+  PetscCall(DMSwarmRestoreField(swarm, "position", NULL, NULL, (void **)&points->x));
+  PetscCall(DMSwarmRestoreField(swarm, "position0", NULL, NULL, (void **)&points->x0));
+  PetscCall(DMSwarmRestoreField(swarm, "F", NULL, NULL, (void **)&points->F));
+  PetscCall(DMSwarmRestoreField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
+  PetscCall(DMSwarmRestoreField(swarm, "stress", NULL, NULL, (void **)&points->stress));
+  if (particles->has_mass) PetscCall(DMSwarmRestoreField(swarm, "mass", NULL, NULL, (void **)&points->mass));
+  if (particles->has_half_length)
+    PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
+  if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->has_increment)
+    PetscCall(DMSwarmRestoreField(swarm, "increment", NULL, NULL, (void **)&points->increment));
+  if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
+  PetscCall(PetscMemzero(points, sizeof(*points)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- points on the move ---- */
+
+/* A point that this rank has sent away, kept until all have arrived. */
+typedef struct {
+  PetscInt  id;
+  PetscReal x[MPM_MAX_DIM];
+} Traveller;
+
+/* In C's own format: PETSc's writes a dot behind whole numbers. */
+static void Describe(MpmParticles *particles, PetscInt id, const char *what, const PetscReal x[])
+{
+  char third[32] = "";
+
+  if (particles->dim > 2) snprintf(third, sizeof(third), ", %g", (double)x[2]);
+  snprintf(particles->lost, sizeof(particles->lost), "point %lld %s (%g, %g%s)", (long long)id, what, (double)x[0],
+           (double)x[1], third);
+}
+
+/* All ranks learn what the lowest of those that have something to tell has written in particles->lost. */
+static PetscErrorCode ShareLost(MpmParticles *particles, const MpmGrid *grid, PetscBool tell, PetscBool *told)
+{
+  PetscMPIInt rank = tell ? grid->rank : grid->size;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, grid->comm));
+  *told = (PetscBool)(rank < grid->size);
+  if (*told) PetscCallMPI(MPI_Bcast(particles->lost, (PetscMPIInt)sizeof(particles->lost), MPI_CHAR, rank, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points are not those that they were: which id is missing, or there twice, and where was it last? */
+static PetscErrorCode FindMissing(MpmParticles *particles, const MpmGrid *grid, PetscInt count,
+                                  const Traveller travellers[])
+{
+  PetscInt   *id, local, rows, first, *found, *once, wrong[2] = {PETSC_INT_MAX, 0}, ids = (PetscInt)particles->total;
+  PetscLayout layout;
+  PetscSF     sf;
+  PetscBool   seen = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &local));
+  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  for (PetscInt p = 0; p < local; p++) ids = PetscMax(ids, id[p] + 1); /* bodies that were taken away leave holes */
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &ids, 1, MPIU_INT, MPI_MAX, grid->comm));
+  PetscCall(PetscLayoutCreateFromSizes(grid->comm, PETSC_DECIDE, ids, 1, &layout));
+  PetscCall(PetscLayoutGetLocalSize(layout, &rows));
+  PetscCall(PetscLayoutGetRange(layout, &first, NULL));
+  PetscCall(PetscSFCreate(grid->comm, &sf));
+  PetscCall(PetscSFSetGraphLayout(sf, layout, local, NULL, PETSC_COPY_VALUES, id));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(PetscCalloc1(rows, &found));
+  PetscCall(PetscMalloc1(local, &once));
+  for (PetscInt p = 0; p < local; p++) once[p] = 1;
+  PetscCall(PetscSFReduceBegin(sf, MPIU_INT, once, found, MPI_SUM));
+  PetscCall(PetscSFReduceEnd(sf, MPIU_INT, once, found, MPI_SUM));
+  for (PetscInt k = rows - 1; k >= 0; k--)
+    if (found[k] != 1) wrong[0] = first + k;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &wrong[0], 1, MPIU_INT, MPI_MIN, grid->comm));
+  if (wrong[0] >= first && wrong[0] < first + rows) wrong[1] = found[wrong[0] - first];
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &wrong[1], 1, MPIU_INT, MPI_MAX, grid->comm));
+  for (PetscInt k = 0; k < count && !seen; k++) {
+    if (travellers[k].id != wrong[0]) continue;
+    seen = PETSC_TRUE;
+    Describe(particles, wrong[0], wrong[1] ? "has arrived twice at" : "was lost on its way to", travellers[k].x);
+  }
+  PetscCall(ShareLost(particles, grid, seen, &seen));
+  if (!seen) {
+    PetscCall(PetscSNPrintf(particles->lost, sizeof(particles->lost),
+                            "point %" PetscInt_FMT " is %s; where it was is not known", wrong[0],
+                            wrong[1] ? "there twice" : "missing"));
+  }
+  particles->gone = PETSC_TRUE;
+  PetscCall(PetscFree(found));
+  PetscCall(PetscFree(once));
+  PetscCall(PetscSFDestroy(&sf));
+  PetscCall(PetscLayoutDestroy(&layout));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which rank each point belongs to; `leaving` ones are not here any more. The first that is nowhere in the grid is told. */
+static PetscErrorCode Address(MpmParticles *particles, const MpmGrid *grid, PetscInt count, PetscInt *leaving,
+                              PetscBool *astray)
+{
+  const PetscInt dim = grid->dim;
+  PetscReal     *x;
+  PetscInt      *rank, *id, stray = -1;
+
+  PetscFunctionBeginUser;
+  *leaving = 0;
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  for (PetscInt p = 0; p < count && stray < 0; p++) {
+    PetscInt cell[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) /* not-a-number is neither above nor below */
+      if (!(x[p * dim + a] >= grid->lower[a] && x[p * dim + a] <= grid->upper[a])) stray = p;
+    if (stray >= 0 || grid->size == 1) continue;
+    MpmGridFindCell(grid, &x[p * dim], cell);
+    rank[p] = MpmGridNodeOwner(grid, cell);
+    *leaving += rank[p] != grid->rank;
+  }
+  *astray = (PetscBool)(stray >= 0);
+  if (*astray) Describe(particles, id[stray], "is not in the grid but at", &x[stray * dim]);
+  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Notes who leaves, and sends them off. */
+static PetscErrorCode Send(MpmParticles *particles, const MpmGrid *grid, PetscInt count, Traveller travellers[])
+{
+  PetscReal *x;
+  PetscInt  *rank, *id, n = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  for (PetscInt p = 0; p < count; p++) {
+    if (rank[p] == grid->rank) continue;
+    travellers[n].id = id[p];
+    for (PetscInt a = 0; a < grid->dim; a++) travellers[n].x[a] = x[p * grid->dim + a];
+    n++;
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid)
+{
+  PetscInt   count, leaving;
+  PetscInt64 sum[3]; /* points, those that leave, ranks with one that is nowhere */
+  Traveller *travellers;
+  PetscBool  astray = PETSC_FALSE, told;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(Address(particles, grid, count, &leaving, &astray));
+  sum[0] = count;
+  sum[1] = leaving;
+  sum[2] = astray;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_INT64, MPI_SUM, grid->comm));
+  if (sum[0] != particles->total) PetscCall(FindMissing(particles, grid, 0, NULL));
+  else if (sum[2]) PetscCall(ShareLost(particles, grid, astray, &told));
+  if (particles->lost[0] || !sum[1]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(leaving, &travellers));
+  PetscCall(Send(particles, grid, count, travellers));
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  sum[0] = count;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 1, MPIU_INT64, MPI_SUM, grid->comm));
+  if (sum[0] != particles->total) PetscCall(FindMissing(particles, grid, leaving, travellers));
+  PetscCall(PetscFree(travellers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved)
+{
+  PetscReal *x, most;
+  PetscInt   count;
+
+  PetscFunctionBeginUser;
+  *moved = PETSC_FALSE;
+  if (grid->size == 1 && grid->cuts) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  most = (PetscReal)count;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, grid->comm));
+  if (!always && most * grid->size <= grid->balance * (PetscReal)particles->total) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmGridPartition(grid, count, x, always ? PETSC_MAX_REAL : most / BALANCE_GAIN, moved));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  if (*moved && !always) particles->rebalances++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, const char **why)
+{
+  PetscBool moved = PETSC_TRUE;
+  PetscInt  count, most;
+
+  PetscFunctionBeginUser;
+  if (!grid->cuts) PetscCall(MpmParticlesRebalance(particles, grid, PETSC_TRUE, &moved));
+  PetscCall(MpmParticlesMigrate(particles, grid));
+  if (!particles->lost[0]) PetscCall(MpmParticlesRebalance(particles, grid, PETSC_FALSE, &moved));
+  if (!particles->lost[0] && moved) PetscCall(MpmParticlesMigrate(particles, grid));
+  *why = particles->lost[0] ? particles->lost : NULL;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(MPIU_Allreduce(&count, &most, 1, MPIU_INT, MPI_MAX, grid->comm));
+  if (particles->total)
+    particles->imbalance = PetscMax(particles->imbalance, (PetscReal)most * grid->size / (PetscReal)particles->total);
+  PetscCall(PetscInfo(particles->swarm, "points: %" PetscInt64_FMT ", %" PetscInt_FMT " on the fullest rank%s\n",
+                      particles->total, most, moved ? ", new partition" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- points that come and go ---- */
+
+static size_t FieldBytes(const MpmPointField *field)
+{
+  return (size_t)field->components * (field->integer ? sizeof(PetscInt) : sizeof(PetscReal));
+}
+
+/* Copies all fields of one point between the swarm and a row of parked data. */
+static PetscErrorCode CopyRow(MpmParticles *particles, void *const fields[], PetscInt p, char *row, PetscBool out)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    const size_t bytes = FieldBytes(&particles->fields[k]);
+    char        *field = (char *)fields[k] + (size_t)p * bytes;
+
+    if (out) PetscCall(PetscMemcpy(row, field, bytes));
+    else PetscCall(PetscMemcpy(field, row, bytes));
+    row += bytes;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies `count` points, index[k] or first + k, between the swarm and parked data. */
+static PetscErrorCode CopyRows(MpmParticles *particles, PetscInt count, const PetscInt index[], PetscInt first,
+                               char *data, PetscBool out)
+{
+  void **fields;
+  size_t bytes = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(particles->field_count, &fields));
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    bytes += FieldBytes(&particles->fields[k]);
+    PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, &fields[k]));
+  }
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(CopyRow(particles, fields, index ? index[k] : first + k, data + (size_t)k * bytes, out));
+  for (PetscInt k = 0; k < particles->field_count; k++)
+    PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &fields[k]));
+  PetscCall(PetscFree(fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CountTotal(MpmParticles *particles)
+{
+  PetscInt total;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetSize(particles->swarm, &total));
+  particles->total = total;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked)
+{
+  PetscInt *id, *index, count, found = 0;
+  size_t    bytes = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(PetscMalloc1(count, &index));
+  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  for (PetscInt p = 0; p < count; p++)
+    if (id[p] >= first && id[p] < end) index[found++] = p;
+  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  if (parked) {
+    for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
+    parked->count = found;
+    PetscCall(PetscMalloc1(((size_t)found * bytes), &parked->data));
+    PetscCall(CopyRows(particles, found, index, 0, parked->data, PETSC_TRUE));
+  }
+  /* the last point takes the place of the one that goes, so from the end */
+  while (found--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[found]));
+  PetscCall(PetscFree(index));
+  PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
+{
+  PetscInt first;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &first));
+  if (parked->count) {
+    PetscCall(DMSwarmAddNPoints(particles->swarm, parked->count));
+    PetscCall(CopyRows(particles, parked->count, NULL, first, parked->data, PETSC_FALSE));
+  }
+  PetscCall(PetscFree(parked->data));
+  parked->count = 0;
+  PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,100 @@
+/*
+  Points picked in the initial state, by place or by region, each with its share of the whole.
+*/
+#include "particles/particles.h"
+
+/* Reads `at` and `nearest`, or a region; exactly one of the two ways. */
+PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, PetscReal at[], PetscInt *nearest,
+                                MpmRegion *region)
+{
+  PetscBool has_at, has_region;
+  PetscReal tolerance[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, "region", &has_region));
+  *nearest = 1;
+  PetscCall(MpmOptionsReals(block, "at", "m", "a place in the initial state", MPM_RANGE_ANY, MPM_OPTIONAL, grid->dim,
+                            at, &has_at));
+  if (has_at || MpmOptionsHelp())
+    PetscCall(
+      MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL, nearest, NULL));
+  else *nearest = 0;
+  if (MpmOptionsHelp()) has_at = (PetscBool) !(has_region = PETSC_TRUE);
+  MpmCheckInput(!(has_at && has_region), "-%sat and -%sregion: give one of them, not both", block->prefix,
+                block->prefix);
+  MpmCheckInput(has_at || has_region, "-%sat is missing: give a place and the number of nearest points, or a region",
+                block->prefix);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
+  if (has_region) PetscCall(MpmRegionCreate(block, grid->dim, tolerance, region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  A candidate for the nearest points: distances that differ by rounding only are equal, and then the smaller id wins.
+*/
+typedef struct {
+  PetscInt64 distance;
+  PetscInt   id, index; /* index: where the point stands on its rank */
+} Candidate;
+
+static int CompareCandidates(const void *a, const void *b)
+{
+  const Candidate *p = (const Candidate *)a, *q = (const Candidate *)b;
+
+  if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
+  return p->id < q->id ? -1 : p->id > q->id;
+}
+
+/* share = 1/nearest at the nearest points, 0 elsewhere */
+PetscErrorCode MpmSelectNearest(const MpmGrid *grid, const MpmPoints *points, PetscInt64 total, const char *prefix,
+                                const char *name, const PetscReal at[], PetscInt nearest, PetscReal share[])
+{
+  const PetscInt dim = grid->dim, mine = PetscMin(nearest, points->count);
+  PetscReal      unit = grid->h[0];
+  Candidate     *local, *all;
+  PetscMPIInt   *counts, *starts, bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(nearest <= total, "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points",
+                prefix, name, nearest, total);
+  for (PetscInt a = 1; a < dim; a++) unit = PetscMin(unit, grid->h[a]);
+  PetscCall(PetscMalloc1(points->count, &local));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal d2 = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) d2 += PetscSqr((points->x0[p * dim + a] - at[a]) / unit);
+    local[p] = (Candidate){(PetscInt64)PetscMin(d2 * 1e9, 9e18), points->id[p], p};
+  }
+  if (points->count) qsort(local, (size_t)points->count, sizeof(*local), CompareCandidates);
+  PetscCall(PetscMalloc2(grid->size, &counts, (grid->size + 1), &starts));
+  PetscCallMPI(MPI_Allgather(&bytes, 1, MPI_INT, counts, 1, MPI_INT, grid->comm));
+  starts[0] = 0;
+  for (PetscMPIInt r = 0; r < grid->size; r++) starts[r + 1] = starts[r] + counts[r];
+  PetscCall(PetscMalloc1((size_t)starts[grid->size] / sizeof(Candidate), &all));
+  PetscCallMPI(MPI_Allgatherv(local, bytes, MPI_BYTE, all, counts, starts, MPI_BYTE, grid->comm));
+  qsort(all, (size_t)starts[grid->size] / sizeof(Candidate), sizeof(*all), CompareCandidates);
+  PetscCall(PetscArrayzero(share, points->count));
+  for (PetscInt k = 0; k < mine && CompareCandidates(&local[k], &all[nearest - 1]) <= 0; k++)
+    share[local[k].index] = 1. / (PetscReal)nearest;
+  PetscCall(PetscFree(all));
+  PetscCall(PetscFree(local));
+  PetscCall(PetscFree2(counts, starts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* share = the point's part of the volume of all points in the region */
+PetscErrorCode MpmSelectRegion(const MpmGrid *grid, const MpmPoints *points, const char *prefix, const char *name,
+                               MpmRegion region, PetscReal share[])
+{
+  PetscReal volume = 0.;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) {
+    share[p] = MpmRegionContains(region, &points->x0[p * grid->dim]) ? points->volume0[p] : 0.;
+    volume += share[p];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  MpmCheckInput(volume > 0., "-mpm_%s_%s_region: there is no point in it", prefix, name);
+  for (PetscInt p = 0; p < points->count; p++) share[p] /= volume;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,57 @@
+/*
+  The stand-in for all materials in the balance of k0 (src/k0.c): whatever the strain, the stress that it adds keeps the
+  ratio k0 of the horizontal stresses to the vertical one.
+
+    e = sym(F_{n+1} - F_n),   sigma = sigma_n + M (m (m.e) + e_shear + r e),   m = 1 up the vertical axis, k0 across it
+
+  sigma_n  stress at the step's start, given as history, Pa; M a modulus, Pa; e_shear: the components of e off the
+           diagonal; r a small number that keeps the tangent regular, and whose part of the stress does not count
+
+  Equilibrium under this law is the smallest change of stress, in the sum of V (change^2), that brings balance and keeps
+  the ratio; displacements are its multipliers. Linear, and so small strain in the physics' sense; no law for scenes.
+*/
+#include "talus/point/law.h"
+
+enum { DENSITY, MODULUS, RATIO, AXIS, REGULAR };
+
+static const MpmParameter parameters[] = {
+  {"density", "kg/m3", 0., 1, 0., HUGE_VAL, 0, "mass density", NULL},
+  {"modulus", "Pa", 0., 1, 0., HUGE_VAL, 1, "modulus", NULL},
+  {"ratio", "-", 0., 1, 0., HUGE_VAL, 0, "horizontal over vertical stress", NULL},
+  {"axis", "-", 0., 1, 0., 2., 0, "the vertical one", NULL},
+  {"regular", "-", 0., 1, 0., 1., 0, "part of an isotropic stiffness", NULL},
+};
+
+static const MpmStateVariable states[] = {{"stress", MPM_STATE_SYM, 0., "Pa"}};
+
+MPM_FN double Stiffness(const double *parameter)
+{
+  return parameter[MODULUS];
+}
+
+MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+{
+  const double *parameter = point->parameter;
+  const Sym     sigma_n   = SymLoad(point->state_n);
+  Tensor        H         = *dF;
+  Scalar        along     = ScalarConstant(0.);
+  Sym           e;
+
+  for (int a = 0; a < MPM_DIM; a++) H.a[a * (MPM_DIM + 1)] = ScalarShift(H.a[a * (MPM_DIM + 1)], -1.);
+  H = TensorMulArray(&H, point->F_n);
+  e = SymFromTensor(&H);
+#if MPM_DIM == 2
+  e.a[2] = ScalarConstant(0.);
+#endif
+  for (int a = 0; a < MPM_DIM; a++)
+    ScalarAddScaled(&along, a == (int)parameter[AXIS] ? 1. : parameter[RATIO], &e.a[SymIndex(a, a)]);
+  *tau = SymScaleBy(parameter[REGULAR] * parameter[MODULUS], &e);
+  for (int a = 0; a < 3; a++)
+    ScalarAddScaled(&tau->a[a], parameter[MODULUS] * (a == (int)parameter[AXIS] ? 1. : parameter[RATIO]), &along);
+  for (int c = 3; c < (MPM_DIM == 2 ? 4 : 6); c++) ScalarAddScaled(&tau->a[c], parameter[MODULUS], &e.a[c]);
+  *tau = SymAdd(tau, &sigma_n);
+  return 0;
+}
+
+MPM_LAW(k0_law, MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN | MPM_LAW_INTERNAL, "stress increments with a fixed ratio",
+        parameters, states, NULL, Stiffness, MpmMaterialEvaluate_k0)

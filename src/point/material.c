@@ -1,0 +1,160 @@
+/*
+  The materials of a scene, and the registry of the constitutive laws that were compiled in: the build scans materials/
+  and lists every law's constructor, once per kernel instance, in mpm_laws.h.
+*/
+#include "point/point.h"
+
+#define MPM_LAW_INSTANCE(name, dim, directions) void MpmMaterialCreate_##name##_##dim##d_##directions(MpmLawInfo *info);
+#include "mpm_laws.h"
+#undef MPM_LAW_INSTANCE
+
+static const struct {
+  const char *name;
+  PetscInt    dim, directions;
+  void (*create)(MpmLawInfo *info);
+} laws[] = {
+#define MPM_LAW_INSTANCE(name, dim, directions) \
+  {#name, dim, directions, MpmMaterialCreate_##name##_##dim##d_##directions},
+#include "mpm_laws.h"
+#undef MPM_LAW_INSTANCE
+};
+
+PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info)
+{
+  const PetscInt directions = form == MPM_FORM_TANGENT ? dim * dim : form == MPM_FORM_DIRECTION;
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+    if (laws[k].dim == dim && laws[k].directions == directions && !strcmp(laws[k].name, name)) {
+      laws[k].create(info);
+      return PETSC_TRUE;
+    }
+  }
+  return PETSC_FALSE;
+}
+
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
+{
+  return variable->kind == MPM_STATE_SCALAR ? 1 : dim == 2 ? 4 : 6;
+}
+
+/* Reads one parameter; a parameter with choices is a word whose value is its index. */
+static PetscErrorCode ReadParameter(const MpmOptions *block, const MpmParameter *parameter, double *value)
+{
+  const MpmNeed need = parameter->required ? MPM_REQUIRED : MPM_OPTIONAL;
+
+  PetscFunctionBeginUser;
+  *value = parameter->fallback;
+  if (parameter->choices) {
+    char   **words;
+    int      count;
+    PetscInt index = (PetscInt)parameter->fallback;
+
+    PetscCall(PetscStrToArray(parameter->choices, '|', &count, &words));
+    PetscCall(MpmOptionsWord(block, parameter->name, parameter->help, (const char *const *)words, need, &index, NULL));
+    PetscCall(PetscStrToArrayDestroy(count, words));
+    *value = (double)index;
+  } else {
+    const MpmRange range = {parameter->lower, parameter->upper, parameter->open ? PETSC_TRUE : PETSC_FALSE};
+
+    PetscCall(MpmOptionsReal(block, parameter->name, parameter->unit, parameter->help, range, need, value, NULL));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The names of all laws, NULL-terminated; free the array only. */
+static PetscErrorCode LawNames(const char ***names)
+{
+  PetscInt count = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((PETSC_STATIC_ARRAY_LENGTH(laws) + 1), names));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+    MpmLawInfo info;
+
+    if (laws[k].dim != 3 || laws[k].directions) continue;
+    laws[k].create(&info);
+    if (!(info.traits & MPM_LAW_INTERNAL)) (*names)[count++] = laws[k].name;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* For -help: every law with its own parameters. */
+static PetscErrorCode PrintLaws(const MpmOptions *block)
+{
+  const MpmOptions unrecorded = {block->comm, block->prefix, NULL}; /* laws share parameters: each is printed again */
+  char             title[256];
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+    MpmLawInfo info;
+    double     unused;
+
+    if (laws[k].dim != 3 || laws[k].directions) continue;
+    laws[k].create(&info);
+    if (info.traits & MPM_LAW_INTERNAL) continue;
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", info.name, info.summary));
+    PetscCall(MpmOptionsHeading(block, title));
+    for (size_t i = 0; i < info.parameter_count; i++)
+      PetscCall(ReadParameter(&unrecorded, &info.parameters[i], &unused));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material)
+{
+  char         prefix[256];
+  MpmOptions   block = {options->comm, prefix, options->record};
+  const char **names;
+  PetscInt     type = 0;
+  PetscBool    given;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(material, sizeof(*material)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", name));
+  PetscCall(PetscStrallocpy(name, &material->name));
+  PetscCall(MpmOptionsHeading(&block, "Material"));
+  PetscCall(LawNames(&names));
+  PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, &given));
+  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
+    PetscCheck(MpmLawFind(names[type], dim, (MpmForm)form, &material->info), options->comm, PETSC_ERR_PLIB,
+               "law %s is not compiled", names[type]);
+    material->law[form] = material->info.law;
+  }
+  PetscCall(PetscFree(names));
+  PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));
+  if (!given) PetscCall(PrintLaws(&block));
+  for (size_t i = 0; given && i < material->info.parameter_count; i++) {
+    PetscCall(ReadParameter(&block, &material->info.parameters[i], &material->parameter[i]));
+    if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
+  }
+  if (material->info.check) {
+    const char *why = "contradictory parameters";
+
+    MpmCheckInput(MpmOptionsHelp() || material->info.check(material->parameter, &why), "-mpm_material_%s: %s", name,
+                  why);
+  }
+  material->stiffness = material->info.stiffness(material->parameter);
+  if (material->penalty == 0.) material->penalty = material->stiffness;
+  for (size_t i = 0; i < material->info.state_count; i++)
+    material->state_size += MpmStateComponents(&material->info.states[i], dim);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(material->name));
+  PetscCall(PetscFree(material->parameter));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[])
+{
+  for (size_t i = 0; i < material->info.state_count; i++) {
+    const MpmStateVariable *variable = &material->info.states[i];
+
+    for (PetscInt c = 0; c < MpmStateComponents(variable, dim); c++) *state++ = c < 3 ? variable->initial : 0.;
+  }
+}

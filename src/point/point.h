@@ -1,0 +1,93 @@
+#pragma once
+/*
+  Registries of constitutive laws and physics, the layout of a physics' unknowns and inputs, and states with a wanted stress.
+*/
+#include "options/options.h"
+#include "talus/talus.h"
+
+#define MPM_MAX_BLOCK  8    /* unknowns a node: displacement, pressure, damage, ... */
+#define MPM_MAX_INPUTS 24   /* inputs of a kernel */
+#define MPM_NU_LOCKS   0.45 /* Poisson's ratio above which material is nearly incompressible */
+
+/* ---- material.c ---- */
+
+/* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
+typedef struct {
+  char       *name;
+  MpmLawInfo  info;
+  double     *parameter;
+  MpmFunction law[MPM_FORM_COUNT];
+  PetscReal   density, stiffness, nu; /* nu: Poisson's ratio, 0 where the law has none */
+  PetscReal   penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+  PetscReal   spacing; /* most cells from point to point on an axis at the start; 0: unknown */
+  PetscInt    state_size;
+} MpmMaterial;
+
+/* Materials, with the names of their blocks. */
+typedef struct {
+  PetscInt     count;
+  char       **names;
+  MpmMaterial *at;
+} MpmMaterials;
+
+/* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
+PetscBool      MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
+PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
+/* Components of one history variable. */
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+/* Initial history of a material, after the tables of its law. */
+void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[]);
+
+/* ---- physics.c ---- */
+
+/*
+  The layout that follows from a physics' fields: block size, and which basis function and component each kernel input
+  takes.
+*/
+typedef struct {
+  PetscInt  dim, block, inputs, rates;
+  PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
+  PetscInt  basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */
+  PetscInt  component_of[MPM_MAX_INPUTS], basis_of[MPM_MAX_INPUTS];
+  PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
+  PetscInt  means;                         /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
+  PetscBool increment[MPM_MAX_BLOCK];
+  const char         *component_name[MPM_MAX_BLOCK];
+  PetscBool           solid; /* the displacement's gradient is all that the kernel sees */
+  const MpmKernelSet *kernel;
+} MpmLayout;
+
+/* A built-in physics with its compiled kernels. */
+PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
+PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout);
+/* Do any of the kernel's inputs need the weights, not only their derivatives? */
+PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
+typedef int (*MpmStretch)(const double *F, double *diagonal);
+/* The function that gives the diagonal of U = sqrt(F^T F). */
+MpmStretch MpmStretchFind(PetscInt dim);
+
+/* ---- stress_inversion.c ---- */
+
+/*
+  States of one material with a wanted stress. Where the law's stress follows from its history alone (`remembers`), F
+  stays the identity and all six components are met; otherwise F carries the stress, in plane strain without the
+  component across the plane.
+*/
+typedef struct {
+  const MpmMaterial *material;
+  MpmKernelSet       kernel;
+  MpmFunction        law[MPM_FORM_COUNT];
+  PetscInt           dim, model_dim; /* of the kernel, and of the model */
+  PetscBool          remembers;
+} MpmInitial;
+
+#define MPM_INITIAL_STATE 64 /* most values of a history in 3D */
+PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmInitial *initial);
+/*
+  F and state with the Cauchy stress `stress` (xx, yy, zz, xy (, yz, xz); on exit the stress of that state), from the
+  history state_n on. Returns 0; 1 where the stress is outside the yield surface and the law's return has moved it; 2
+  where there is no such state.
+*/
+int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
+                   PetscReal state[]);

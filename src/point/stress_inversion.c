@@ -1,0 +1,285 @@
+/*
+  Initial states: deformation and history that give a wanted stress, for any law.
+
+  With a symmetric dF = I + H the law's Kirchhoff stress tau(H) is brought to its goal by Newton's method, with the law's
+  own tangent from dual numbers: as many equations as H has components. A law that remembers its stress in its history
+  (elastic strains as state variables) keeps F = I, so that volume and domain stay those of the body, and tau = sigma;
+  it is evaluated in 3D even in plane strain, so that the component across the plane is met too. Any other law keeps F =
+  I + H, and tau = J sigma.
+
+  A goal outside the yield surface has no solution: the elastic guess is then handed to the law, whose return moves it.
+*/
+#include "point/point.h"
+
+#define NEWTON_LIMIT 40
+#define SYM_MAX      6
+
+/* Rows and columns of the components of a symmetric tensor, in the order xx, yy, zz, xy, yz, xz; 2D: xx, yy, xy. */
+static const PetscInt pairs_3d[SYM_MAX][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
+static const PetscInt pairs_2d[3][2]       = {{0, 0}, {1, 1}, {0, 1}};
+
+/* One evaluation of the law at H: what it says, and its derivatives. */
+typedef struct {
+  PetscReal tau[SYM_MAX], goal[SYM_MAX];
+  PetscReal slope[SYM_MAX][SYM_MAX]; /* d(tau - goal)_i / dH_j */
+} Response;
+
+static PetscInt Components(const MpmInitial *initial)
+{
+  return initial->dim == 2 ? 3 : 6;
+}
+
+static const PetscInt (*Pairs(const MpmInitial *initial))[2]
+{
+  return initial->dim == 2 ? pairs_2d : pairs_3d;
+}
+
+static MpmKernelPoint Point(const MpmInitial *initial, const PetscReal identity[], const PetscReal state_n[])
+{
+  return (MpmKernelPoint){.parameter = initial->material->parameter,
+                          .state_n   = state_n,
+                          .F_n       = identity,
+                          .volume0   = 1.,
+                          .dt        = 1.,
+                          .traits    = initial->material->info.traits,
+                          .law       = initial->law};
+}
+
+static void Identity(PetscInt dim, PetscReal F[])
+{
+  for (PetscInt k = 0; k < dim * dim; k++) F[k] = k % (dim + 1) ? 0. : 1.;
+}
+
+/* The displacement gradient H in full from its components. */
+static void Gradient(const MpmInitial *initial, const PetscReal h[], PetscReal H[])
+{
+  for (PetscInt s = 0; s < Components(initial); s++) {
+    const PetscInt *ab = Pairs(initial)[s];
+
+    H[ab[0] * initial->dim + ab[1]] = H[ab[1] * initial->dim + ab[0]] = h[s];
+  }
+}
+
+/*
+  tau = P dF^T (small strain: P itself), goal = J sigma where F carries the stress, and their derivatives. Non-zero where
+  the law has no answer.
+*/
+static int Evaluate(const MpmInitial *initial, const PetscReal state_n[], const PetscReal sigma[], const PetscReal h[],
+                    Response *response)
+{
+  const PetscInt  n = initial->dim, N = n * n, count = Components(initial);
+  const PetscBool small = (PetscBool)((initial->material->info.traits & MPM_LAW_SMALL_STRAIN) != 0);
+  PetscReal       identity[9], H[9], dF[9], P[9], tangent[81], cofactor[9], J;
+  MpmKernelPoint  point;
+
+  Identity(n, identity);
+  Gradient(initial, h, H);
+  for (PetscInt k = 0; k < N; k++) dF[k] = identity[k] + H[k];
+  J = MpmCofactors(n, dF, cofactor);
+  if (!(J > 0.)) return 1;
+  point = Point(initial, identity, state_n);
+  if (initial->kernel.tangent(&point, H, P, tangent)) return 1;
+  for (PetscInt s = 0; s < count; s++) {
+    const PetscInt a = Pairs(initial)[s][0], b = Pairs(initial)[s][1];
+
+    response->tau[s] = small ? P[a * n + b] : 0.;
+    for (PetscInt c = 0; c < n && !small; c++) response->tau[s] += P[a * n + c] * dF[b * n + c];
+    response->goal[s] = initial->remembers || small ? sigma[s] : J * sigma[s];
+    for (PetscInt t = 0; t < count; t++) {
+      const PetscInt k = Pairs(initial)[t][0], l = Pairs(initial)[t][1];
+      PetscReal      slope = 0., dJ = 0.;
+
+      for (PetscInt m = 0; m < (k == l ? 1 : 2); m++) { /* H_kl and H_lk grow together */
+        const PetscInt i = m ? l : k, j = m ? k : l, column = i * n + j;
+
+        if (small) slope += tangent[(a * n + b) * N + column];
+        for (PetscInt c = 0; c < n && !small; c++) slope += tangent[(a * n + c) * N + column] * dF[b * n + c];
+        if (!small && i == b) slope += P[a * n + j];
+        dJ += cofactor[column];
+      }
+      response->slope[s][t] = slope - (initial->remembers || small ? 0. : dJ * sigma[s]);
+    }
+  }
+  return 0;
+}
+
+/* x = A^-1 b by elimination with pivots; non-zero where A is singular. */
+static int SolveSmall(PetscInt n, PetscReal A[SYM_MAX][SYM_MAX], const PetscReal b[], PetscReal x[])
+{
+  for (PetscInt i = 0; i < n; i++) x[i] = b[i];
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt pivot = k;
+
+    for (PetscInt i = k + 1; i < n; i++)
+      if (PetscAbsReal(A[i][k]) > PetscAbsReal(A[pivot][k])) pivot = i;
+    if (!(PetscAbsReal(A[pivot][k]) > 0.)) return 1;
+    for (PetscInt j = 0; j < n; j++) {
+      const PetscReal swap = A[k][j];
+
+      A[k][j]     = A[pivot][j];
+      A[pivot][j] = swap;
+    }
+    {
+      const PetscReal swap = x[k];
+
+      x[k]     = x[pivot];
+      x[pivot] = swap;
+    }
+    for (PetscInt i = k + 1; i < n; i++) {
+      const PetscReal factor = A[i][k] / A[k][k];
+
+      for (PetscInt j = k; j < n; j++) A[i][j] -= factor * A[k][j];
+      x[i] -= factor * x[k];
+    }
+  }
+  for (PetscInt i = n - 1; i >= 0; i--) {
+    for (PetscInt j = i + 1; j < n; j++) x[i] -= A[i][j] * x[j];
+    x[i] /= A[i][i];
+  }
+  return 0;
+}
+
+/*
+  h with tau(h) at its goal. Returns 0; or 1 and the elastic guess, that of the tangent at rest, where Newton does not
+  get there.
+*/
+static int FindGradient(const MpmInitial *initial, const PetscReal state_n[], const PetscReal sigma[], PetscReal h[])
+{
+  const PetscInt n       = Components(initial);
+  PetscReal      largest = 0., elastic[SYM_MAX] = {0.};
+  Response       response;
+
+  for (PetscInt s = 0; s < n; s++) {
+    largest = PetscMax(largest, PetscAbsReal(sigma[s]));
+    h[s]    = 0.;
+  }
+  for (PetscInt it = 0; it < NEWTON_LIMIT; it++) {
+    PetscReal residual[SYM_MAX], step[SYM_MAX], error = 0., longest = 0.;
+
+    if (Evaluate(initial, state_n, sigma, h, &response)) break;
+    for (PetscInt s = 0; s < n; s++) {
+      residual[s] = response.goal[s] - response.tau[s];
+      error       = PetscMax(error, PetscAbsReal(residual[s]));
+    }
+    if (error <= 1e-13 * largest + 4. * PETSC_MACHINE_EPSILON * initial->material->stiffness) return 0;
+    if (SolveSmall(n, response.slope, residual, step)) break;
+    for (PetscInt s = 0; s < n; s++) longest = PetscMax(longest, PetscAbsReal(step[s]));
+    for (PetscInt s = 0; s < n; s++) {
+      h[s] += step[s] * (longest > 0.3 ? 0.3 / longest : 1.);
+      if (!it) elastic[s] = h[s];
+    }
+    if (longest < 1e-15 && error <= 1e-9 * largest) return 0;
+  }
+  for (PetscInt s = 0; s < n; s++) h[s] = elastic[s];
+  return 1;
+}
+
+/* Evaluates the law at h and takes its history, F and Cauchy stress. */
+static int Take(const MpmInitial *initial, const PetscReal state_n[], const PetscReal h[], PetscReal state[],
+                PetscReal F[], PetscReal sigma[])
+{
+  PetscReal      identity[9], H[9], flux[9];
+  MpmKernelPoint point;
+
+  Identity(initial->dim, identity);
+  Gradient(initial, h, H);
+  point        = Point(initial, identity, state_n);
+  point.state  = initial->material->state_size ? state : NULL;
+  point.F      = F;
+  point.stress = sigma;
+  return initial->kernel.residual(&point, H, flux);
+}
+
+/* Copies a history between the plane and space: symmetric tensors have 4 components there and 6 here. */
+static void CopyState(const MpmMaterial *material, PetscInt from_dim, PetscInt to_dim, const PetscReal from[],
+                      PetscReal to[])
+{
+  for (size_t v = 0; v < material->info.state_count; v++) {
+    const PetscInt n = MpmStateComponents(&material->info.states[v], from_dim),
+                   m = MpmStateComponents(&material->info.states[v], to_dim);
+
+    for (PetscInt c = 0; c < m; c++) to[c] = c < n ? from[c] : 0.;
+    from += n;
+    to += m;
+  }
+}
+
+static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
+{
+  MpmPhysics physics;
+  PetscBool  found;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmPhysicsCreate("solid", &physics, &found));
+  initial->dim    = dim;
+  initial->kernel = physics.kernels[dim];
+  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
+    MpmLawInfo info;
+
+    found = (PetscBool)(found && MpmLawFind(initial->material->info.name, dim, (MpmForm)form, &info));
+    PetscCheck(found, PETSC_COMM_SELF, PETSC_ERR_PLIB, "law %s is not compiled for a solid",
+               initial->material->info.name);
+    initial->law[form] = info.law;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Compressed a little and put back to F = I, does the law still give the same stress? */
+static PetscErrorCode FindWhetherItRemembers(MpmInitial *initial)
+{
+  const PetscReal little = -1e-5, h[SYM_MAX] = {little, little, little, 0., 0., 0.}, rest[SYM_MAX] = {0.};
+  PetscReal      *state, *after, *again, F[9], one[SYM_MAX], two[SYM_MAX], J;
+
+  PetscFunctionBeginUser;
+  initial->remembers = PETSC_FALSE;
+  if (!initial->material->state_size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc3((2 * initial->material->state_size), &state, (2 * initial->material->state_size), &after,
+                         (2 * initial->material->state_size), &again));
+  MpmMaterialStateAtRest(initial->material, initial->dim, state);
+  if (!Take(initial, state, h, after, F, one) && !Take(initial, after, rest, again, F, two)) {
+    J                  = (1. + little) * (1. + little) * (1. + little);
+    initial->remembers = (PetscBool)(PetscAbsReal(two[0] - J * one[0]) <= 1e-9 * PetscAbsReal(one[0]));
+  }
+  PetscCall(PetscFree3(state, after, again));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmInitial *initial)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(initial, sizeof(*initial)));
+  initial->material  = material;
+  initial->model_dim = dim;
+  PetscCheck(2 * material->state_size <= MPM_INITIAL_STATE, PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "law %s has too many history values for an initial stress", material->info.name);
+  PetscCall(UseDimension(3, initial));
+  PetscCall(FindWhetherItRemembers(initial));
+  if (!initial->remembers) PetscCall(UseDimension(dim, initial));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
+                   PetscReal state[])
+{
+  const PetscInt dim = initial->model_dim, size = dim == 2 ? 4 : 6;
+  PetscReal      before[MPM_INITIAL_STATE], after[MPM_INITIAL_STATE], full[9], h[SYM_MAX], goal[SYM_MAX] = {0.},
+                                                                                      reached[SYM_MAX];
+  int moved;
+
+  if (initial->dim == 2) {
+    goal[0] = stress[0];
+    goal[1] = stress[1];
+    goal[2] = stress[3];
+  } else
+    for (PetscInt s = 0; s < size; s++) goal[s] = stress[s];
+  CopyState(initial->material, dim, initial->dim, state_n, before);
+  moved = FindGradient(initial, before, goal, h);
+  if (Take(initial, before, h, after, full, reached)) return 2;
+  CopyState(initial->material, initial->dim, dim, after, state);
+  for (PetscInt s = 0; s < size; s++)
+    stress[s] = reached[s] * (initial->remembers ? MpmDeterminant(initial->dim, full) : 1.);
+  if (initial->remembers) Identity(dim, F);
+  else
+    for (PetscInt k = 0; k < dim * dim; k++) F[k] = full[k];
+  return moved;
+}

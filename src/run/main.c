@@ -1,0 +1,230 @@
+/*
+  The program: reads options, runs the model, and turns errors into one line and an exit status.
+*/
+#include <ctype.h>
+#include <signal.h>
+#include <unistd.h>
+#include "run/run.h"
+
+/* What the handler knows of the current error. */
+typedef struct {
+  const char *source; /* the options that are being read: whatever goes wrong is their fault */
+  int         status; /* of the program, for errors that are the user's to mend; 0: a fault of the program */
+  char        message[1024];
+} ErrorContext;
+
+/*
+  Input errors become one line on rank 0: ours, what PETSc says of an options file, and names of types that it does not
+  know. So do files that cannot be written. Anything else gets PETSc's traceback.
+*/
+static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code,
+                                  PetscErrorType type, const char *message, void *ctx)
+{
+  ErrorContext *context = (ErrorContext *)ctx;
+
+  if (type == PETSC_ERROR_INITIAL) {
+    const int   options      = !strncmp(function, "PetscOptions", 12) || code == PETSC_ERR_ARG_UNKNOWN_TYPE;
+    const char *text         = message ? message : "cannot be read";
+    char        culprit[256] = "";
+
+    if (code == MPM_ERR_INPUT || options || context->source) context->status = MPM_EXIT_INPUT;
+    else context->status = code == PETSC_ERR_FILE_WRITE ? MPM_EXIT_FILE : 0;
+    if (context->source && code != MPM_ERR_INPUT) {
+      (void)PetscSNPrintf(context->message, sizeof(context->message), "%s: %s", context->source, text);
+    } else if (options && code != MPM_ERR_INPUT) {
+      (void)MpmForeignOptionsFind(text, culprit, sizeof(culprit));
+      (void)PetscSNPrintf(context->message, sizeof(context->message), "%s: %s", *culprit ? culprit : "PETSc's options",
+                          text);
+    } else (void)PetscStrncpy(context->message, text, sizeof(context->message));
+  }
+  if (!context->status) return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, NULL);
+  return code;
+}
+
+#define MESSAGE_LENGTH 400
+
+/* Messages quote what the user wrote: whatever that was, a message is one line of text, whose middle may be left out. */
+static void MakeLine(char message[])
+{
+  const size_t length = strlen(message), half = MESSAGE_LENGTH / 2;
+
+  if (length > MESSAGE_LENGTH) {
+    memcpy(&message[half], " ... ", 5);
+    memmove(&message[half + 5], &message[length - half], half + 1);
+  }
+  for (char *c = message; *c; c++)
+    if (iscntrl((unsigned char)*c)) *c = ' ';
+}
+
+/* Are the words from this option on kept from PetscInitialize(), which has a traceback or pages of its own for them? */
+static int IsWithheld(const char word[])
+{
+  static const char *const starts[] = {"-mpm_", "-options_file", "-options_string", "-prefix_"};
+  static const char *const names[]  = {"-help", "-h", "-version", "-v"};
+
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(starts); i++)
+    if (!strncmp(word, starts[i], strlen(starts[i]))) return 1;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(names); i++)
+    if (!strcmp(word, names[i])) return 1;
+  return 0;
+}
+
+/*
+  PetscInitialize() would answer a bad options file with a traceback, so it is started without what is ours; all of it is
+  read afterwards, in the order of the command line.
+*/
+static PetscErrorCode Initialize(int argc, char **argv, char ***words)
+{
+  int    count = 0, withheld = 0;
+  char **kept = (char **)calloc((size_t)argc + 1, sizeof(char *));
+
+  for (int i = 0; i < argc; i++) {
+    if (argv[i][0] == '-' && isalpha((unsigned char)argv[i][1])) withheld = IsWithheld(argv[i]);
+    if (!withheld) kept[count++] = argv[i];
+  }
+  *words = kept;
+  return PetscInitialize(&count, words, NULL, NULL);
+}
+
+static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool yaml, ErrorContext *context)
+{
+  char      source[PETSC_MAX_PATH_LEN + 32];
+  PetscBool readable;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTestFile(path, 'r', &readable));
+  MpmCheckInput(readable, "%s %s: the file cannot be read", option, path);
+  PetscCall(MpmOptionsCheckFile(PETSC_COMM_WORLD, option, path, yaml));
+  PetscCall(PetscSNPrintf(source, sizeof(source), "%s %s", option, path));
+  context->source = source;
+  if (yaml) PetscCall(PetscOptionsInsertFileYAML(PETSC_COMM_WORLD, NULL, path, PETSC_TRUE));
+  /* by every rank: with the whole communicator, PETSc stops on the first one and leaves the others waiting */
+  else PetscCall(PetscOptionsInsertFile(PETSC_COMM_SELF, NULL, path, PETSC_TRUE));
+  context->source = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the files, in their order, and then the rest of the command line, which overrides them. */
+static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
+{
+  int       count = 1;
+  char    **rest;
+  PetscBool log;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((size_t)argc + 1, &rest));
+  rest[0] = argv[0];
+  for (int i = 1; i < argc; i++) {
+    const PetscBool yaml = (PetscBool)!strcmp(argv[i], "-options_file_yaml");
+
+    MpmCheckInput(strncmp(argv[i], "-prefix_p", 9), "%s: prefixes are not available on the command line", argv[i]);
+    if (!yaml && strcmp(argv[i], "-options_file")) {
+      rest[count++] = argv[i];
+      continue;
+    }
+    MpmCheckInput(i + 1 < argc, "%s is the last word of the command line: a file must follow", argv[i]);
+    PetscCall(ReadFile(argv[i], argv[i + 1], yaml, context));
+    i++;
+  }
+  context->source = "command line";
+  PetscCall(PetscOptionsInsert(NULL, &count, &rest, NULL));
+  context->source = NULL;
+  PetscCall(PetscFree(rest));
+  /* an option file may ask for the log that PetscInitialize() would have started */
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-log_view", &log));
+  if (log) PetscCall(PetscLogDefaultBegin());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is asked for instead of a run; PETSC_FALSE where nothing is. */
+static PetscErrorCode AnswerQuestions(int argc, int *status, PetscBool *answered)
+{
+  char      version[256], *all;
+  PetscBool set;
+
+  PetscFunctionBeginUser;
+  *answered = PETSC_TRUE;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-help_petsc", &set));
+  if (set) {
+    PetscCall(MpmHelpPetsc(PETSC_COMM_WORLD));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-version", &set));
+  if (set) {
+    PetscCall(PetscGetVersion(version, sizeof(version)));
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "talus %s\n%s\n", MPM_VERSION, version));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscOptionsGetAll(NULL, &all));
+  *answered = (PetscBool)(argc == 1 && !all[0]);
+  PetscCall(PetscFree(all));
+  if (*answered) {
+    PetscCall(MpmHelpUsage(PETSC_COMM_WORLD, stderr));
+    *status = MPM_EXIT_INPUT;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *status)
+{
+  MpmModel  model;
+  PetscBool answered, help = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadOptions(argc, argv, context));
+  PetscCall(AnswerQuestions(argc, status, &answered));
+  if (answered) PetscFunctionReturn(PETSC_SUCCESS);
+  help = MpmOptionsHelp();
+  if (help) PetscCall(MpmHelpBegin(PETSC_COMM_WORLD));
+  PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
+  PetscCall(MpmModelSetFromOptions(model));
+  if (help) {
+    PetscCall(MpmHelpEnd(PETSC_COMM_WORLD));
+    PetscCall(PetscOptionsClearValue(NULL, "-help")); /* else PETSc goes on with its own when it ends */
+    PetscCall(PetscOptionsClearValue(NULL, "-h"));
+  }
+  if (!help) PetscCall(MpmModelRun(model, status));
+  PetscCall(MpmModelDestroy(&model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The end after a file that could not be written. HDF5 cannot let go of such a file: it tries once more when MPI ends, and
+  crashes. So the program ends without either, once all ranks are here.
+*/
+static void EndAtOnce(int status)
+{
+  PetscMPIInt size;
+
+  (void)fflush(NULL);
+  (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  (void)MPI_Barrier(PETSC_COMM_WORLD);
+  if (size > 1) (void)MPI_Abort(PETSC_COMM_WORLD, status);
+  _exit(status);
+}
+
+int main(int argc, char **argv)
+{
+  ErrorContext   context = {NULL, 0, ""};
+  int            status  = 0;
+  char         **words   = NULL;
+  PetscErrorCode error;
+
+  if (Initialize(argc, argv, &words)) return 1;
+  (void)signal(SIGPIPE, SIG_DFL); /* who reads the output through `head` has seen enough: no traceback */
+  PetscCall(PetscPushErrorHandler(HandleError, &context));
+  error = Run(argc, argv, &context, &status);
+  if (error && context.status) {
+    MakeLine(context.message);
+    (void)PetscFPrintf(PETSC_COMM_WORLD, stderr, "talus: error: %s\n", context.message);
+    status = context.status;
+    if (status == MPM_EXIT_FILE) EndAtOnce(status);
+    (void)PetscOptionsClearValue(NULL, "-options_left"); /* many, in a scene that was not read to its end */
+  } else if (error) {
+    MPI_Abort(PETSC_COMM_WORLD, 1);
+  }
+  PetscCall(PetscPopErrorHandler());
+  PetscCall(PetscFinalize());
+  free(words);
+  return status;
+}

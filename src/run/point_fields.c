@@ -1,0 +1,242 @@
+/*
+  The fields of the points that are written, made one at a time while they are.
+*/
+#include "run/run.h"
+
+/* One field: what the functions below need to make it. */
+typedef struct {
+  MpmModel         model;
+  const MpmPoints *points;
+  const char      *state; /* a history variable's name */
+  PetscInt         rate;  /* which value with a rate */
+  PetscInt         components;
+} Source;
+
+/* Symmetric tensors are written with six components: xx, yy, zz, xy, yz, xz. */
+static void CopySym(PetscInt dim, const PetscReal from[], PetscReal to[])
+{
+  for (PetscInt c = 0; c < 6; c++) to[c] = c < (dim == 2 ? 4 : 6) ? from[c] : 0.;
+}
+
+/* In plane strain the third axis does not stretch. */
+static void CopyF(PetscInt dim, const PetscReal from[], PetscReal to[])
+{
+  for (PetscInt a = 0; a < 3; a++)
+    for (PetscInt b = 0; b < 3; b++) to[3 * a + b] = a < dim && b < dim ? from[a * dim + b] : a == b ? 1. : 0.;
+}
+
+static PetscErrorCode FillDisplacement(const void *ctx, PetscReal values[])
+{
+  const MpmPoints *points = ((const Source *)ctx)->points;
+  const PetscInt   dim    = ((const Source *)ctx)->model->disc.grid.dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < points->count * dim; k++) values[k] = points->x[k] - points->x0[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillStress(const void *ctx, PetscReal values[])
+{
+  const Source *source = (const Source *)ctx;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < source->points->count; p++) {
+    CopySym(source->model->disc.grid.dim, &source->points->stress[p * source->model->state.particles.stress_size],
+            &values[6 * p]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
+{
+  const MpmPoints *points = ((const Source *)ctx)->points;
+  const PetscInt   dim    = ((const Source *)ctx)->model->disc.grid.dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++)
+    values[p] = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillMass(const void *ctx, PetscReal values[])
+{
+  const MpmPoints   *points    = ((const Source *)ctx)->points;
+  const MpmMaterial *materials = ((const Source *)ctx)->model->scene.materials.at;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) values[p] = MpmPointMass(points, materials, p);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillF(const void *ctx, PetscReal values[])
+{
+  const MpmPoints *points = ((const Source *)ctx)->points;
+  const PetscInt   dim    = ((const Source *)ctx)->model->disc.grid.dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) CopyF(dim, &points->F[p * dim * dim], &values[9 * p]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A history variable: zero where a point's law has none of this name. */
+static PetscErrorCode FillState(const void *ctx, PetscReal values[])
+{
+  const Source    *source = (const Source *)ctx;
+  const MpmPoints *points = source->points;
+  const MpmModel   model  = source->model;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(values, points->count * source->components));
+  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
+    const MpmLawInfo *info  = &model->scene.materials.at[m].info;
+    PetscInt          first = 0;
+    size_t            v     = 0;
+
+    while (v < info->state_count && strcmp(info->states[v].name, source->state))
+      first += MpmStateComponents(&info->states[v++], model->disc.grid.dim);
+    for (PetscInt p = 0; p < points->count && v < info->state_count; p++) {
+      const PetscReal *state = &points->state[p * model->state.particles.state_size + first];
+
+      if (points->material[p] != m) continue;
+      if (source->components == 6) CopySym(model->disc.grid.dim, state, &values[6 * p]);
+      else values[p] = state[0];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillRate(const void *ctx, PetscReal values[])
+{
+  const Source  *source = (const Source *)ctx;
+  const PetscInt rates  = source->model->disc.layout.rates;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < source->points->count; p++) values[p] = source->points->value[p * rates + source->rate];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the list ---- */
+
+/* All fields of a model that may be chosen. Points may be NULL where only names are wanted. */
+typedef struct {
+  PetscInt    count;
+  MpmDataset *set;
+  Source     *source;
+} Fields;
+
+static void Add(Fields *fields, const MpmDataset *set, const Source *source)
+{
+  for (PetscInt k = 0; k < fields->count; k++)
+    if (!strcmp(fields->set[k].name, set->name)) return; /* several laws have it */
+  fields->source[fields->count]            = *source;
+  fields->source[fields->count].components = set->components;
+  fields->set[fields->count]               = *set;
+  if (set->fill) fields->set[fields->count].ctx = &fields->source[fields->count];
+  fields->count++;
+}
+
+static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fields *fields)
+{
+  const PetscInt   dim      = model->disc.grid.dim;
+  Source           source   = {.model = model, .points = points};
+  const MpmDataset always[] = {
+    {.name = "material", .components = 1, .integer = points ? points->material : NULL},
+    {.name = "displacement", .components = dim, .fill = FillDisplacement},
+    {.name = "stress", .components = 6, .fill = FillStress},
+    {.name = "volume", .components = 1, .fill = FillVolume},
+    {.name = "mass", .components = 1, .fill = FillMass},
+    {.name = "F", .components = 9, .fill = FillF},
+    {.name = "half_length", .components = dim, .real = points ? points->half_length : NULL},
+  };
+  const size_t known    = PETSC_STATIC_ARRAY_LENGTH(always) - (MpmShapeHasDomain(model->scene.shape) ? 0 : 1);
+  PetscInt     capacity = (PetscInt)known + model->disc.layout.rates;
+
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < model->scene.materials.count; m++)
+    capacity += (PetscInt)model->scene.materials.at[m].info.state_count;
+  fields->count = 0;
+  PetscCall(PetscMalloc2(capacity, &fields->set, capacity, &fields->source));
+  for (size_t k = 0; k < known; k++) Add(fields, &always[k], &source);
+  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
+    for (size_t v = 0; v < model->scene.materials.at[m].info.state_count; v++) {
+      const MpmStateVariable *variable = &model->scene.materials.at[m].info.states[v];
+      const MpmDataset        set      = {
+                    .name = variable->name, .components = variable->kind == MPM_STATE_SYM ? 6 : 1, .fill = FillState};
+
+      source.state = variable->name;
+      Add(fields, &set, &source);
+    }
+  }
+  for (source.rate = 0; source.rate < model->disc.layout.rates; source.rate++) {
+    const MpmDataset set = {.name = model->disc.layout.component_name[model->disc.layout.rate_component[source.rate]],
+                            .components = 1,
+                            .fill       = FillRate};
+
+    Add(fields, &set, &source);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FieldsDestroy(Fields *fields)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree2(fields->set, fields->source));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is a field wanted? Without a choice, all are. */
+static PetscBool IsChosen(MpmModel model, const char *name)
+{
+  for (PetscInt k = 0; k < model->results->output_field_count; k++)
+    if (!strcmp(model->results->output_fields[k], name)) return PETSC_TRUE;
+  return (PetscBool)(!model->results->output_field_count);
+}
+
+PetscErrorCode MpmFieldsCheck(MpmModel model)
+{
+  Fields fields;
+  char   known[1024] = "";
+
+  PetscFunctionBeginUser;
+  PetscCall(FieldsCreate(model, NULL, &fields));
+  for (PetscInt i = 0; i < fields.count; i++) {
+    if (i) PetscCall(PetscStrlcat(known, ", ", sizeof(known)));
+    PetscCall(PetscStrlcat(known, fields.set[i].name, sizeof(known)));
+  }
+  for (PetscInt k = 0; k < model->results->output_field_count; k++) {
+    PetscBool found = PETSC_FALSE;
+
+    for (PetscInt i = 0; i < fields.count; i++)
+      if (!strcmp(fields.set[i].name, model->results->output_fields[k])) found = PETSC_TRUE;
+    MpmCheckInput(found, "-mpm_output_fields %s: there is no such field, must be of %s",
+                  model->results->output_fields[k], known);
+  }
+  PetscCall(FieldsDestroy(&fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFieldsWrite(MpmModel model)
+{
+  const PetscInt dim   = model->disc.grid.dim;
+  PetscInt       count = 0;
+  MpmPoints      points;
+  MpmDataset    *sets;
+  Fields         fields;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(FieldsCreate(model, &points, &fields));
+  PetscCall(PetscMalloc1((fields.count + 2), &sets));
+  sets[count++] = (MpmDataset){.name = "position", .components = dim, .real = points.x};
+  if (!MpmOutputStarted(model->results->output) || model->state.reference_output)
+    sets[count++] = (MpmDataset){.name = "position0", .components = dim, .real = points.x0};
+  model->state.reference_output = PETSC_FALSE;
+  for (PetscInt i = 0; i < fields.count; i++)
+    if (IsChosen(model, fields.set[i].name)) sets[count++] = fields.set[i];
+  PetscCall(
+    MpmOutputWrite(model->results->output, model->state.step, model->state.time, points.count, points.id, count, sets));
+  PetscCall(PetscFree(sets));
+  PetscCall(FieldsDestroy(&fields));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,183 @@
+/*
+  What the model hands to its writers: points, history, summary.
+*/
+#include "run/run.h"
+
+static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(path, size, "%s%s", model->scene.prefix, suffix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- states ---- */
+
+PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
+{
+  static const char *const words[]   = {"double", "single", NULL};
+  PetscInt                 precision = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsBool(block, "grid", "write the grid too: its active nodes and cells",
+                           &model->results->output_grid, NULL));
+  PetscCall(MpmOptionsWord(block, "precision", "of the reals that are written", words, MPM_OPTIONAL, &precision, NULL));
+  model->results->output_single = (PetscBool)(precision == 1);
+  PetscCall(MpmOptionsNames(block, "fields",
+                            "fields of the points that are written besides id and position; default: all", MPM_OPTIONAL,
+                            &model->results->output_field_count, &model->results->output_fields));
+  if (!MpmOptionsHelp()) PetscCall(MpmFieldsCheck(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelWriteOutput(MpmModel model)
+{
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  PetscCall(MpmFieldsWrite(model));
+  if (model->results->output_grid) PetscCall(MpmLatticeWrite(model));
+  model->results->output_step = model->state.step;
+  MpmMonitorClock(&model->monitor, MPM_TIME_OUTPUT, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- history ---- */
+
+/* Names the columns; returns how many there are. Names are allocated. */
+static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
+{
+  static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
+  const PetscInt           dim = model->disc.grid.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
+  PetscInt                 capacity = fixed + model->results->tracks.count * dim +
+                      model->scene.bcs.count * (model->disc.layout.block + 1) +
+                      model->scene.boundaries.count * (dim + 1) + 1;
+  char name[512];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(capacity, names));
+  *count = 0;
+  for (PetscInt k = 0; k < fixed; k++) PetscCall(PetscStrallocpy(first[k], &(*names)[(*count)++]));
+  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
+    for (PetscInt k = 0; k < model->scene.bcs.at[b].component_count; k++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->scene.bcs.names[b],
+                              model->disc.layout.component_name[model->scene.bcs.at[b].component[k]]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+    if (model->scene.bcs.at[b].inclined) { /* along the normal */
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->scene.bcs.names[b]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+  }
+  for (PetscInt b = 0; b < model->scene.boundaries.count; b++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.boundaries.names[b], "xyz"[a]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+    PetscCall(PetscSNPrintf(name, sizeof(name), "depth_%s", model->scene.boundaries.names[b]));
+    PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+  }
+  for (PetscInt t = 0; t < model->results->tracks.count; t++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "track_%s_u%c", model->results->tracks.names[t], "xyz"[a]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+  }
+  if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelCreateHistory(MpmModel model)
+{
+  const MpmOptions options = {model->comm, "mpm_", model->record};
+  char             path[PETSC_MAX_PATH_LEN], **names;
+  PetscLogDouble   since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  PetscCall(HistoryColumns(model, &model->results->history_columns, &names));
+  PetscCall(ResultPath(model, "_history.csv", path, sizeof(path)));
+  if (model->results->checkpoint.restart) PetscCall(MpmRestartHistory(model, path, (const char *const *)names));
+  else {
+    PetscCall(MpmHistoryCreate(model->comm, path, model->results->history_columns, (const char *const *)names,
+                               &model->results->history));
+  }
+  PetscCall(PetscMalloc1(model->results->history_columns, &model->results->history_row));
+  PetscCall(MpmNamesDestroy(model->results->history_columns, &names));
+  PetscCall(ResultPath(model, "_options.yaml", path, sizeof(path)));
+  PetscCall(MpmOptionsWriteYAML(&options, path));
+  MpmMonitorClock(&model->monitor, MPM_TIME_OUTPUT, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
+{
+  PetscReal     *row = model->results->history_row;
+  PetscInt       k   = 0;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  row[k++] = (PetscReal)model->state.step;
+  row[k++] = model->state.time;
+  row[k++] = dt;
+  row[k++] = (PetscReal)model->solver.newton;
+  row[k++] = (PetscReal)model->solver.linear;
+  row[k++] = (PetscReal)model->state.cuts;
+  row[k++] = model->scene.loads.count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
+  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
+    const PetscReal *reaction = &model->disc.reaction[b * model->disc.layout.block];
+
+    for (PetscInt c = 0; c < model->scene.bcs.at[b].component_count; c++)
+      row[k++] = reaction[model->scene.bcs.at[b].component[c]];
+    if (!model->scene.bcs.at[b].inclined) continue;
+    row[k] = 0.;
+    for (PetscInt a = 0; a < model->disc.grid.dim; a++) row[k] += reaction[a] * model->scene.bcs.at[b].normal[a];
+    k++;
+  }
+  for (PetscInt b = 0; b < model->scene.boundaries.count; b++) {
+    for (PetscInt a = 0; a < model->disc.grid.dim; a++) row[k++] = model->disc.contacts.reaction[b][a];
+    row[k++] = model->disc.contacts.depth[b];
+  }
+  for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.grid.dim)
+    PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], &model->state.particles, &row[k]));
+  if (model->scene.stages[0].name) row[k] = (PetscReal)model->state.stage + 1.;
+  PetscCall(MpmHistoryAppend(model->results->history, row));
+  MpmMonitorClock(&model->monitor, MPM_TIME_OUTPUT, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- summary ---- */
+
+PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
+{
+  MpmSummary     summary = {.status            = status,
+                            .dim               = model->disc.grid.dim,
+                            .title             = model->scene.title,
+                            .physics           = model->scene.physics.name,
+                            .shape             = MpmShapeTypes[model->scene.shape],
+                            .jacobian          = MpmJacobianTypes[model->solver.jacobian_type],
+                            .solver            = model->solver.name,
+                            .points            = model->state.particles.total,
+                            .cells             = 1,
+                            .active_dofs_max   = model->state.active_dofs_max,
+                            .steps             = model->state.step,
+                            .step_cuts         = model->state.cuts_total,
+                            .newton_iterations = model->solver.newton_total,
+                            .linear_iterations = model->solver.linear_total,
+                            .imbalance         = model->state.particles.imbalance,
+                            .rebalances        = model->state.particles.rebalances};
+  char           path[PETSC_MAX_PATH_LEN];
+  PetscLogDouble now;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < model->disc.grid.dim; a++) summary.cells *= model->disc.grid.cells[a];
+  PetscCall(PetscTime(&now));
+  summary.time_total = now - model->results->start;
+  PetscCall(PetscArraycpy(summary.time, model->monitor.seconds, MPM_TIME_COUNT));
+  PetscCall(MpmSummaryReduce(model->comm, &summary));
+  PetscCall(ResultPath(model, "_summary.json", path, sizeof(path)));
+  PetscCall(MpmSummaryWrite(model->comm, path, MPM_VERSION, &summary));
+  if (!model->results->quiet) PetscCall(MpmTerminalSummary(model->comm, &summary));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

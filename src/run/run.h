@@ -1,0 +1,157 @@
+#pragma once
+/*
+  The run: reading of scenes, results, progress, checkpoints.
+*/
+#include "time/time.h"
+
+/* A set of points that is followed; the field holds each point's share of the mean. */
+typedef struct {
+  char     *name, *share_field;
+  PetscReal at[MPM_MAX_DIM];
+  PetscInt  nearest;
+  MpmRegion region;
+} MpmTrack;
+
+PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
+PetscErrorCode MpmTrackDestroy(MpmTrack *track);
+PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
+PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[]);
+
+/* Sets of points that are followed, with the names of their blocks. */
+typedef struct {
+  PetscInt  count;
+  char    **names;
+  MpmTrack *at;
+} MpmTracks;
+
+/* ---- checkpoint.c, restart.c, scalars.c, signals.c ---- */
+
+/* A checkpoint that a run goes on from (restart.c). */
+typedef struct _p_MpmRestart *MpmRestart;
+
+/* When checkpoints are written, and the one that the run has started from. */
+typedef struct {
+  PetscInt    every, keep;
+  PetscReal   wall;       /* s between them, 0: not by wall time */
+  PetscReal   collective; /* bytes from which all ranks read and write together */
+  char       *from;       /* the option -mpm_restart, or NULL */
+  PetscInt64  run;        /* a number of its own for each run; it stays the same over restarts */
+  PetscInt    step;       /* of the last one, -1: none yet */
+  PetscReal   since;      /* wall time of the last one, or of the start */
+  MpmTextFile options;    /* rank 0: those that continue the run */
+  PetscBool   options_written;
+  MpmRestart  restart; /* NULL: the run starts at the beginning */
+} MpmCheckpoint;
+
+/* The model's numbers by name, as they stand in a checkpoint (scalars.c). */
+typedef struct {
+  PetscInt     count;
+  const char **name;
+  PetscBool   *real, *there; /* a real number or an integer; is it in the checkpoint? */
+  PetscReal   *value;
+  PetscInt64  *number;
+} MpmScalars;
+PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars);
+PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, MpmModel model);
+PetscErrorCode MpmScalarsDestroy(MpmScalars *scalars);
+
+PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *options);
+/* The text of all options that define the scene and must be the same when a run goes on, a line each; or of those given. */
+PetscErrorCode MpmCheckpointScene(MpmModel model, PetscBool given, MpmTextFile *scene);
+/* Keeps the options that continue the run, before presets have added theirs. */
+PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmCheckpointWrite(MpmModel model);
+/* To be called after each step: writes what is due; `stop`: a signal asks for the end of the run. */
+PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop);
+PetscErrorCode MpmCheckpointDestroy(MpmCheckpoint *checkpoint);
+
+/*
+  Going on, in this order: Open finds the checkpoint and checks it against the scene, ReadPoints fills the particles in
+  place of the bodies, Apply sets the model's numbers once the solver is chosen, Results takes up the result files.
+*/
+PetscErrorCode MpmRestartOpen(MpmModel model);
+PetscErrorCode MpmRestartReadPoints(MpmModel model);
+PetscErrorCode MpmRestartApply(MpmModel model);
+PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *const names[]);
+/* Without `apply` it only looks whether the file can be continued. */
+PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply);
+PetscErrorCode MpmRestartDestroy(MpmRestart *restart);
+
+/* From Catch to Release, SIGTERM, SIGUSR1 and a first SIGINT only leave a note. */
+PetscErrorCode MpmSignalsCatch(void);
+PetscErrorCode MpmSignalsRelease(void);
+PetscBool      MpmSignalsCaught(void);
+
+/* ---- terminal.c ---- */
+
+/* What the line of a step needs to know of the steps before. */
+typedef struct {
+  PetscLogDouble since;             /* the end of the step before */
+  PetscReal      seconds, progress; /* wall time and time of the run, fading */
+  PetscInt       lines;
+} MpmTerminal;
+
+/* Header, line of a step, and a line between two steps; nothing with -mpm_quiet. */
+PetscErrorCode MpmTerminalBegin(MpmModel model);
+PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt);
+/* The table of where the time went, and the sizes, for the terminal. */
+PetscErrorCode MpmTerminalSummary(MPI_Comm comm, const MpmSummary *summary);
+/* The listener to the model's monitor. */
+PetscErrorCode MpmTerminalMessage(void *model, PetscBool line, const char text[]);
+/* "0:02:05", "4 d 4 h" */
+#define MPM_DURATION_TEXT 32
+void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
+
+/* The points' fields that the scene asks for (fields.c): do they exist? Into the output. */
+PetscErrorCode MpmFieldsCheck(MpmModel model);
+PetscErrorCode MpmFieldsWrite(MpmModel model);
+/* Active nodes and cells into the output (lattice.c). */
+PetscErrorCode MpmLatticeWrite(MpmModel model);
+struct MpmResults {
+  PetscInt      output_every;
+  PetscInt      output_step; /* of the last written state */
+  PetscBool     output_grid, output_single;
+  PetscInt      output_field_count; /* 0: all */
+  char        **output_fields;
+  MpmOutput     output;
+  MpmHistory    history;
+  PetscReal    *history_row;
+  PetscInt      history_columns;
+  PetscReal     start;
+  PetscBool     quiet;
+  MpmTracks     tracks;
+  MpmCheckpoint checkpoint;
+  MpmTerminal   terminal;
+};
+
+/* Results (results.c). */
+PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
+PetscErrorCode MpmModelWriteOutput(MpmModel model);
+PetscErrorCode MpmModelCreateHistory(MpmModel model);
+PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
+PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);
+/*
+  Bodies side by side (overlap.c): points on edges that two of them share are made once; and a scene in which two
+  overlap that are there at the same time is refused, once the points are with their ranks.
+*/
+PetscErrorCode MpmBodiesShareEdges(MpmModel model);
+PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
+/* A line of the run's header where bodies share nodes (weld.c). */
+PetscErrorCode MpmWeldsPrint(MpmModel model);
+/*
+  Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
+  bodies, conditions and stages are known.
+*/
+PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmStabilizationSettle(MpmModel model);
+PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[]);
+
+/* ---- manual.c ---- */
+
+/* How the program is called, in four lines. */
+PetscErrorCode MpmHelpUsage(MPI_Comm comm, FILE *file);
+/* What stands before the options, and behind them. */
+PetscErrorCode MpmHelpBegin(MPI_Comm comm);
+PetscErrorCode MpmHelpEnd(MPI_Comm comm);
+/* PETSc's own options for Newton's method and linear solvers, as PETSc prints them. */
+PetscErrorCode MpmHelpPetsc(MPI_Comm comm);

@@ -1,0 +1,162 @@
+/*
+  What keeps the discrete problem sound: the ghost penalty against small cuts (ghost.c) and F-bar against volumetric
+  locking (mean.c), and how `auto` chooses.
+
+  Volumetric locking: where material hardly changes its volume, or flows plastically so that its volume follows from its
+  shear, a low-order grid has more such conditions than unknowns that could meet them, and resists what the material does
+  not. Limit loads and factors of safety then come out too high, on the unsafe side, at any dilation (slope of Griffiths and
+  Lane 1999, doi:10.1680/geot.1999.49.3.387, example 1, 20 cells a height: 1.52 to 1.6 without F-bar, 1.36 with it). So
+  `auto` takes F-bar where any law flows or has a Poisson's ratio above 0.45, for every shape. Where no more than one
+  component of the displacement is free, as in a column between smooth walls, the volume changes with that component alone,
+  nothing can lock, and the mean over a cell would only cost accuracy.
+*/
+#include "run/run.h"
+
+/* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn. */
+static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", NULL};
+
+PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
+{
+  const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
+  PetscInt         word  = 0;
+  char            *ghost;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(&block, "Stabilization"));
+  PetscCall(MpmOptionsText(&block, "ghost",
+                           "penalty on the faces of edge cells, against small cuts: auto (1e-2 for every shape and "
+                           "solver; 1e-1 on all faces where bodies have one point a cell, and where a run would give "
+                           "up with less), off, or a factor times Young's modulus (error of a clamped beam's end over "
+                           "its length, gimp, h = L/160: 1.5e-3 without, 7.7e-5 with auto)",
+                           "auto", MPM_OPTIONAL, &ghost));
+  model->state.ghost_auto   = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
+  model->state.ghost_rescue = model->state.ghost_auto;
+  model->disc.ghost         = model->state.ghost_auto ? MPM_GHOST_FACTOR : 0.;
+  if (!model->state.ghost_auto && strcmp(ghost, "off")) {
+    MpmCheckInput(MpmParseReal(ghost, &model->disc.ghost) && model->disc.ghost >= 0.,
+                  "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
+  }
+  PetscCall(PetscFree(ghost));
+  PetscCall(MpmOptionsWord(&block, "fbar",
+                           "average the volume change over cells, against locking: auto (where a law flows "
+                           "plastically or nu is above 0.45, unless only one component of the displacement is free), "
+                           "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
+                           "1.37 with)",
+                           fbar_words, MPM_OPTIONAL, &word, NULL));
+  PetscCall(MpmStabilityRead(&model->solver, options));
+  model->scene.fbar_auto = (PetscBool)(word == 0);
+  model->scene.fbar      = (PetscBool)(word % 2 == 1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The box of all bodies' cells; the grid's where points come from a file. */
+static PetscErrorCode FindBox(const MpmModel model, PetscReal lower[], PetscReal upper[])
+{
+  const MpmGrid *grid               = &model->disc.grid;
+  PetscInt       first[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, end[MPM_MAX_DIM] = {0, 0, 0};
+  PetscReal      points;
+  PetscBool      whole = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+    whole = (PetscBool)(whole || MpmBodyIsImported(model->scene.bodies.at[b]));
+    PetscCall(MpmBodyEstimate(model->scene.bodies.at[b], grid, first, end, &points));
+  }
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    lower[a] = whole ? grid->lower[a] : grid->lower[a] + grid->h[a] * (PetscReal)first[a];
+    upper[a] = whole ? grid->upper[a] : grid->lower[a] + grid->h[a] * (PetscReal)end[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does the condition prescribe the component at every node of the box, in all stages? */
+static PetscBool Prescribes(const MpmModel model, PetscInt b, PetscInt component, const PetscReal lower[],
+                            const PetscReal upper[])
+{
+  const MpmCondition *bc  = &model->scene.bcs.at[b];
+  PetscBool           has = PETSC_FALSE;
+
+  for (PetscInt k = 0; k < bc->component_count && !bc->inclined; k++)
+    has = (PetscBool)(has || bc->component[k] == component);
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) has = (PetscBool)(has && model->scene.stages[k].bcs[b]);
+  return (PetscBool)(has && MpmRegionGetType(bc->region) <= MPM_REGION_BOX && MpmRegionContains(bc->region, lower) &&
+                     MpmRegionContains(bc->region, upper));
+}
+
+/* How many components of the displacement no condition prescribes everywhere. */
+static PetscErrorCode CountFree(const MpmModel model, PetscInt *count)
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  *count = model->disc.grid.dim;
+  PetscCall(FindBox(model, lower, upper));
+  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+    PetscBool prescribed = PETSC_FALSE;
+
+    for (PetscInt b = 0; b < model->scene.bcs.count && !prescribed; b++)
+      prescribed = Prescribes(model, b, a, lower, upper);
+    if (prescribed) --*count;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What `auto` says of F-bar, and why. */
+static PetscErrorCode ChooseFbar(MpmModel model)
+{
+  const MpmMaterial *locks = NULL;
+  PetscInt           count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < model->scene.materials.count && !locks; m++) {
+    const MpmMaterial *material = &model->scene.materials.at[m];
+
+    if ((material->info.traits & MPM_LAW_PLASTIC) || material->nu > MPM_NU_LOCKS) locks = material;
+  }
+  model->scene.fbar_why = "no law flows or is nearly incompressible";
+  if (!locks) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CountFree(model, &count));
+  model->scene.fbar     = (PetscBool)(count > 1);
+  model->scene.fbar_why = !model->scene.fbar                     ? "one free component: nothing locks"
+                          : locks->info.traits & MPM_LAW_PLASTIC ? "plastic flow would lock"
+                                                                 : "nu above 0.45 would lock";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilizationSettle(MpmModel model)
+{
+  const PetscBool ours = (PetscBool)!strcmp(model->scene.physics.name, "solid");
+  PetscBool       found;
+
+  PetscFunctionBeginUser;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->scene.fbar_auto && ours) PetscCall(ChooseFbar(model));
+  MpmCheckInput(ours || !model->scene.fbar,
+                "-mpm_stabilization_fbar true: not available for physics %s, must be auto or false",
+                model->scene.physics.name);
+  if (!model->scene.fbar) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPhysicsCreate("solid_fbar", &model->scene.physics, &found));
+  PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics solid_fbar is not compiled in");
+  model->scene.physics.name = "solid";
+  PetscCall(MpmLayoutCreate(&model->scene.physics, model->disc.grid.dim, &model->disc.layout));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What acts, and why, for the header of a run. */
+PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[])
+{
+  char      ghost[64] = "off";
+  PetscBool sparse    = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < model->scene.materials.count; m++)
+    sparse = (PetscBool)(sparse || model->scene.materials.at[m].spacing >= 1.);
+  if (model->disc.ghost > 0.)
+    PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "%g%s%s", (double)model->disc.ghost,
+                            model->state.ghost_auto ? " (auto)" : "",
+                            sparse ? ", all faces where points are one a cell" : ""));
+  PetscCall(PetscSNPrintf(text, length, "ghost penalty %s; F-bar %s%s%s%s", ghost, model->scene.fbar ? "on" : "off",
+                          model->scene.fbar_why ? " (auto: " : "", model->scene.fbar_why ? model->scene.fbar_why : "",
+                          model->scene.fbar_why ? ")" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,71 @@
+/*
+  Tracks: sets of points whose mean displacement stands in the history. They are picked in the initial state; each point's
+  share travels with it in a field of the particles.
+*/
+#include "run/run.h"
+
+PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)
+{
+  char       prefix[256], field[256];
+  MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(track, sizeof(*track)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_track_%s_", name));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "track_%s", name));
+  PetscCall(PetscStrallocpy(name, &track->name));
+  PetscCall(PetscStrallocpy(field, &track->share_field));
+  PetscCall(MpmOptionsHeading(&block, "Track"));
+  PetscCall(MpmSelectionRead(&block, grid, track->at, &track->nearest, &track->region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackDestroy(MpmTrack *track)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(track->name));
+  PetscCall(PetscFree(track->share_field));
+  PetscCall(MpmRegionDestroy(&track->region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles)
+{
+  MpmPoints  points;
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  if (track->region) PetscCall(MpmSelectRegion(grid, &points, "track", track->name, track->region, share));
+  else
+    PetscCall(
+      MpmSelectNearest(grid, &points, particles->total, "track", track->name, track->at, track->nearest, share));
+  PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[])
+{
+  const PetscInt dim = particles->dim;
+  PetscReal     *share, *x, *x0;
+  PetscInt       count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < dim; a++) displacement[a] = 0.;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmGetField(particles->swarm, "position0", NULL, NULL, (void **)&x0));
+  for (PetscInt p = 0; p < count; p++) {
+    if (share[p] == 0.) continue;
+    for (PetscInt a = 0; a < dim; a++) displacement[a] += share[p] * (x[p * dim + a] - x0[p * dim + a]);
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position0", NULL, NULL, (void **)&x0));
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, displacement, (PetscMPIInt)dim, MPIU_REAL, MPIU_SUM,
+                           PetscObjectComm((PetscObject)particles->swarm)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

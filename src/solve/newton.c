@@ -1,0 +1,341 @@
+/*
+  Newton's parts: residual and Jacobian as SNES calls them, when a step has converged, and the line search.
+*/
+#include "solve/solve.h"
+
+/* Brings the solution vector to the local nodes, ghosts included, as components along the axes. */
+PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
+{
+  const PetscScalar *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayRead(x, &values));
+  PetscCall(PetscArraycpy(solver->disc->u, values, solver->disc->space.owned * solver->disc->layout.block));
+  PetscCall(VecRestoreArrayRead(x, &values));
+  PetscCall(MpmSpaceToGhosts(&solver->disc->space, solver->disc->layout.block, solver->disc->u));
+  MpmFramesToAxes(&solver->disc->constraints, solver->disc->layout.block, solver->disc->space.local, solver->disc->u);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
+{
+  const PetscInt count = solver->disc->space.local * solver->disc->layout.block;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++) solver->disc->residual[k] = -solver->disc->force[k];
+  solver->disc->sum.trial = solver->disc->sum.rest ? NULL : &solver->disc->trial;
+  PetscCall(
+    MpmTermsResidual(&solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
+  PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
+  solver->disc->trial.made = (PetscBool)(solver->disc->sum.trial != NULL);
+  if (solver->disc->trial.made) PetscCall(PetscArraycpy(solver->disc->trial.u, solver->disc->u, count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same with the Jacobian's sums, in one pass. */
+static PetscErrorCode SumBoth(MpmSolver *solver, PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < solver->disc->space.local * solver->disc->layout.block; k++)
+    solver->disc->residual[k] = -solver->disc->force[k];
+  solver->cache.overwritten = PETSC_TRUE;
+  solver->disc->trial.made  = PETSC_FALSE;
+  PetscCall(
+    MpmPatternBegin(&solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, solver->jacobian));
+  PetscCall(MpmTermsTangent(&solver->disc->terms, &solver->disc->sum, solver->disc->u, &solver->disc->pattern,
+                            solver->disc->residual, failed));
+  PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  f = internal - external force; on held unknowns, diagonal * (u - value). Where a point has no answer f becomes
+  infinite and SNES backs off. The tangents' kernel gives the fluxes too: where a Jacobian at the same place is sure to
+  follow, its sums are made in the same pass.
+*/
+static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
+{
+  MpmSolver         *solver = (MpmSolver *)ctx;
+  const PetscInt     bs     = solver->disc->layout.block;
+  const PetscScalar *at;
+  PetscScalar       *values;
+  PetscLogDouble     since;
+  PetscInt           failed;
+
+  PetscFunctionBeginUser;
+  (void)snes;
+  PetscCall(PetscTime(&since));
+  PetscCall(MpmGatherSolution(solver, x));
+  solver->cache.made  = (PetscBool)(solver->cache.ahead && solver->jacobian_type == MPM_JACOBIAN_LOCAL);
+  solver->cache.ahead = PETSC_FALSE;
+  if (solver->cache.made) PetscCall(SumBoth(solver, &failed));
+  else PetscCall(MpmSumResidual(solver, &failed));
+  MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, solver->disc->residual);
+  PetscCall(VecGetArrayRead(x, &at));
+  PetscCall(VecGetArrayWrite(f, &values));
+  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
+    values[k] = solver->disc->constraints.condition[k] < 0
+                  ? solver->disc->residual[k]
+                  : solver->disc->diagonal * (at[k] - solver->disc->constraints.value[k]);
+  }
+  PetscCall(VecRestoreArrayRead(x, &at));
+  /* a rank may own no unknown of its failing points: the flag travels apart */
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->grid.comm));
+  if (failed && solver->disc->space.owned) values[0] = PETSC_INFINITY;
+  PetscCall(VecRestoreArrayWrite(f, &values));
+  MpmMonitorClock(solver->monitor, solver->cache.made ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A displacement unknown is weak when its diagonal is below this part of a typical one; it is raised by that part. */
+#define WEAK_NODE 1e-3
+#define WEAK_LIFT 1e-11
+
+/*
+  Nodes that the corner of a single domain touches have more unknowns than the point has strains: a direct solver then
+  returns, in modes without energy, whatever rounding gives, and the result depends on the number of ranks. Raising the
+  diagonal of weak nodes a little makes these modes zero. Newton's residual is untouched, so what it converges to is.
+*/
+static PetscErrorCode LiftWeakNodes(MpmSolver *solver, Mat J)
+{
+  const PetscInt bs = solver->disc->layout.block, dim = solver->disc->grid.dim;
+  Vec            diagonal;
+  PetscScalar   *d;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecDuplicate(solver->x, &diagonal));
+  PetscCall(MatGetDiagonal(J, diagonal));
+  PetscCall(VecGetArray(diagonal, &d));
+  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
+    if (k % bs < dim && PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal) d[k] *= 1. + WEAK_LIFT;
+  }
+  PetscCall(VecRestoreArray(diagonal, &d));
+  PetscCall(MatDiagonalSet(J, diagonal, INSERT_VALUES));
+  PetscCall(VecDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The sums over points that the Jacobian consists of, in the way that was asked for. */
+static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
+{
+  PetscInt failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmGatherSolution(solver, x));
+  PetscCall(MpmPatternBegin(&solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, P));
+  if (solver->jacobian_type == MPM_JACOBIAN_LOCAL || solver->jacobian_type == MPM_JACOBIAN_MATFREE)
+    PetscCall(MpmTermsTangent(&solver->disc->terms, &solver->disc->sum, solver->disc->u, &solver->disc->pattern, NULL,
+                              &failed));
+  else
+    PetscCall(MpmJacobianColoring(&solver->disc->terms, &solver->disc->sum, solver->jacobian_type, solver->disc->u,
+                                  &solver->disc->pattern, &failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
+{
+  PetscFunctionBeginUser;
+  if (!solver->cache.made) PetscCall(SumJacobian(solver, x, P));
+  solver->cache.made = solver->cache.overwritten = PETSC_FALSE;
+  solver->cache.made_count++;
+  PetscCall(MpmPatternEnd(&solver->disc->pattern, &solver->disc->space, solver->disc->diagonal, P));
+  if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
+  if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Will the last Jacobian do? With it the residual goes on falling by about its last factor, since that factor is the
+  distance of the last iterate; a new one squares it. So the old one is kept for one iteration where that brings the
+  residual to its tolerance with some room.
+*/
+static PetscBool KeepJacobian(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
+{
+  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged || solver->cache.overwritten)
+    return PETSC_FALSE;
+  return (PetscBool)(fnorm * fnorm <= 0.3 * target * solver->cache.fnorm_last);
+}
+
+static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
+{
+  MpmSolver     *solver = (MpmSolver *)ctx;
+  PetscLogDouble since;
+  PetscReal      fnorm = 0., rtol;
+  PetscInt       it;
+  PetscBool      keep;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetIterationNumber(snes, &it));
+  PetscCall(SNESGetFunctionNorm(snes, &fnorm));
+  PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
+  keep                     = KeepJacobian(solver, it, fnorm, rtol * solver->cache.reference);
+  solver->cache.fnorm_last = fnorm;
+  solver->cache.lagged     = keep;
+  if (keep) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscTime(&since));
+  if (solver->jacobian) PetscCall(AssembleJacobian(solver, x, P));
+  if (solver->shell) PetscCall(MpmMatfreeSetState(J, x));
+  MpmMonitorClock(solver->monitor, MPM_TIME_JACOBIAN, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Stiffness of the firmest boundary against a node, N/m. */
+static PetscReal Contact(const MpmSolver *solver)
+{
+  const MpmDiscretization *disc     = solver->disc;
+  const MpmContacts       *contacts = &disc->contacts;
+  PetscReal                penalty = 0., modulus = 0.;
+
+  for (PetscInt k = 0; k < contacts->boundary_count; k++) penalty = PetscMax(penalty, contacts->boundaries[k].penalty);
+  for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum.materials[m].penalty);
+  return penalty * modulus * PetscPowRealInt(solver->disc->grid.h[0], solver->disc->grid.dim - 2);
+}
+
+/*
+  Relative to the residual of a step in which nothing moves, whatever the first guess; and a floor: a residual as small
+  as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the last from the differences of
+  nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node. A boundary's penalty adds what
+  it makes of the rounding of places.
+*/
+static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
+                                      SNESConvergedReason *reason, void *ctx)
+{
+  MpmSolver      *solver   = (MpmSolver *)ctx;
+  const PetscReal unknowns = (PetscReal)(solver->disc->space.global_count * solver->disc->layout.block);
+  const PetscReal cells    = solver->disc->grid.h[0] * PetscSqrtReal(unknowns); /* a cell a node */
+  const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
+  const PetscReal floor =
+    PETSC_MACHINE_EPSILON * (2. * solver->disc->diagonal + 0.5 * Contact(solver)) * (cells + size);
+  PetscReal atol, rtol, stol, divtol;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetTolerances(snes, &atol, &rtol, &stol, NULL, NULL));
+  PetscCall(SNESGetDivergenceTolerance(snes, &divtol));
+  if (!it && !(solver->cache.reference > 0.)) solver->cache.reference = fnorm;
+  *reason = SNES_CONVERGED_ITERATING;
+  if (PetscIsInfOrNanReal(fnorm)) *reason = MPM_SNES_DIVERGED_NAN;
+  else if (fnorm <= PetscMax(atol, floor)) *reason = SNES_CONVERGED_FNORM_ABS;
+  else if (fnorm <= rtol * solver->cache.reference) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+  else if (it && snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
+  else if (it && divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- line search ---- */
+
+/* a step is too long when it raises both the residual and, this much, the slope's size; less patience in later iterations */
+#define LINE_SEARCH_RATIO    2.
+#define LINE_SEARCH_PATIENT  2
+#define LINE_SEARCH_LATER    1.
+#define LINE_SEARCH_TRIALS   8
+#define LINE_SEARCH_SHORTEST 0.02
+
+/* Will a new Jacobian be asked for after this iteration? Steps are much like the last one. */
+static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
+{
+  PetscInt it;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetIterationNumber(snes, &it));
+  solver->cache.ahead = (PetscBool)(solver->cache.solving && it + 1 < solver->cache.made_count_last);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Tries X - lambda Y: the residual there, its norm, and the slope G . Y, which is the rate of work for a potential. */
+static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, PetscReal *norm, PetscReal *slope)
+{
+  Vec         X, F, Y, W, G;
+  PetscScalar dot;
+
+  PetscFunctionBeginUser;
+  (void)search;
+  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
+  PetscCall(VecWAXPY(W, -lambda, Y, X));
+  PetscCall(SNESComputeFunction(snes, W, G));
+  PetscCall(VecNorm(G, NORM_2, norm));
+  *slope = 0.;
+  if (PetscIsInfOrNanReal(*norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDot(G, Y, &dot));
+  *slope = PetscRealPart(dot);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The program's own line search: the full step costs one residual and is taken when the residual falls or the slope of
+  the work does; otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step.
+
+  A test on the residual alone would throttle bending and rotation, where a good full step raises the residual first. It
+  does so at the solution's start only; in plastic flow without change of volume, steps that later raise the slope's size
+  run away (a footing on clay: 63 iterations and two cuts in place of 24).
+*/
+static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
+{
+  Vec         X, F, Y, W, G;
+  SNES        snes;
+  PetscReal   xnorm, fnorm, ynorm, norm = 0., slope = 0., lambda = 1., good = 0., slope_good;
+  PetscScalar dot;
+  PetscInt    it;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(LookAhead((MpmSolver *)ctx, snes));
+  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
+  PetscCall(SNESLineSearchGetNorms(search, &xnorm, &fnorm, &ynorm));
+  PetscCall(VecDot(F, Y, &dot));
+  PetscCall(SNESGetIterationNumber(snes, &it));
+  const PetscReal start = PetscRealPart(dot), ratio = it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
+
+  slope_good = start;
+  for (PetscInt trial = 0;; trial++) {
+    PetscCall(Try(search, snes, lambda, &norm, &slope));
+    if (PetscIsInfOrNanReal(norm)) {
+      if (trial == LINE_SEARCH_TRIALS) {
+        PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_NANORINF));
+        PetscFunctionReturn(PETSC_SUCCESS);
+      }
+      lambda = 0.5 * (lambda + good);
+      continue;
+    }
+    if (norm <= fnorm || start <= 0. || PetscAbsReal(slope) <= ratio * start || trial >= LINE_SEARCH_TRIALS) break;
+    if (slope > 0.) break; /* still downhill */
+    /* overshot: the zero lies between the last good length and this one */
+    {
+      const PetscReal next = good + (lambda - good) * slope_good / (slope_good - slope);
+
+      if (next < LINE_SEARCH_SHORTEST) break;
+      lambda = PetscMin(next, 0.9 * lambda);
+    }
+  }
+  PetscCall(VecNorm(Y, NORM_2, &ynorm));
+  PetscCall(VecCopy(W, X));
+  PetscCall(VecCopy(G, F));
+  PetscCall(VecNorm(X, NORM_2, &xnorm));
+  PetscCall(SNESLineSearchSetLambda(search, lambda));
+  PetscCall(SNESLineSearchSetNorms(search, xnorm, norm, ynorm));
+  PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNewtonAttach(MpmSolver *solver)
+{
+  SNESLineSearch search;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetType(solver->snes, SNESNEWTONLS));
+  PetscCall(SNESSetTolerances(solver->snes, PETSC_DEFAULT, 1e-8, 0., 25, PETSC_DEFAULT));
+  PetscCall(SNESSetDivergenceTolerance(solver->snes, 1e12));
+  PetscCall(SNESGetLineSearch(solver->snes, &search));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
+  PetscCall(MpmLineSearchShellSet(search, LineSearch, solver));
+  PetscCall(SNESSetConvergenceTest(solver->snes, TestConvergence, solver, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNewtonSetMats(MpmSolver *solver)
+{
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetFunction(solver->snes, solver->f, FormFunction, solver));
+  PetscCall(SNESSetJacobian(solver->snes, solver->shell ? solver->shell : solver->jacobian,
+                            solver->jacobian ? solver->jacobian : solver->shell, FormJacobian, solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,86 @@
+#pragma once
+/*
+  Newton's method and the linear solvers under it: presets, the forms of the Jacobian, and what is said of a solution.
+*/
+#include "io/io.h"
+#include "terms/terms.h"
+
+/* What a run does at an equilibrium that is not stable. */
+typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
+
+/*
+  What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
+  may serve for more than one iteration.
+*/
+typedef struct {
+  PetscReal reference; /* residual of the step in which nothing moves */
+  PetscBool lag;       /* may a Jacobian serve for more than one iteration? */
+  PetscBool lagged;    /* has the last one? */
+  PetscBool solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
+  PetscReal fnorm_last;
+  PetscBool ahead;           /* a Jacobian at the same place will follow the next residual: both in one pass */
+  PetscBool made;            /* it has been made with the last residual and waits to be assembled */
+  PetscBool overwritten;     /* the matrix no longer holds the Jacobian of the last solve */
+  PetscInt  made_count;      /* Jacobians of this solution, */
+  PetscInt  made_count_last; /* and of the last one */
+} MpmEvaluations;
+
+/* PETSc's solver objects for the problem of a step, and how they were chosen. */
+typedef struct {
+  MpmDiscretization *disc;
+  MpmMonitor        *monitor;
+  MpmJacobianType    jacobian_type;
+  char              *name, *why; /* the preset; why `auto` took it, or NULL */
+  PetscBool          symmetric;
+  char               mat_type[64], vec_type[64];
+  PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
+  PetscBool      indefinite;        /* it has */
+  PetscBool      factorises;        /* the preconditioner is a direct solver */
+  SNES           snes;
+  Mat            jacobian;      /* assembled; NULL when the preconditioner does without it */
+  Mat            shell;         /* its action alone, with MPM_JACOBIAN_MATFREE */
+  PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
+  PetscBool      keep_tangents;
+  Vec            x, f;
+  MpmEvaluations cache;
+  MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
+  PetscBool      told_unstable; /* it has, and that was said */
+  char           lost[256];     /* tells of a point that left the grid, or of what nothing holds */
+  PetscInt       newton, linear;
+  PetscInt64     newton_total, linear_total;
+} MpmSolver;
+
+/* The sums over points by colours, in blocks or one node a colour, or by differences (jacobian_coloring.c). */
+PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, MpmJacobianType type, const PetscReal u[],
+                                   MpmPattern *pattern, PetscInt *failed);
+/*
+  The Jacobian of the present step as a shell matrix, with or without tangents kept (matfree.c). It must not
+  outlive the step's space.
+*/
+PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);
+PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
+/* Residual, Jacobian, convergence test and line search, handed to SNES (newton.c). */
+PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
+PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
+/* Sums the residual of disc->u over the points, force included, and leaves it with the nodes' owners, along the axes. */
+PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
+/* Brings the solution vector to the local nodes, ghosts included. */
+PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x);
+/* Presets, PETSc's solver objects and their options (solver.c). */
+PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options);
+/* Settles `auto` for about so many unknowns, and applies the preset. */
+PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns);
+PetscErrorCode MpmSolverSetUp(MpmSolver *solver);
+PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver);
+PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
+/* A new solver after a linear solve has failed, with GMRES where CG met an indefinite Jacobian. */
+PetscErrorCode MpmSolverRenew(MpmSolver *solver);
+PetscErrorCode MpmSolverDestroy(MpmSolver *solver);
+/*
+  Loss of definiteness (stability.c). Check: is the equilibrium just found a stable one? If not, `why` says so and where,
+  unless the scene wants to follow it. Explain: adds to the reason for which a step has failed, where that is one.
+*/
+PetscErrorCode MpmStabilityRead(MpmSolver *solver, const MpmOptions *options);
+PetscBool      MpmStabilityWanted(const MpmSolver *solver);
+PetscErrorCode MpmStabilityCheck(MpmSolver *solver, const char **why);
+PetscErrorCode MpmStabilityExplain(MpmSolver *solver, const char **why);

@@ -1,0 +1,477 @@
+/*
+  Newton and its linear solver: PETSc's SNES and KSP, set up by presets from options/ that any PETSc option overrides.
+*/
+#include "solve/pc_band.h"
+#include "solve/solve.h"
+
+/* The presets, embedded by the build from options/: {name, text of the file}. */
+static const struct {
+  const char *name, *text;
+} presets[] = {
+#include "mpm_presets.h"
+};
+
+/* Sets an option that the user has not set; that is no use of it. */
+static PetscErrorCode OptionDefault(const char *name, const char *value)
+{
+  PetscBool set;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmDatabaseHas(name + 1, &set));
+  if (!set) PetscCall(PetscOptionsSetValue(NULL, name, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the lines `-name value` of a preset; `#` starts a comment. */
+static PetscErrorCode ApplyPreset(const char *text)
+{
+  char **line;
+  int    lines;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscStrToArray(text, '\n', &lines, &line));
+  for (int i = 0; i < lines; i++) {
+    char **word;
+    int    words;
+
+    if (line[i][0] != '-') continue;
+    PetscCall(PetscStrToArray(line[i], ' ', &words, &word));
+    if (words) PetscCall(OptionDefault(word[0], words > 1 ? word[1] : NULL));
+    PetscCall(PetscStrToArrayDestroy(words, word));
+  }
+  PetscCall(PetscStrToArrayDestroy(lines, line));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- set-up ---- */
+
+static PetscErrorCode CreateSNES(MpmSolver *solver)
+{
+  KSP       ksp;
+  PC        pc;
+  PetscBool band;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESCreate(solver->disc->grid.comm, &solver->snes));
+  PetscCall(MpmNewtonAttach(solver));
+  PetscCall(SNESSetFromOptions(solver->snes));
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  if (solver->indefinite) {
+    PetscCall(KSPSetType(ksp, KSPGMRES));
+    PetscCall(KSPGMRESSetRestart(ksp, 100));
+  }
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->factorises, PCLU, PCCHOLESKY, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->matrix_unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL,
+                                      PCMAT, ""));
+  PetscCall(MpmBandIs(pc, &band));
+  if (band) {
+    solver->factorises    = PETSC_TRUE;
+    solver->matrix_unused = PETSC_FALSE;
+  }
+  solver->matrix_unused = (PetscBool)(solver->matrix_unused && solver->jacobian_type == MPM_JACOBIAN_MATFREE);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does PETSc know the type? One of the objects is made and thrown away. */
+static PetscErrorCode KnowsType(MpmSolver *solver, const char *kind, const char *type, PetscBool *known)
+{
+  PetscErrorCode error;
+  Mat            mat;
+  Vec            vec;
+  SNES           snes;
+  KSP            ksp;
+  PC             pc;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESCreate(solver->disc->grid.comm, &snes));
+  PetscCall(MatCreate(solver->disc->grid.comm, &mat));
+  PetscCall(VecCreate(solver->disc->grid.comm, &vec));
+  PetscCall(VecSetSizes(vec, 1, PETSC_DETERMINE));
+  PetscCall(KSPCreate(solver->disc->grid.comm, &ksp));
+  PetscCall(PCCreate(solver->disc->grid.comm, &pc));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  if (!strcmp(kind, "mpm_mat_type")) error = MatSetType(mat, type);
+  else if (!strcmp(kind, "mpm_vec_type")) error = VecSetType(vec, type);
+  else if (!strcmp(kind, "snes_type")) error = SNESSetType(snes, type);
+  else if (!strcmp(kind, "ksp_type")) error = KSPSetType(ksp, type);
+  else error = PCSetType(pc, type);
+  PetscCall(PetscPopErrorHandler());
+  *known = (PetscBool)!error;
+  PetscCall(MatDestroy(&mat));
+  PetscCall(VecDestroy(&vec));
+  PetscCall(KSPDestroy(&ksp));
+  PetscCall(PCDestroy(&pc));
+  PetscCall(SNESDestroy(&snes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A type that PETSc does not know must end the run with one line, before anything is written. */
+static PetscErrorCode CheckTypes(MpmSolver *solver)
+{
+  static const char *const kinds[] = {"mpm_mat_type", "mpm_vec_type", "snes_type", "ksp_type", "pc_type"};
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kinds); k++) {
+    char      name[64], type[64] = "";
+    PetscBool set, known         = PETSC_TRUE;
+
+    PetscCall(PetscSNPrintf(name, sizeof(name), "-%s", kinds[k]));
+    PetscCall(PetscOptionsGetString(NULL, NULL, name, type, sizeof(type), &set));
+    if (set) PetscCall(KnowsType(solver, kinds[k], type, &known));
+    MpmCheckInput(known, "%s %s: PETSc does not know this type", name, type);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Direct solvers win below these numbers of unknowns: time and memory grow as their power 3/2 in 2D and 2 in 3D. Measured
+  over two steps and more, since points on the lattice make rows half as long as later (docs/solver.md has the table).
+*/
+#define DIRECT_MOST_2D      1e6
+#define DIRECT_MOST_3D      5e3
+#define DIRECT_MOST_FBAR_3D 1e5
+
+/* What `auto` takes, and why. */
+static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const char **name)
+{
+  PetscReal most = solver->disc->grid.dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
+  char      why[128];
+
+  PetscFunctionBeginUser;
+  if (solver->jacobian_type == MPM_JACOBIAN_MATFREE) {
+    *name = "pbjacobi";
+    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
+  } else {
+    if (solver->disc->grid.dim == 3 && solver->disc->layout.means)
+      most = DIRECT_MOST_FBAR_3D; /* near incompressibility is hard for multigrid */
+    *name = unknowns <= most ? "direct" : "amg";
+    PetscCall(PetscSNPrintf(
+      why, sizeof(why), "auto: %" PetscInt_FMT "D%s, about %.0f unknowns, direct up to %.0f", solver->disc->grid.dim,
+      solver->disc->grid.dim == 3 && solver->disc->layout.means ? " with F-bar" : "", (double)unknowns, (double)most));
+  }
+  PetscCall(PetscStrallocpy(why, &solver->why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Small ones may be narrow enough
+  for the band solver (band.c), which finds out by itself; not where the user names a package. Of MUMPS' scalings for
+  symmetric matrices that by the diagonal costs least. In 2D, below this size, quasi-dense minimum degree (QAMD) beats
+  nested dissection, and the last front is too small to be shared out by ScaLAPACK.
+*/
+#define SMALL_IN_2D 5e4
+
+static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
+{
+  const PetscBool small       = (PetscBool)(unknowns < SMALL_IN_2D);
+  char            package[64] = "";
+  PetscBool       chosen, packaged;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_type", &chosen));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_factor_mat_solver_type", &packaged));
+  if (small && solver->symmetric && !chosen && !packaged) {
+    PetscCall(OptionDefault("-pc_type", "band"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(OptionDefault("-pc_factor_mat_solver_type", MATSOLVERMUMPS));
+  PetscCall(OptionDefault("-pc_type", solver->symmetric ? "cholesky" : "lu"));
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
+  if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (solver->symmetric) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
+  if (MpmStabilityWanted(solver))
+    PetscCall(OptionDefault("-mat_mumps_icntl_13", "1")); /* or not all pivots are counted */
+  if (solver->disc->grid.dim == 2 && small) {
+    PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
+    PetscCall(OptionDefault("-mat_mumps_icntl_13", "1"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
+{
+  const char *name = solver->name;
+  PetscBool   direct;
+
+  PetscFunctionBeginUser;
+  if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
+  direct = (PetscBool)!strcmp(name, "direct");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
+    if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
+  if (name != solver->name) {
+    PetscCall(PetscFree(solver->name));
+    PetscCall(PetscStrallocpy(name, &solver->name));
+  }
+  if (direct) PetscCall(TuneDirect(solver, unknowns));
+  else {
+    PetscBool chosen;
+
+    PetscCall(PetscOptionsHasName(NULL, NULL, "-ksp_type", &chosen));
+    solver->may_be_indefinite = (PetscBool)(solver->symmetric && !chosen);
+    PetscCall(OptionDefault("-ksp_type", solver->symmetric ? "cg" : "gmres"));
+    if (!solver->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
+  }
+  PetscCall(CreateSNES(solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A PETSc type that the user may choose. */
+static PetscErrorCode ReadType(const MpmOptions *options, const char *name, const char *help, const char *fallback,
+                               char type[64])
+{
+  char *text;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsText(options, name, help, fallback, MPM_OPTIONAL, &text));
+  PetscCall(PetscStrncpy(type, text ? text : fallback, 64));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const char solver_help[] = "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
+                                  "3D and 1e5 in 3D with F-bar, then amg "
+                                  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
+                                  "and 2.0 at 9 800, 11.5 and 4.6 at "
+                                  "17 000)";
+
+PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options)
+{
+  const char *names[PETSC_STATIC_ARRAY_LENGTH(presets) + 2] = {"auto"};
+  PetscInt    choice                                        = 0;
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++) names[k + 1] = presets[k].name;
+  PetscCall(MpmOptionsHeading(options, "Solver"));
+  PetscCall(MpmOptionsWord(options, "solver", solver_help, names, MPM_OPTIONAL, &choice, NULL));
+  PetscCall(PetscStrallocpy(names[choice], &solver->name));
+  PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, solver->mat_type));
+  PetscCall(ReadType(options, "vec_type", "PETSc type of the vectors", VECSTANDARD, solver->vec_type));
+  PetscCall(MpmBandRegister());
+  PetscCall(CheckTypes(solver));
+  solver->cache.lag = solver->keep_tangents = PETSC_TRUE;
+  PetscCall(
+    MpmOptionsBool(options, "newton_lag", "keep a Jacobian where a new one would not pay", &solver->cache.lag, NULL));
+  PetscCall(MpmOptionsBool(options, "matfree_tangents", "keep the points' tangents for jacobian: matfree",
+                           &solver->keep_tangents, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Solver, vectors and matrix for a new pattern. GAMG of PETSc 3.18 cannot be reset to another size: all are made anew. */
+static PetscErrorCode CreateObjects(MpmSolver *solver)
+{
+  PetscFunctionBeginUser;
+  PetscCall(SNESDestroy(&solver->snes));
+  PetscCall(CreateSNES(solver));
+  PetscCall(MatDestroy(&solver->jacobian));
+  PetscCall(VecDestroy(&solver->x));
+  PetscCall(VecDestroy(&solver->f));
+  if (!solver->matrix_unused)
+    PetscCall(MpmPatternCreateMat(&solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
+                                  solver->mat_type, &solver->jacobian));
+  PetscCall(VecCreate(solver->disc->grid.comm, &solver->x));
+  PetscCall(VecSetSizes(solver->x, solver->disc->space.owned * solver->disc->layout.block,
+                        solver->disc->space.global_count * solver->disc->layout.block));
+  PetscCall(VecSetBlockSize(solver->x, solver->disc->layout.block));
+  PetscCall(VecSetType(solver->x, solver->vec_type));
+  PetscCall(VecSetFromOptions(solver->x));
+  PetscCall(VecDuplicate(solver->x, &solver->f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverSetUp(MpmSolver *solver)
+{
+  PetscBool changed = PETSC_TRUE;
+
+  PetscFunctionBeginUser;
+  if (!solver->matrix_unused)
+    PetscCall(MpmPatternSetUp(&solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
+                              solver->disc->layout.block, &changed));
+  if (changed || !solver->jacobian) PetscCall(CreateObjects(solver));
+  PetscCall(MatDestroy(&solver->shell));
+  if (solver->jacobian_type == MPM_JACOBIAN_MATFREE)
+    PetscCall(MpmMatfreeCreate(solver, solver->keep_tangents, &solver->shell));
+  PetscCall(MpmNewtonSetMats(solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rigid body mode k at place x: translations, then rotations about the axes. */
+static void RigidMode(PetscInt dim, PetscInt k, const PetscReal x[], PetscScalar mode[])
+{
+  for (PetscInt a = 0; a < dim; a++) mode[a] = a == k ? 1. : 0.;
+  if (k < dim) return;
+  {
+    const PetscInt axis = dim == 2 ? 2 : k - dim, p = (axis + 1) % 3, q = (axis + 2) % 3;
+
+    mode[p] = -x[q];
+    mode[q] = x[p];
+  }
+}
+
+/*
+  Rigid body modes for multigrid. Held unknowns do not move, so the modes are zero there; what is left is made
+  orthonormal.
+*/
+PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
+{
+  const PetscInt dim = solver->disc->grid.dim, bs = solver->disc->layout.block, modes = dim == 2 ? 3 : 6;
+  MatNullSpace   space;
+  Vec            mode[6];
+  PetscScalar    dot[6];
+  PetscInt       kept = 0;
+
+  PetscFunctionBeginUser;
+  if (!solver->jacobian) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatGetNearNullSpace(solver->jacobian, &space));
+  if (solver->factorises || space) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < modes; k++) {
+    PetscScalar *values;
+    PetscReal    norm;
+
+    PetscCall(VecDuplicate(solver->x, &mode[kept]));
+    PetscCall(VecZeroEntries(mode[kept]));
+    PetscCall(VecGetArray(mode[kept], &values));
+    for (PetscInt i = 0; i < solver->disc->space.owned; i++) {
+      PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
+
+      for (PetscInt a = 0; a < dim; a++)
+        x[a] = solver->disc->grid.h[a] * (PetscReal)solver->disc->space.node[i * dim + a];
+      RigidMode(dim, k, x, &values[i * bs]);
+    }
+    MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, values);
+    for (PetscInt i = 0; i < solver->disc->space.owned * bs; i++)
+      if (solver->disc->constraints.condition[i] >= 0) values[i] = 0.;
+    PetscCall(VecRestoreArray(mode[kept], &values));
+    for (PetscInt pass = 0; pass < 2 && kept; pass++) {
+      PetscCall(VecMDot(mode[kept], kept, mode, dot));
+      for (PetscInt j = 0; j < kept; j++) dot[j] = -dot[j];
+      PetscCall(VecMAXPY(mode[kept], kept, dot, mode));
+    }
+    PetscCall(VecNormalize(mode[kept], &norm));
+    if (norm > PETSC_SQRT_MACHINE_EPSILON) kept++;
+    else PetscCall(VecDestroy(&mode[kept]));
+  }
+  PetscCall(MatNullSpaceCreate(solver->disc->grid.comm, PETSC_FALSE, kept, mode, &space));
+  PetscCall(MatSetNearNullSpace(solver->jacobian, space));
+  PetscCall(MatNullSpaceDestroy(&space));
+  for (PetscInt k = 0; k < kept; k++) PetscCall(VecDestroy(&mode[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  After a linear solve has failed: a factorisation that failed must not be used again, and GAMG cannot be reset, so the
+  solver is made anew; with GMRES where CG met an indefinite Jacobian.
+*/
+PetscErrorCode MpmSolverRenew(MpmSolver *solver)
+{
+  KSP                ksp;
+  KSPConvergedReason why;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  PetscCall(KSPGetConvergedReason(ksp, &why));
+  if (solver->may_be_indefinite && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
+    solver->may_be_indefinite = PETSC_FALSE;
+    solver->indefinite        = PETSC_TRUE;
+    PetscCall(MpmMonitorNote(solver->monitor, "the Jacobian is not positive definite; from here on with GMRES"));
+  }
+  PetscCall(SNESDestroy(&solver->snes));
+  PetscCall(CreateSNES(solver));
+  PetscCall(MpmNewtonSetMats(solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ICNTL(14), per cent: what MUMPS adds to the workspace that it expects to need. */
+#define WORKSPACE      "-mat_mumps_icntl_14"
+#define WORKSPACE_MORE 100
+#define WORKSPACE_MOST 1600
+
+/*
+  MUMPS orders its workspace by an estimate without pivots, and gives up where these need more. Has it, for the first
+  time or with less than what may be tried? Then solvers made from here on have four times as much to add.
+*/
+static PetscErrorCode RaiseWorkspace(MpmSolver *solver, PetscBool *raised)
+{
+  KSP            ksp;
+  PC             pc;
+  PCFailedReason why;
+  MatSolverType  package = MATSOLVERMUMPS; /* the band solver's, too */
+  PetscInt       percent = 0;
+  PetscBool      factor;
+  char           text[16];
+
+  PetscFunctionBeginUser;
+  *raised = PETSC_FALSE;
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCGetFailedReason(pc, &why));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &factor, PCLU, PCCHOLESKY, ""));
+  if (factor) PetscCall(PCFactorGetMatSolverType(pc, &package));
+  if (why != PC_FACTOR_OUTMEMORY || !package || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscOptionsGetInt(NULL, NULL, WORKSPACE, &percent, NULL));
+  percent = PetscMax(4 * percent, WORKSPACE_MORE);
+  if (percent > WORKSPACE_MOST) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, percent));
+  PetscCall(PetscOptionsSetValue(NULL, WORKSPACE, text));
+  PetscCall(MpmMonitorNote(solver->monitor, "MUMPS ran out of its workspace and gets more (" WORKSPACE " %s)", text));
+  *raised = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Newton's method from x, once more from where it came to if all that the linear solver lacked was workspace. */
+static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
+{
+  PetscInt  newton, linear;
+  PetscBool again;
+
+  PetscFunctionBeginUser;
+  do {
+    solver->cache.solving = solver->cache.ahead = PETSC_TRUE;
+    PetscCall(SNESSolve(solver->snes, NULL, solver->x));
+    solver->cache.solving = PETSC_FALSE;
+    PetscCall(SNESGetConvergedReason(solver->snes, reason));
+    PetscCall(SNESGetIterationNumber(solver->snes, &newton));
+    PetscCall(SNESGetLinearSolveIterations(solver->snes, &linear));
+    solver->newton += newton;
+    solver->linear += linear;
+    solver->newton_total += newton;
+    solver->linear_total += linear;
+    again = PETSC_FALSE;
+    if (*reason == SNES_DIVERGED_LINEAR_SOLVE) {
+      PetscCall(RaiseWorkspace(solver, &again));
+      PetscCall(MpmSolverRenew(solver));
+    }
+  } while (again);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason)
+{
+  PetscLogDouble  since, now;
+  const PetscReal before = solver->monitor->seconds[MPM_TIME_RESIDUAL] + solver->monitor->seconds[MPM_TIME_JACOBIAN];
+  PetscReal       inside;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  solver->cache.made_count = 0;
+  PetscCall(Newton(solver, reason));
+  PetscCall(PetscTime(&now));
+  inside = solver->monitor->seconds[MPM_TIME_RESIDUAL] + solver->monitor->seconds[MPM_TIME_JACOBIAN] - before;
+  solver->monitor->seconds[MPM_TIME_SOLVE] += now - since - inside;
+  solver->cache.made_count_last = *reason > 0 ? solver->cache.made_count : 0;
+  PetscCall(MpmGatherSolution(solver, solver->x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverDestroy(MpmSolver *solver)
+{
+  PetscFunctionBeginUser;
+  PetscCall(SNESDestroy(&solver->snes));
+  PetscCall(MatDestroy(&solver->jacobian));
+  PetscCall(MatDestroy(&solver->shell));
+  PetscCall(VecDestroy(&solver->x));
+  PetscCall(VecDestroy(&solver->f));
+  PetscCall(PetscFree(solver->name));
+  PetscCall(PetscFree(solver->why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

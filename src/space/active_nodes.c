@@ -1,0 +1,330 @@
+/*
+  The active nodes: those that points touch. Every rank tells the owners which of their nodes it touches, the owners
+  number what is touched, and the answers make the scatter between owned nodes and ghosts. Nothing is as large as the
+  grid.
+*/
+#include "space/space.h"
+
+PetscErrorCode MpmListsDestroy(MpmLists *lists)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(lists->rank));
+  PetscCall(PetscFree(lists->offset));
+  PetscCall(PetscFree(lists->data));
+  lists->count = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmListsExchange(MPI_Comm comm, const MpmLists *sent, MpmLists *received)
+{
+  PetscMPIInt  from_count, *from, tag;
+  PetscInt    *length, *from_length;
+  MPI_Request *request;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCommGetNewTag(comm, &tag));
+  PetscCall(PetscMalloc1(sent->count, &length));
+  for (PetscInt k = 0; k < sent->count; k++) length[k] = sent->offset[k + 1] - sent->offset[k];
+  PetscCall(PetscCommBuildTwoSided(comm, 1, MPIU_INT, (PetscMPIInt)sent->count, sent->rank, length, &from_count, &from,
+                                   (void *)&from_length));
+  received->count = from_count;
+  PetscCall(PetscMalloc1(from_count, &received->rank));
+  PetscCall(PetscMalloc1((from_count + 1), &received->offset));
+  received->offset[0] = 0;
+  for (PetscInt k = 0; k < from_count; k++) {
+    received->rank[k]       = from[k];
+    received->offset[k + 1] = received->offset[k] + from_length[k];
+  }
+  PetscCall(PetscMalloc1(received->offset[from_count], &received->data));
+  PetscCall(PetscMalloc1((from_count + sent->count), &request));
+  for (PetscInt k = 0; k < from_count; k++) {
+    PetscCallMPI(MPI_Irecv(&received->data[received->offset[k]], (PetscMPIInt)from_length[k], MPIU_INT, from[k], tag,
+                           comm, &request[k]));
+  }
+  for (PetscInt k = 0; k < sent->count; k++) {
+    PetscCallMPI(MPI_Isend(&sent->data[sent->offset[k]], (PetscMPIInt)length[k], MPIU_INT, sent->rank[k], tag, comm,
+                           &request[from_count + k]));
+  }
+  PetscCallMPI(MPI_Waitall((PetscMPIInt)(from_count + sent->count), request, MPI_STATUSES_IGNORE));
+  PetscCall(PetscFree(request));
+  PetscCall(PetscFree(length));
+  PetscCall(PetscFree(from));
+  PetscCall(PetscFree(from_length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A box of nodes with one integer each. */
+typedef struct {
+  PetscInt  dim, lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* upper is exclusive */
+  PetscInt *value;
+} NodeMap;
+
+static inline PetscInt *MapAt(const NodeMap *map, const PetscInt node[])
+{
+  PetscInt i = node[map->dim - 1] - map->lower[map->dim - 1];
+
+  for (PetscInt a = map->dim - 2; a >= 0; a--) i = i * (map->upper[a] - map->lower[a]) + node[a] - map->lower[a];
+  return &map->value[i];
+}
+
+static void MapInclude(NodeMap *map, const PetscInt node[])
+{
+  for (PetscInt a = 0; a < map->dim; a++) {
+    map->lower[a] = PetscMin(map->lower[a], node[a]);
+    map->upper[a] = PetscMax(map->upper[a], node[a] + 1);
+  }
+}
+
+static PetscErrorCode MapAllocate(NodeMap *map, PetscInt64 *size)
+{
+  PetscFunctionBeginUser;
+  *size = 1;
+  for (PetscInt a = 0; a < map->dim; a++) *size *= PetscMax(map->upper[a] - map->lower[a], 0);
+  PetscCheck(*size < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "the points of one rank span %" PetscInt64_FMT " nodes", *size);
+  PetscCall(PetscMalloc1(*size, &map->value));
+  for (PetscInt64 i = 0; i < *size; i++) map->value[i] = -1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Calls for each node of a group, x fastest. */
+#define FOR_GROUP_NODES(group, node) \
+  for (PetscInt k_ = 0; k_ < (group)->count[2]; k_++) \
+    for (PetscInt j_ = 0; j_ < (group)->count[1]; j_++) \
+      for (PetscInt i_ = 0; \
+           i_ < (group)->count[0] && \
+           (node[0] = (group)->first[0] + i_, node[1] = (group)->first[1] + j_, node[2] = (group)->first[2] + k_, 1); \
+           i_++)
+
+/* Marks the nodes that this rank's points touch. */
+static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
+{
+  PetscInt64 size;
+
+  PetscFunctionBeginUser;
+  map->dim = space->dim;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    map->lower[a] = PETSC_INT_MAX;
+    map->upper[a] = 0;
+  }
+  for (PetscInt g = 0; g < space->box_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    PetscInt        last[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) last[a] = group->first[a] + group->count[a] - 1;
+    MapInclude(map, group->first);
+    MapInclude(map, last);
+  }
+  PetscCall(MapAllocate(map, &size));
+  for (PetscInt g = 0; g < space->box_count; g++) {
+    PetscInt node[MPM_MAX_DIM];
+
+    if (space->groups[g].holes) continue;
+    FOR_GROUP_NODES(&space->groups[g], node) * MapAt(map, node) = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define FOR_MAP_NODES(map, node) \
+  for (node[2] = (map)->dim > 2 ? (map)->lower[2] : 0; node[2] < ((map)->dim > 2 ? (map)->upper[2] : 1); node[2]++) \
+    for (node[1] = (map)->lower[1]; node[1] < (map)->upper[1]; node[1]++) \
+      for (node[0] = (map)->lower[0]; node[0] < (map)->upper[0]; node[0]++)
+
+/* The touched nodes of other ranks, as lists of lattice indices, `dim` integers a node. */
+static PetscErrorCode ListForeign(const MpmGrid *grid, const NodeMap *map, MpmLists *lists)
+{
+  PetscInt *slot, node[MPM_MAX_DIM], *fill;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(grid->size, &slot));
+  FOR_MAP_NODES(map, node)
+  {
+    if (*MapAt(map, node) >= 0) slot[MpmGridNodeOwner(grid, node)]++;
+  }
+  slot[grid->rank] = 0;
+  for (PetscMPIInt r = 0; r < grid->size; r++) lists->count += slot[r] > 0;
+  PetscCall(PetscMalloc1(lists->count, &lists->rank));
+  PetscCall(PetscMalloc1((lists->count + 1), &lists->offset));
+  PetscCall(PetscMalloc1(lists->count, &fill));
+  lists->offset[0] = 0;
+  for (PetscMPIInt r = 0, k = 0; r < grid->size; r++) {
+    if (!slot[r]) {
+      slot[r] = -1;
+      continue;
+    }
+    lists->rank[k]       = r;
+    lists->offset[k + 1] = lists->offset[k] + slot[r] * grid->dim;
+    fill[k]              = lists->offset[k];
+    slot[r]              = k++;
+  }
+  PetscCall(PetscMalloc1(lists->offset[lists->count], &lists->data));
+  FOR_MAP_NODES(map, node)
+  {
+    PetscInt k;
+
+    if (*MapAt(map, node) < 0) continue;
+    k = slot[MpmGridNodeOwner(grid, node)];
+    for (PetscInt a = 0; k >= 0 && a < grid->dim; a++) lists->data[fill[k]++] = node[a];
+  }
+  PetscCall(PetscFree(fill));
+  PetscCall(PetscFree(slot));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Lists the owned nodes, which this rank or another touches, in lattice order, and gives them their local numbers in the
+  map.
+*/
+static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, PetscInt ghosts,
+                                  NodeMap *map)
+{
+  const PetscInt dim = space->dim;
+  NodeMap        old = *map;
+  PetscInt64     size;
+  PetscInt       node[MPM_MAX_DIM] = {0, 0, 0};
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < wanted->offset[wanted->count]; k += dim) MapInclude(map, &wanted->data[k]);
+  PetscCall(MapAllocate(map, &size));
+  space->owned = 0;
+  for (PetscInt k = 0; k < wanted->offset[wanted->count]; k += dim) *MapAt(map, &wanted->data[k]) = 0;
+  FOR_MAP_NODES(&old, node)
+  {
+    if (*MapAt(&old, node) >= 0 && MpmGridNodeOwner(grid, node) == grid->rank) *MapAt(map, node) = 0;
+  }
+  PetscCall(PetscFree(old.value));
+  for (PetscInt64 i = 0; i < size; i++) space->owned += map->value[i] == 0;
+  space->local = space->owned + ghosts;
+  PetscCall(PetscMalloc2((space->local * dim), &space->node, space->local, &space->global));
+  PetscCallMPI(MPI_Scan(&space->owned, &space->global_begin, 1, MPIU_INT, MPI_SUM, grid->comm));
+  space->global_begin -= space->owned;
+  PetscCall(MPIU_Allreduce(&space->owned, &space->global_count, 1, MPIU_INT, MPI_SUM, grid->comm));
+  space->owned = 0;
+  FOR_MAP_NODES(map, node)
+  {
+    PetscInt *number = MapAt(map, node);
+
+    if (*number < 0) continue;
+    *number = space->owned++;
+    PetscCall(PetscArraycpy(&space->node[*number * dim], node, dim));
+    space->global[*number] = space->global_begin + *number;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Numbers the ghosts after the owned nodes, learns their owners' numbers, and builds the scatter. */
+static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const MpmLists *foreign,
+                                   const MpmLists *wanted, NodeMap *map)
+{
+  const PetscInt dim = space->dim, ghosts = space->local - space->owned;
+  MpmLists       answer = {0}, numbers = {0};
+  PetscInt      *leaf;
+  PetscSFNode   *remote;
+
+  PetscFunctionBeginUser;
+  if (grid->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  /* answer every question, in its order, with the local number here; the global one follows from the owner's first */
+  answer.count = wanted->count;
+  PetscCall(PetscMalloc1(answer.count, &answer.rank));
+  PetscCall(PetscMalloc1((answer.count + 1), &answer.offset));
+  PetscCall(PetscMalloc1((wanted->offset[wanted->count] / dim + wanted->count), &answer.data));
+  answer.offset[0] = 0;
+  for (PetscInt k = 0; k < wanted->count; k++) {
+    PetscInt fill = answer.offset[k];
+
+    answer.rank[k]      = wanted->rank[k];
+    answer.data[fill++] = space->global_begin;
+    for (PetscInt i = wanted->offset[k]; i < wanted->offset[k + 1]; i += dim)
+      answer.data[fill++] = *MapAt(map, &wanted->data[i]);
+    answer.offset[k + 1] = fill;
+  }
+  PetscCall(MpmListsExchange(grid->comm, &answer, &numbers));
+  PetscCall(PetscMalloc1(ghosts, &leaf));
+  PetscCall(PetscMalloc1(ghosts, &remote));
+  for (PetscInt k = 0, ghost = 0; k < foreign->count; k++) {
+    PetscInt from = 0;
+
+    while (numbers.rank[from] != foreign->rank[k]) from++;
+    for (PetscInt i = foreign->offset[k], j = numbers.offset[from] + 1; i < foreign->offset[k + 1];
+         i += dim, j++, ghost++) {
+      const PetscInt local = space->owned + ghost;
+
+      *MapAt(map, &foreign->data[i]) = local;
+      PetscCall(PetscArraycpy(&space->node[local * dim], &foreign->data[i], dim));
+      space->global[local] = numbers.data[numbers.offset[from]] + numbers.data[j];
+      leaf[ghost]          = local;
+      remote[ghost].rank   = foreign->rank[k];
+      remote[ghost].index  = numbers.data[j];
+    }
+  }
+  PetscCall(PetscSFCreate(grid->comm, &space->sf));
+  PetscCall(PetscSFSetGraph(space->sf, space->owned, ghosts, leaf, PETSC_OWN_POINTER, remote, PETSC_OWN_POINTER));
+  PetscCall(PetscSFSetUp(space->sf));
+  PetscCall(MpmListsDestroy(&answer));
+  PetscCall(MpmListsDestroy(&numbers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
+{
+  NodeMap  map;
+  MpmLists foreign = {0}, wanted = {0};
+  PetscInt total = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MarkTouched(space, &map));
+  if (grid->size > 1) {
+    PetscCall(ListForeign(grid, &map, &foreign));
+    PetscCall(MpmListsExchange(grid->comm, &foreign, &wanted));
+  } else PetscCall(PetscCalloc1(1, &wanted.offset));
+  PetscCall(NumberOwned(space, grid, &wanted, foreign.count ? foreign.offset[foreign.count] / grid->dim : 0, &map));
+  PetscCall(NumberGhosts(space, grid, &foreign, &wanted, &map));
+  for (PetscInt g = 0; g < space->box_count; g++) total += space->groups[g].node_count;
+  PetscCall(PetscMalloc1(total, &space->group_nodes));
+  for (PetscInt g = 0, fill = 0; g < space->box_count; g++) {
+    PetscInt node[MPM_MAX_DIM];
+
+    FOR_GROUP_NODES(&space->groups[g], node) space->group_nodes[fill++] = *MapAt(&map, node);
+  }
+  PetscCall(MpmListsDestroy(&foreign));
+  PetscCall(MpmListsDestroy(&wanted));
+  PetscCall(PetscFree(map.value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One MPI unit holds the values of a node; PETSc does not sum contiguous types of one. */
+static PetscErrorCode BlockUnit(PetscInt block, MPI_Datatype *unit)
+{
+  PetscFunctionBeginUser;
+  *unit = MPIU_REAL;
+  if (block == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Type_contiguous((PetscMPIInt)block, MPIU_REAL, unit));
+  PetscCallMPI(MPI_Type_commit(unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal local[])
+{
+  MPI_Datatype unit;
+
+  PetscFunctionBeginUser;
+  if (!space->sf) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(BlockUnit(block, &unit));
+  PetscCall(PetscSFBcastBegin(space->sf, unit, local, local, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(space->sf, unit, local, local, MPI_REPLACE));
+  if (block > 1) PetscCallMPI(MPI_Type_free(&unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[])
+{
+  MPI_Datatype unit;
+
+  PetscFunctionBeginUser;
+  if (!space->sf) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(BlockUnit(block, &unit));
+  PetscCall(PetscSFReduceBegin(space->sf, unit, local, local, MPIU_SUM));
+  PetscCall(PetscSFReduceEnd(space->sf, unit, local, local, MPIU_SUM));
+  if (block > 1) PetscCallMPI(MPI_Type_free(&unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,114 @@
+/*
+  From nodes to points: a converged step becomes the points' state.
+*/
+#include "space/point_loop.h"
+
+/* The increment's gradient by the new position, I - F_n F_{n+1}^{-1}; under F-bar with the volume change of the cell. */
+static void IncrementGradient(PetscInt dim, const PetscReal F_n[], const PetscReal F[], PetscReal gradient[])
+{
+  PetscReal       cofactor[MPM_MAX_DIM * MPM_MAX_DIM];
+  const PetscReal det = MpmCofactors(dim, F, cofactor);
+
+  for (PetscInt i = 0; i < dim; i++) {
+    for (PetscInt j = 0; j < dim; j++) {
+      PetscReal sum = 0.;
+
+      for (PetscInt k = 0; k < dim; k++) sum += F_n[i * dim + k] * cofactor[j * dim + k];
+      gradient[i * dim + j] = (i == j ? 1. : 0.) - sum / det;
+    }
+  }
+}
+
+/* The last increment becomes the one before, with its gradient G by the new position, G F_n F_{n+1}^{-1}. */
+static void KeepIncrement(PetscInt dim, const PetscReal du[], const PetscReal F_n[], const PetscReal F[],
+                          PetscReal increment[])
+{
+  const PetscInt size   = dim * (dim + 1);
+  PetscReal     *before = increment + size, *gradient = increment + dim;
+
+  for (PetscInt k = 0; k < size; k++) before[k] = increment[k];
+  IncrementGradient(dim, F_n, F, gradient);
+  for (PetscInt i = 0; i < dim; i++) {
+    PetscReal row[MPM_MAX_DIM];
+
+    for (PetscInt j = 0; j < dim; j++) {
+      row[j] = before[dim + i * dim + j];
+      for (PetscInt k = 0; k < dim; k++) row[j] -= before[dim + i * dim + k] * gradient[k * dim + j];
+    }
+    for (PetscInt j = 0; j < dim; j++) before[dim + i * dim + j] = row[j];
+    increment[i] = du[i];
+  }
+}
+
+/* The fields at a point from those at its group's nodes, [c][i]. */
+MPM_INLINE void Interpolate(const MpmKnown known, const MpmSpace *space, PetscInt p, const PetscReal values[],
+                            PetscReal field[])
+{
+  const PetscInt   dim = known.dim, nx = known.count[0], ny = known.count[1], nz = dim == 2 ? 1 : known.count[2];
+  const PetscReal *wx = &space->weight[p * dim * space->width], *wy = wx + space->width, *wz = wy + space->width;
+
+  for (PetscInt c = 0; c < known.block; c++) {
+    const PetscReal *v = &values[c * known.n];
+
+    field[c] = 0.;
+    for (PetscInt l = 0; l < nz; l++) {
+      for (PetscInt j = 0; j < ny; j++, v += nx) {
+        PetscReal row = 0.;
+
+        for (PetscInt k = 0; k < nx; k++) row += wx[k] * v[k];
+        field[c] += (dim == 2 ? wy[j] : wy[j] * wz[l]) * row;
+      }
+    }
+  }
+}
+
+/* One group's points go where the displacement at its nodes takes them. */
+MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                      const PetscReal u[], PetscReal values[])
+{
+  const PetscInt   dim = known.dim, rates = sum->layout->rates;
+  const MpmPoints *points = sum->points;
+
+  MpmSumGather(known, sum, group, u, values);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
+    PetscReal      field[MPM_MAX_BLOCK];
+
+    MpmFetch(sum->space->weight, ahead, dim * sum->space->width);
+    MpmFetch(points->x, ahead, dim);
+    if (points->increment) {
+      MpmFetch(points->increment, ahead, MPM_INCREMENT(dim));
+      MpmFetch(points->F, ahead, dim * dim);
+      MpmFetch(sum->trial->F, ahead, dim * dim);
+    }
+    Interpolate(known, sum->space, p, values, field);
+    for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
+    for (PetscInt r = 0; r < rates; r++) points->value[p * rates + r] = field[sum->layout->rate_component[r]];
+    if (points->increment)
+      KeepIncrement(dim, field, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim],
+                    &points->increment[p * MPM_INCREMENT(dim)]);
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
+{
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim    = sum->space->dim;
+  PetscReal       *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((PetscPowInt(sum->space->width, dim) * sum->layout->block), &values));
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+
+    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, values);
+  }
+  PetscCall(PetscFree(values));
+  PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
+  PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * (dim == 2 ? 4 : 6)));
+  for (PetscInt p = 0; sum->state_size && p < points->count; p++)
+    PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],
+                            sum->materials[points->material[p]].state_size));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

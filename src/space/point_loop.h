@@ -1,0 +1,246 @@
+#pragma once
+/*
+  The inner loops of sums over points, inlined so that the number of nodes of a group and the layout of the commonest
+  physics are constants where it pays: a point of a solid touches 4 to 9 nodes in 2D and 8 to 27 in 3D, and loops that
+  short must be unrolled.
+*/
+#include "space/space.h"
+
+#define MPM_INLINE static inline __attribute__((always_inline))
+
+/*
+  What the compiler is told: the layout of a solid, whose block is dim and whose inputs are all derivatives, and the
+  nodes of a group on each axis.
+*/
+typedef struct {
+  PetscInt  dim, block, inputs;
+  PetscBool solid;
+  PetscInt  count[MPM_MAX_DIM], n; /* n: their product */
+} MpmKnown;
+
+MPM_INLINE PetscInt KnownComponent(const MpmKnown known, const MpmLayout *layout, PetscInt k)
+{
+  return known.solid ? k / known.dim : layout->component_of[k];
+}
+MPM_INLINE PetscInt KnownBasis(const MpmKnown known, const MpmLayout *layout, PetscInt k)
+{
+  return known.solid ? 1 + k % known.dim : layout->basis_of[k];
+}
+
+/* Nothing is constant. */
+MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
+{
+  const PetscInt *count = group->count;
+  const MpmKnown  known = {.dim    = layout->dim,
+                           .block  = layout->block,
+                           .inputs = layout->inputs,
+                           .count  = {count[0], count[1], count[2]},
+                           .n      = group->node_count};
+  return known;
+}
+
+/*
+  Calls f(known, ...) with constants for the usual cases: a solid whose points touch two, three or, in 2D, four nodes an
+  axis; in 3D the loops over four are long enough as they are. The general case is the same code with variables.
+*/
+#define MPM_SOLID(dim, i, j, k) ((MpmKnown){dim, dim, (dim) * (dim), PETSC_TRUE, {i, j, k}, (i) * (j) * (k)})
+#define MPM_CASE(f, dim, i, j, k, ...) \
+  case ((k)*5 + (j)) * 5 + (i): \
+    PetscCall(f(MPM_SOLID(dim, i, j, k), __VA_ARGS__)); \
+    break
+#define MPM_DISPATCH(layout, group, f, ...) \
+  do { \
+    const PetscInt *const count_ = (group)->count; \
+    const PetscInt        most_  = PetscMax(PetscMax(count_[0], count_[1]), count_[2]); \
+    switch ((layout)->solid && most_ <= 4 ? (count_[2] * 5 + count_[1]) * 5 + count_[0] : -1) { \
+      MPM_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 3, 3, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 4, 2, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 2, 4, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 4, 3, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 3, 4, 1, __VA_ARGS__); \
+      MPM_CASE(f, 2, 4, 4, 1, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 3, 2, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 2, 3, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 2, 3, __VA_ARGS__); \
+      MPM_CASE(f, 3, 2, 3, 3, __VA_ARGS__); \
+      MPM_CASE(f, 3, 3, 3, 3, __VA_ARGS__); \
+    default: \
+      PetscCall(f(KnownGeneral(layout, group), __VA_ARGS__)); \
+      break; \
+    } \
+  } while (0)
+
+/* Calls f(N, ...) with the number of inputs, a constant for a solid. */
+#define MPM_DISPATCH_INPUTS(layout, f, ...) \
+  PetscCall((layout)->solid ? (layout)->dim == 2 ? f(4, __VA_ARGS__) : f(9, __VA_ARGS__) \
+                            : f((layout)->inputs, __VA_ARGS__))
+
+/* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
+typedef struct {
+  PetscReal *values, *force, *storage;
+  MpmBasis   basis;
+} MpmWorkspace;
+
+static inline PetscErrorCode MpmWorkspaceCreate(const MpmSum *sum, MpmWorkspace *work)
+{
+  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->layout->block;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((n * (2 * bs + MPM_MAX_DIM + 1)), &work->storage));
+  work->values = work->storage;
+  work->force  = work->values + n * bs;
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) work->basis.basis[b] = work->force + n * (bs + b);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* values[c*n + i] = u at the group's nodes */
+MPM_INLINE void MpmSumGather(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal u[],
+                             PetscReal values[])
+{
+  const PetscInt  n     = known.n;
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt c = 0; c < known.block; c++) values[c * n + i] = u[nodes[i] * known.block + c];
+}
+
+/* residual += force at the group's nodes */
+MPM_INLINE void MpmSumScatter(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal force[],
+                              PetscReal residual[])
+{
+  const PetscInt  n     = known.n;
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt c = 0; c < known.block; c++) residual[nodes[i] * known.block + c] += force[c * n + i];
+}
+
+/* The kernel's inputs: input_k = sum_i phi_k(i) u_i,c(k) */
+MPM_INLINE void MpmSumInputs(const MpmKnown known, const MpmLayout *layout, const PetscReal values[],
+                             const MpmBasis *basis, PetscReal input[])
+{
+  const PetscInt n = known.n;
+  for (PetscInt k = 0; k < known.inputs; k++) {
+    const PetscReal *phi = basis->basis[KnownBasis(known, layout, k)],
+                    *v   = &values[KnownComponent(known, layout, k) * n];
+    PetscReal s          = 0.;
+
+    for (PetscInt i = 0; i < n; i++) s += phi[i] * v[i];
+    input[k] = s;
+  }
+}
+
+/* force_c(k),i += phi_k(i) flux_k */
+MPM_INLINE void MpmSumAddFlux(const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis,
+                              const PetscReal flux[], PetscReal force[])
+{
+  const PetscInt n = known.n;
+  for (PetscInt k = 0; k < known.inputs; k++) {
+    const PetscReal *restrict phi = basis->basis[KnownBasis(known, layout, k)];
+    PetscReal *restrict f         = &force[KnownComponent(known, layout, k) * n];
+    const PetscReal value         = flux[k];
+
+    for (PetscInt i = 0; i < n; i++) f[i] += phi[i] * value;
+  }
+}
+
+/* The kernel's view of point p. */
+MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
+{
+  const MpmPoints   *points   = sum->points;
+  const MpmMaterial *material = &sum->materials[points->material[p]];
+  const PetscInt     dim      = sum->space->dim;
+
+  point->parameter         = material->parameter;
+  point->physics_parameter = sum->physics_parameter;
+  point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
+  point->F_n               = &points->F[p * dim * dim];
+  point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
+  point->volume0           = points->volume0[p];
+  point->dt                = sum->dt;
+  point->traits            = material->info.traits;
+  point->law               = material->law;
+  point->state             = NULL;
+  point->F                 = NULL;
+  point->stress            = NULL;
+  point->stress_n          = sum->rest ? &points->stress[p * (dim == 2 ? 4 : 6)] : NULL;
+}
+
+/* Where the kernel writes what the step's end would be. */
+MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
+{
+  const MpmTrial *trial = sum->trial;
+  const PetscInt  dim   = sum->space->dim;
+
+  if (!trial) return;
+  point->F      = &trial->F[p * dim * dim];
+  point->stress = &trial->stress[p * (dim == 2 ? 4 : 6)];
+  if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
+}
+
+/*
+  Points lie in memory in the order in which they were made or came, which the processor does not foresee when they are
+  taken by groups. So the data of the point so many places ahead in the order are asked for.
+*/
+#define MPM_AHEAD 4
+#define MPM_LINE  8 /* numbers in a line of the cache */
+MPM_INLINE PetscInt MpmSumAhead(const MpmSum *sum, PetscInt s)
+{
+  return sum->space->order[PetscMin(s + MPM_AHEAD, sum->points->count - 1)];
+}
+MPM_INLINE void MpmFetch(const PetscReal array[], PetscInt p, PetscInt size)
+{
+  for (PetscInt k = 0; k < size; k += MPM_LINE) __builtin_prefetch(&array[p * size + k]);
+  __builtin_prefetch(&array[p * size + size - 1]);
+}
+/* What the kernel and its inputs take. */
+MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
+{
+  const PetscInt p = MpmSumAhead(sum, s), row = known.dim * sum->space->width;
+
+  MpmFetch(sum->space->weight, p, row);
+  MpmFetch(sum->space->gradient, p, row);
+  MpmFetch(sum->points->F, p, known.dim * known.dim);
+  MpmFetch(sum->points->volume0, p, 1);
+}
+
+/*
+  The weights and derivatives of one point at its group's nodes: basis[0] weights (if wanted), basis[1..dim]
+  derivatives; `count` nodes an axis, x fastest.
+*/
+MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscBool weights,
+                            const MpmBasis *basis)
+{
+  const PetscInt dim = known.dim, *const count = known.count;
+  const PetscInt   W  = space->width;
+  const PetscReal *wx = &space->weight[point * dim * W], *gx = &space->gradient[point * dim * W];
+  const PetscReal *wy = wx + W, *gy = gx + W;
+  PetscReal *restrict b0 = basis->basis[0], *restrict b1 = basis->basis[1], *restrict b2 = basis->basis[2],
+                      *restrict b3 = basis->basis[3];
+  const PetscInt nx                = count[0];
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : count[2]); l++) {
+    const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];
+
+    for (PetscInt j = 0; j < count[1]; j++) {
+      const PetscReal ww = wy[j] * wz, gw = gy[j] * wz, wg = wy[j] * gz;
+
+      for (PetscInt k = 0; k < nx; k++) {
+        b1[k] = gx[k] * ww;
+        b2[k] = wx[k] * gw;
+        if (dim == 3) b3[k] = wx[k] * wg;
+        if (weights) b0[k] = wx[k] * ww;
+      }
+      b1 += nx;
+      b2 += nx;
+      b3 += nx;
+      b0 += nx;
+    }
+  }
+}

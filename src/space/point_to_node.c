@@ -1,0 +1,127 @@
+/*
+  Fields of the points at the nodes: means weighted by shape function and volume.
+
+    u_i = sum_p w_p (u_p + grad u_p (x_i - x_p)) / sum_p w_p ,   w_p = |phi_i(x_p)| V_p
+
+  With the gradient a linear field comes out exactly, at the edges of the material too.
+*/
+#include "space/point_loop.h"
+
+/* The field, its components and how far apart the points' values stand; and sums over the points of one group. */
+typedef struct {
+  PetscInt         components, stride;
+  const PetscReal *value, *gradient;
+  PetscReal       *sums;   /* [c][i], weights last */
+  PetscReal       *weight; /* of one point at the group's nodes */
+  PetscReal       *place;  /* [a][i]: of the nodes, from the first one */
+} Projection;
+
+static void PlaceNodes(const MpmGrid *grid, const MpmGroup *group, PetscReal place[])
+{
+  const PetscInt n = group->node_count;
+
+  for (PetscInt i = 0; i < n; i++) {
+    PetscInt k = i;
+
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      place[a * n + i] = grid->h[a] * (PetscReal)(k % group->count[a]);
+      k /= group->count[a];
+    }
+  }
+}
+
+/* sums_i += w_i (value + gradient (x_i - x_p)), one component; `start` is its value at the first node */
+MPM_INLINE void AddComponent(const MpmKnown known, const PetscReal weight[], PetscReal start,
+                             const PetscReal gradient[], const PetscReal place[], PetscReal *restrict sums)
+{
+  const PetscInt n = known.n;
+
+  if (known.dim == 2) {
+    for (PetscInt i = 0; i < n; i++)
+      sums[i] += weight[i] * (start + gradient[0] * place[i] + gradient[1] * place[n + i]);
+  } else {
+    for (PetscInt i = 0; i < n; i++)
+      sums[i] +=
+        weight[i] * (start + gradient[0] * place[i] + gradient[1] * place[n + i] + gradient[2] * place[2 * n + i]);
+  }
+}
+
+MPM_INLINE void WeighNodes(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal volume,
+                           PetscReal weight[])
+{
+  const PetscInt   dim = known.dim, W = space->width;
+  const PetscReal *w[MPM_MAX_DIM] = {&space->weight[p * dim * W], &space->weight[(p * dim + 1) * W], NULL};
+
+  if (dim == 3) w[2] = w[1] + W;
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
+      const PetscReal factor = volume * w[1][j] * (dim == 2 ? 1. : w[2][l]);
+
+      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = PetscAbsReal(w[0][k] * factor);
+    }
+  }
+}
+
+/* The sums of one group, added to those at its nodes: the components and, last, the weights of each node. */
+MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                       const Projection *project, PetscReal nodal[])
+{
+  static const PetscReal flat[MPM_MAX_DIM] = {0.};
+  const MpmSpace        *space             = sum->space;
+  const MpmGrid         *grid              = sum->grid;
+  const MpmPoints       *points            = sum->points;
+  const PetscInt         n = known.n, dim = known.dim, components = project->components;
+  const PetscInt        *nodes = &space->group_nodes[group->node_offset];
+
+  for (PetscInt k = 0; k < n * (components + 1); k++) project->sums[k] = 0.;
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt   p = space->order[s], ahead = MpmSumAhead(sum, s);
+    const PetscReal *x = &points->x[p * dim];
+
+    MpmFetch(space->weight, ahead, dim * space->width);
+    MpmFetch(project->value, ahead, project->stride);
+    MpmFetch(points->x, ahead, dim);
+    MpmFetch(points->volume0, ahead, 1);
+    WeighNodes(known, space, p, points->volume0[p], project->weight);
+    for (PetscInt c = 0; c < components; c++) {
+      const PetscReal *gradient = project->gradient ? &project->gradient[p * project->stride + c * dim] : flat;
+      PetscReal        start    = project->value[p * project->stride + c];
+
+      for (PetscInt a = 0; a < dim; a++)
+        start += gradient[a] * (grid->lower[a] + grid->h[a] * (PetscReal)group->first[a] - x[a]);
+      AddComponent(known, project->weight, start, gradient, project->place, &project->sums[c * n]);
+    }
+    for (PetscInt i = 0; i < n; i++) project->sums[components * n + i] += project->weight[i];
+  }
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt c = 0; c <= components; c++) nodal[nodes[i] * (components + 1) + c] += project->sums[c * n + i];
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmProjectToNodes(const MpmSum *sum, PetscInt components, PetscInt stride, const PetscReal value[],
+                                 const PetscReal gradient[], PetscReal nodal[])
+{
+  const MpmSpace *space = sum->space;
+  const PetscInt  most = PetscPowInt(space->width, space->dim), n = components + 1;
+  Projection      project = {.components = components, .stride = stride, .value = value, .gradient = gradient};
+  PetscReal      *sums;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((space->local * n), &sums));
+  PetscCall(PetscMalloc3((most * n), &project.sums, most, &project.weight, (most * space->dim), &project.place));
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+
+    PlaceNodes(sum->grid, group, project.place);
+    MPM_DISPATCH(sum->layout, group, ProjectGroup, sum, group, &project, sums);
+  }
+  PetscCall(MpmSpaceAddToOwners(space, n, sums));
+  for (PetscInt k = 0; k < space->owned * components; k++) {
+    const PetscReal *at = &sums[k / components * n];
+
+    nodal[k] = at[components] > 0. ? at[k % components] / at[components] : 0.;
+  }
+  PetscCall(PetscFree3(project.sums, project.weight, project.place));
+  PetscCall(PetscFree(sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,300 @@
+/*
+  Loads on the material. They pick their points in the initial state and keep each point's share in a field of the
+  particles, so that shares travel with the points.
+*/
+#include "terms/terms.h"
+
+/*
+  The face of the domains that a traction acts on: an axis and a side, like +y; by default the axis along which the
+  region has no extent.
+*/
+static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, MpmLoad *load)
+{
+  static const char *const faces[] = {"-x", "+x", "-y", "+y", "-z", "+z", NULL};
+  PetscReal                lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], thinnest = PETSC_INFINITY;
+  PetscInt                 face = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(block, "face",
+                           "face of the points' domains under traction (default: across the region's thinnest axis)",
+                           faces, MPM_OPTIONAL, &face, &load->face_given));
+  load->face_axis = face / 2;
+  load->face_side = face % 2 ? 1 : -1;
+  if (load->face_given || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  PetscCall(MpmRegionGetBounds(load->region, lower, upper));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal extent = (upper[a] - lower[a]) / grid->h[a];
+
+    if (extent >= thinnest) continue;
+    thinnest        = extent;
+    load->face_axis = a;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load)
+{
+  static const char *const types[] = {"force", "gravity", "traction", NULL};
+  char                     prefix[256], field[256];
+  MpmOptions               block = {options->comm, prefix, options->record};
+  PetscInt                 type  = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(load, sizeof(*load)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_load_%s_", name));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "load_%s", name));
+  PetscCall(PetscStrallocpy(name, &load->name));
+  PetscCall(MpmOptionsHeading(&block, "Load"));
+  PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa)", types, MPM_REQUIRED,
+                           &type, NULL));
+  load->type = (MpmLoadType)type;
+  PetscCall(MpmOptionsReals(&block, "value", "N, m/s2 or Pa", "the load's vector", MPM_RANGE_ANY, MPM_REQUIRED,
+                            grid->dim, load->value, NULL));
+  PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
+  if (load->type == MPM_LOAD_GRAVITY && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrallocpy(field, &load->share_field));
+  PetscCall(MpmSelectionRead(&block, grid, load->at, &load->nearest, &load->region));
+  if (load->type == MPM_LOAD_TRACTION || MpmOptionsHelp()) {
+    MpmCheckInput(load->region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
+    PetscCall(ReadFace(&block, grid, load));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadDestroy(MpmLoad *load)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(load->name));
+  PetscCall(PetscFree(load->share_field));
+  PetscCall(MpmRegionDestroy(&load->region));
+  PetscCall(MpmRampDestroy(&load->ramp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- selection ---- */
+
+/* Where the domain's face stands that a traction acts on. */
+static PetscReal FacePosition(const MpmLoad *load, PetscInt dim, PetscInt side, const MpmPoints *points, PetscInt p)
+{
+  const PetscInt k = p * dim + load->face_axis;
+
+  return points->x0[k] + (PetscReal)side * points->half_length[k];
+}
+
+/* What a traction's region says: its box, and whether it is a face itself or a layer of material behind one. */
+typedef struct {
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscBool thin;
+} FaceRegion;
+
+/* Does the point's face lie in the region; in a layer, does the point? */
+static PetscBool FaceSelected(const MpmLoad *load, const FaceRegion *region, PetscInt dim, PetscInt side,
+                              const MpmPoints *points, PetscInt p)
+{
+  PetscReal x[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) x[a] = points->x0[p * dim + a];
+  if (region->thin) x[load->face_axis] = FacePosition(load, dim, side, points, p);
+  return MpmRegionContains(load->region, x);
+}
+
+/*
+  The outermost face of the selected points on each side, below (0) and above (1), times the side; and whether the
+  material ends there: no point beside the region's extent along the other axes reaches further.
+*/
+static PetscErrorCode FindOutermost(const MpmLoad *load, const FaceRegion *region, const MpmGrid *grid,
+                                    const MpmPoints *points, PetscReal outermost[2], PetscBool ends[2])
+{
+  const PetscInt dim      = grid->dim;
+  PetscReal      reach[4] = {PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY};
+
+  PetscFunctionBeginUser;
+  for (PetscInt s = 0; s < 2; s++) {
+    for (PetscInt p = 0; p < points->count; p++) {
+      const PetscInt  side   = s ? 1 : -1;
+      const PetscReal face   = (PetscReal)side * FacePosition(load, dim, side, points, p);
+      PetscBool       beside = PETSC_TRUE;
+
+      for (PetscInt a = 0; a < dim; a++) {
+        const PetscReal x = points->x0[p * dim + a];
+
+        if (a != load->face_axis && (x < region->lower[a] || x > region->upper[a])) beside = PETSC_FALSE;
+      }
+      if (FaceSelected(load, region, dim, side, points, p)) reach[s] = PetscMax(reach[s], face);
+      if (beside) reach[2 + s] = PetscMax(reach[2 + s], face);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, 4, MPIU_REAL, MPIU_MAX, grid->comm));
+  for (PetscInt s = 0; s < 2; s++) {
+    outermost[s] = reach[s];
+    ends[s] =
+      (PetscBool)(reach[s] > PETSC_NINFINITY && reach[s] >= reach[2 + s] - MPM_TOLERANCE * grid->h[load->face_axis]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  share = the area of the domain's face where it lies in the region, 0 elsewhere. A region without extent along the
+  face's axis is the face itself; in a thicker one it is the outermost face of the points inside, on the side where the
+  material ends.
+*/
+static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPoints *points, PetscReal share[])
+{
+  const PetscInt  dim = grid->dim, axis = load->face_axis;
+  const PetscReal slack        = MPM_TOLERANCE * grid->h[axis];
+  PetscReal       outermost[2] = {0., 0.}, area = 0.;
+  PetscBool       ends[2] = {PETSC_FALSE, PETSC_FALSE};
+  FaceRegion      region;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    region.lower[a] = PETSC_NINFINITY;
+    region.upper[a] = PETSC_INFINITY;
+  }
+  PetscCall(MpmRegionGetBounds(load->region, region.lower, region.upper));
+  region.thin = (PetscBool)(region.upper[axis] - region.lower[axis] <= 4. * slack);
+  PetscCall(FindOutermost(load, &region, grid, points, outermost, ends));
+  if (!load->face_given) {
+    MpmCheckInput(region.thin || ends[0] != ends[1],
+                  "-mpm_load_%s_face is missing: the material %s on axis %c of the region", load->name,
+                  ends[0] ? "ends on both sides" : "ends on neither side", "xyz"[axis]);
+    load->face_side = region.thin ? (outermost[1] > PETSC_NINFINITY ? 1 : -1) : (ends[1] ? 1 : -1);
+  }
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal face = (PetscReal)load->face_side * FacePosition(load, dim, load->face_side, points, p);
+
+    share[p] = 0.;
+    if (!FaceSelected(load, &region, dim, load->face_side, points, p)) continue;
+    if (face < outermost[load->face_side > 0] - slack) continue;
+    share[p] = 1.;
+    for (PetscInt a = 0; a < dim; a++)
+      if (a != axis) share[p] *= 2. * points->half_length[p * dim + a];
+    area += share[p];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  MpmCheckInput(area > 0., "-mpm_load_%s_region: no point has its face there", load->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles)
+{
+  MpmPoints  points;
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  if (load->type == MPM_LOAD_GRAVITY) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(DMSwarmGetField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  if (load->type == MPM_LOAD_TRACTION) PetscCall(SelectFace(load, grid, &points, share));
+  else if (load->region) PetscCall(MpmSelectRegion(grid, &points, "load", load->name, load->region, share));
+  else PetscCall(MpmSelectNearest(grid, &points, particles->total, "load", load->name, load->at, load->nearest, share));
+  PetscCall(DMSwarmRestoreField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- application ---- */
+
+/*
+  Weights of the face's centre instead of the point's: a traction does its work where it acts. Only shapes with a domain
+  have a face; the others take the point.
+*/
+static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, const MpmSpace *space,
+                                  const MpmPoints *points, PetscInt p, const MpmGroup *group, PetscReal weight[])
+{
+  const MpmGrid     *grid = rules->grid;
+  const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
+  const MpmShapeType at_face = rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
+  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
+  PetscInt  lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], first, count, n = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    for (PetscInt i = 0; i < group->count[a]; i++) line[a][i] = a < dim ? space->weight[(p * dim + a) * W + i] : 1.;
+  if (MpmShapeHasDomain(rules->shape)) {
+    PetscCheck(!rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+               "point %" PetscInt_FMT " has no stretch", points->id[p]);
+    xi = (points->x[p * dim + axis] - grid->lower[axis] +
+          (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
+         grid->h[axis];
+    MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
+    xi = PetscMin(PetscMax(xi, (PetscReal)lower[axis]), (PetscReal)upper[axis]);
+    MpmShapeEvaluate(at_face, rules->edge, xi, 0., lower[axis], upper[axis], &first, &count, face_weight, unused);
+    for (PetscInt i = 0; i < group->count[axis]; i++) {
+      const PetscInt k = group->first[axis] + i - first;
+
+      line[axis][i] = k >= 0 && k < count ? face_weight[k] : 0.;
+    }
+  }
+  for (PetscInt k = 0; k < group->count[2]; k++)
+    for (PetscInt j = 0; j < group->count[1]; j++)
+      for (PetscInt i = 0; i < group->count[0]; i++) weight[n++] = line[0][i] * line[1][j] * line[2][k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
+                            MpmParticles *particles, PetscReal force[])
+{
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  PetscReal       *share = NULL, *storage;
+  MpmBasis         basis;
+
+  PetscFunctionBeginUser;
+  if (factor == 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  if (load->share_field) PetscCall(DMSwarmGetField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt  p      = space->order[s];
+      const PetscReal amount = factor * (share ? share[p] : MpmPointMass(points, sum->materials, p));
+
+      if (amount == 0.) continue;
+      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, rules, space, points, p, group, basis.basis[0]));
+      else MpmSpaceEvaluate(space, group, p, &basis);
+      for (PetscInt i = 0; i < group->node_count; i++)
+        for (PetscInt a = 0; a < dim; a++) force[nodes[i] * bs + a] += amount * basis.basis[0][i] * load->value[a];
+    }
+  }
+  PetscCall(PetscFree(storage));
+  if (share) PetscCall(DMSwarmRestoreField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum, PetscReal force[])
+{
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  PetscReal       *storage, value[MPM_MAX_DIM];
+  MpmBasis         basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      PetscCall((*function)(dim, time, &points->x0[p * dim], value, ctx));
+      MpmSpaceEvaluate(space, group, p, &basis);
+      for (PetscInt i = 0; i < group->node_count; i++)
+        for (PetscInt a = 0; a < dim; a++)
+          force[nodes[i] * bs + a] += points->volume0[p] * basis.basis[0][i] * value[a];
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

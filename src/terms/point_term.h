@@ -1,0 +1,14 @@
+#pragma once
+/*
+  The two terms of the points: the physics point by point, and with a mean over the cell. Their parts stand in residual.c and
+  tangent.c.
+*/
+#include "space/point_loop.h"
+#include "terms/terms.h"
+
+PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                 PetscInt *failed);
+PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                PetscInt *failed);
+/* Boxes of the cells' nodes, and the points' shares in them. */
+PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);

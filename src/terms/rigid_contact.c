@@ -1,0 +1,506 @@
+/*
+  Contact of material points with boundaries that do not follow the grid, by a penalty.
+
+  A point meets a boundary with its face, not with its centre: the face stands at y = x - d n, where n is the boundary's
+  normal and d how far the point's domain reaches along it, d = min_a l_a/|n_a|. What lies nearer than that at the start
+  (a lattice of points cut at an angle) keeps its initial share of d, so that a body that is put on a boundary sits on it.
+
+  With g the distance of the face from the boundary at the step's end, and A the point's area, the energy
+
+    (k A/2) (g^2 + |s|^2) ,   k = penalty E/h ,   s = slip along the tangent plane at the step's start (stick only)
+
+  counts where g < 0 (unilateral), or for all points that touch at the start (bilateral). The force on the body is
+  t = -k A (g n + s), its derivative -k A (n n^T + g grad n + I - n n^T (stick)): symmetric. The reaction is the sum of t.
+  A pressure p thus makes a depth of p h/(penalty E), while forces balance as well as Newton's method has converged.
+
+  The face's displacement comes from the nodes by the weights of the part of the domain about the face that is in the
+  domain: the face's middle across, the domain's mean along. That makes a uniform pressure on an even face consistent with
+  uniform stress, in every node. Shapes without a domain take the point's own weights.
+
+  Each contact is pointwise, like the kernel, so all forms of the Jacobian take its derivative from here.
+*/
+#include "terms/terms.h"
+
+#define TOUCH 1e-12 /* of a cell: rounding of a face that stands on the boundary */
+
+PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
+{
+  PetscFunctionBeginUser;
+  contacts->boundary_count = count;
+  contacts->boundaries     = boundaries;
+  PetscCall(PetscCalloc1(count, &contacts->before));
+  PetscCall(PetscCalloc1(count, &contacts->after));
+  PetscCall(PetscCalloc1(count, &contacts->reaction));
+  PetscCall(PetscCalloc1(count, &contacts->depth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(contacts->before));
+  PetscCall(PetscFree(contacts->after));
+  PetscCall(PetscFree(contacts->reaction));
+  PetscCall(PetscFree(contacts->depth));
+  PetscCall(PetscFree(contacts->contact));
+  PetscCall(PetscFree(contacts->weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- which points ---- */
+
+/* How far a box of these half-lengths reaches along n. */
+static PetscReal Reach(PetscInt dim, const PetscReal half[], const PetscReal n[])
+{
+  PetscReal reach = PETSC_INFINITY;
+
+  for (PetscInt a = 0; a < dim; a++)
+    if (n[a] != 0.) reach = PetscMin(reach, half[a] / PetscAbsReal(n[a]));
+  return reach;
+}
+
+/* The share of its reach at which the point stands at the start: 1 for all but those that lie nearer. Also its distance. */
+static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *points, PetscInt p, PetscReal *distance,
+                              PetscReal *reach)
+{
+  const PetscReal still[MPM_MAX_DIM] = {0., 0., 0.};
+  MpmSurface      surface;
+
+  MpmBoundaryDistance(boundary, still, &points->x0[p * boundary->dim], &surface);
+  *distance = surface.distance;
+  *reach    = Reach(boundary->dim, &points->half_length[p * boundary->dim], surface.normal);
+  return PetscMin(1., PetscMax(0., *distance / *reach));
+}
+
+PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles)
+{
+  PetscInt  count[3] = {0, 0, 0}; /* points concerned, behind the boundary, at it */
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  for (PetscInt p = 0; p < points.count; p++) {
+    PetscReal distance, reach;
+
+    if (!MpmRegionContains(boundary->region, &points.x0[p * grid->dim])) continue;
+    (void)InitialShare(boundary, &points, p, &distance, &reach);
+    count[0]++;
+    count[1] += distance < -MPM_TOLERANCE * reach;
+    count[2] += distance <= (1. + MPM_TOLERANCE) * reach;
+  }
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 3, MPIU_INT, MPI_SUM, grid->comm));
+  MpmCheckInput(count[0], "-mpm_boundary_%s_points_region: there is no point in it", boundary->name);
+  MpmCheckInput(!count[1],
+                "-mpm_boundary_%s_type: %" PetscInt_FMT
+                " points lie behind it at the start; turn its normal or side, or "
+                "choose the points concerned",
+                boundary->name, count[1]);
+  MpmCheckInput(!boundary->bilateral || count[2],
+                "-mpm_boundary_%s_contact bilateral: no point lies at it at the start", boundary->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is the point concerned in this step, and where does its face stand? */
+static PetscErrorCode Describe(const MpmContacts *contacts, PetscInt b, const MpmRules *rules, const MpmPoints *points,
+                               PetscInt p, PetscReal margin, MpmContact *contact, PetscBool *concerned)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[b];
+  const PetscInt     dim      = boundary->dim;
+  const PetscReal   *half = &points->half_length[p * dim], *F = &points->F[p * dim * dim];
+  PetscReal  U[MPM_MAX_DIM] = {1., 1., 1.}, stretched[MPM_MAX_DIM], distance, reach, share, most = 0., length = 0.;
+  MpmSurface surface;
+
+  PetscFunctionBeginUser;
+  *concerned = PETSC_FALSE;
+  MpmBoundaryDistance(boundary, contacts->before[b], &points->x[p * dim], &surface);
+  for (PetscInt k = 0; k < dim * dim; k++) most += F[k] * F[k]; /* no stretch is larger */
+  for (PetscInt a = 0; a < dim; a++) length += half[a] * half[a];
+  if (!boundary->bilateral && surface.distance > margin + PetscSqrtReal(most * length))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmRegionContains(boundary->region, &points->x0[p * dim])) PetscFunctionReturn(PETSC_SUCCESS);
+  share = InitialShare(boundary, points, p, &distance, &reach);
+  if (boundary->bilateral && distance > (1. + MPM_TOLERANCE) * reach) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(!rules->stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
+             points->id[p]);
+  for (PetscInt a = 0; a < dim; a++) stretched[a] = half[a] * U[a];
+  share *= Reach(dim, stretched, surface.normal);
+  for (PetscInt a = 0; a < dim; a++) {
+    contact->face[a]   = points->x[p * dim + a] - share * surface.normal[a];
+    contact->normal[a] = surface.normal[a];
+    contact->slip[a]   = 0.;
+  }
+  contact->point     = p;
+  contact->boundary  = b;
+  contact->stiffness = boundary->penalty * contacts->unit * rules->materials[points->material[p]].penalty *
+                       points->volume0[p] / (2. * Reach(dim, half, surface.normal));
+  *concerned = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All contacts of one boundary, in the order of the groups. */
+static PetscErrorCode List(MpmContacts *contacts, PetscInt b, const MpmRules *rules, const MpmSpace *space,
+                           const MpmPoints *points)
+{
+  PetscReal margin = 0.;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < space->dim; a++) {
+    margin = PetscMax(margin, 2. * rules->grid->h[a]);
+    margin += PetscAbsReal(contacts->after[b][a] - contacts->before[b][a]);
+  }
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
+      MpmContact contact = {.group = g};
+      PetscBool  concerned;
+
+      PetscCall(Describe(contacts, b, rules, points, space->order[s], margin, &contact, &concerned));
+      if (!concerned) continue;
+      if (contacts->count == contacts->capacity) {
+        contacts->capacity = 2 * contacts->capacity + 64;
+        PetscCall(PetscRealloc((size_t)contacts->capacity * sizeof(MpmContact), &contacts->contact));
+      }
+      contacts->contact[contacts->count++] = contact;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Weights of a contact's face on one axis, at the nodes of its group. */
+static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
+                        const MpmContact *contact, PetscInt a, const PetscReal half[], PetscReal line[])
+{
+  const MpmGrid  *grid  = rules->grid;
+  const MpmGroup *group = &space->groups[contact->group];
+  const PetscInt  p = contact->point, dim = space->dim, last = group->count[a] - 1;
+  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], first, count;
+  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+
+  if (!half) {
+    for (PetscInt i = 0; i <= last; i++) line[i] = space->weight[(p * dim + a) * space->width + i];
+    return;
+  }
+  const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
+  const PetscReal at = PetscMin(PetscMax((contact->face[a] - grid->lower[a]) / grid->h[a], x - half[a]), x + half[a]);
+
+  MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
+  MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a],
+                   &first, &count, weight, unused);
+  for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
+  for (PetscInt i = 0; i < count; i++) /* rounding may touch a node more than the domain does */
+    line[PetscMin(PetscMax(first + i - group->first[a], 0), last)] += weight[i];
+}
+
+static PetscErrorCode Weights(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
+                              const MpmPoints *points)
+{
+  PetscInt size = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->count; k++) {
+    contacts->contact[k].weight = size;
+    size += space->groups[contacts->contact[k].group].node_count;
+  }
+  PetscCall(PetscMalloc1(size, &contacts->weight));
+  for (PetscInt k = 0; k < contacts->count; k++) {
+    const MpmContact *contact = &contacts->contact[k];
+    const MpmGroup   *group   = &space->groups[contact->group];
+    PetscReal        *weight  = &contacts->weight[contact->weight];
+    PetscReal         line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM];
+    const PetscBool   domain = MpmShapeHasDomain(rules->shape);
+
+    line[2][0] = 1.;
+    if (domain) (void)MpmSpaceHalfLengths(rules, points, contact->point, half);
+    for (PetscInt a = 0; a < space->dim; a++)
+      AxisWeights(rules, space, points, contact, a, domain ? half : NULL, line[a]);
+    for (PetscInt i = 0; i < group->node_count; i++) {
+      const PetscInt row = i / group->count[0];
+
+      weight[i] = line[0][i % group->count[0]] * line[1][row % group->count[1]] * line[2][row / group->count[1]];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Slip at the step's start, put into the tangent plane there. */
+static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, PetscInt dim)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    for (PetscInt a = 0; contacts->boundaries[b].stick && a < dim; a++) {
+      PetscReal *slip;
+
+      PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+      for (PetscInt k = 0; k < contacts->count; k++)
+        if (contacts->contact[k].boundary == b) contacts->contact[k].slip[a] = slip[contacts->contact[k].point];
+      PetscCall(
+        DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+    }
+  }
+  for (PetscInt k = 0; k < contacts->count; k++) {
+    MpmContact *contact = &contacts->contact[k];
+    PetscReal   dot     = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) dot += contact->slip[a] * contact->normal[a];
+    for (PetscInt a = 0; a < dim; a++) contact->slip[a] -= dot * contact->normal[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsSetUp(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
+                                const MpmPoints *points, MpmParticles *particles, PetscReal time_n, PetscReal time)
+{
+  PetscReal h = rules->grid->h[0];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(contacts->weight));
+  contacts->count = 0;
+  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 1; a < space->dim; a++) h = PetscMin(h, rules->grid->h[a]);
+  contacts->unit  = 1. / h;
+  contacts->touch = TOUCH * h;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const PetscReal still[MPM_MAX_DIM] = {0., 0., 0.};
+
+    if (time_n > 0.) MpmBoundaryMotion(&contacts->boundaries[b], time_n, contacts->before[b]);
+    else PetscCall(PetscArraycpy(contacts->before[b], still, MPM_MAX_DIM));
+    MpmBoundaryMotion(&contacts->boundaries[b], time, contacts->after[b]);
+    PetscCall(List(contacts, b, rules, space, points));
+  }
+  PetscCall(Weights(contacts, rules, space, points));
+  PetscCall(LoadSlips(contacts, particles, space->dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- sums ---- */
+
+/* What a contact does at a displacement of its face. */
+typedef struct {
+  PetscBool active;
+  PetscReal depth, force[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* force on the body */
+  PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM];          /* minus the force's derivative */
+} Answer;
+
+static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, const PetscReal u[],
+                     Answer *answer)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
+  const PetscReal   *before = contacts->before[contact->boundary], *after = contacts->after[contact->boundary];
+  PetscReal          at[MPM_MAX_DIM], along                               = 0.;
+  MpmSurface         surface;
+
+  for (PetscInt a = 0; a < dim; a++) at[a] = contact->face[a] + u[a];
+  MpmBoundaryDistance(boundary, after, at, &surface);
+  *answer       = (Answer){.active = (PetscBool)(boundary->bilateral || surface.distance <= contacts->touch)};
+  answer->depth = boundary->bilateral ? PetscAbsReal(surface.distance) : PetscMax(0., -surface.distance);
+  if (!answer->active) return;
+  for (PetscInt a = 0; a < dim; a++) along += contact->normal[a] * (u[a] - after[a] + before[a]);
+  for (PetscInt a = 0; a < dim; a++) {
+    if (boundary->stick) answer->slip[a] = contact->slip[a] + u[a] - after[a] + before[a] - along * contact->normal[a];
+    answer->force[a] = -contact->stiffness * (surface.distance * surface.normal[a] + answer->slip[a]);
+    for (PetscInt c = 0; c < dim; c++) {
+      PetscReal k = surface.normal[a] * surface.normal[c] + surface.distance * surface.second[a][c];
+
+      if (boundary->stick) k += (a == c ? 1. : 0.) - contact->normal[a] * contact->normal[c];
+      answer->stiffness[a][c] = contact->stiffness * k;
+    }
+  }
+}
+
+/* sum_i w_i u_i */
+static void FaceValue(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const PetscReal u[],
+                      PetscReal value[])
+{
+  const MpmGroup  *group  = &sum->space->groups[contact->group];
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+  const PetscReal *weight = &contacts->weight[contact->weight];
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = 0.;
+  for (PetscInt i = 0; i < group->node_count; i++)
+    for (PetscInt a = 0; a < sum->space->dim; a++) value[a] += weight[i] * u[nodes[i] * sum->layout->block + a];
+}
+
+/* y_i += factor w_i force */
+static void AddForce(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, PetscReal factor,
+                     const PetscReal force[], PetscReal y[])
+{
+  const MpmGroup  *group  = &sum->space->groups[contact->group];
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+  const PetscReal *weight = &contacts->weight[contact->weight];
+
+  for (PetscInt i = 0; i < group->node_count; i++)
+    for (PetscInt a = 0; a < sum->space->dim; a++)
+      y[nodes[i] * sum->layout->block + a] += factor * weight[i] * force[a];
+}
+
+static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                               PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  for (PetscInt k = 0; k < contacts->count; k++) {
+    const MpmContact *contact = &contacts->contact[k];
+    PetscReal         value[MPM_MAX_DIM];
+    Answer            answer;
+
+    FaceValue(contacts, sum, contact, u, value);
+    Evaluate(contacts, contact, sum->space->dim, value, &answer);
+    if (answer.active) AddForce(contacts, sum, contact, -1., answer.force, residual);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
+                            PetscReal y[])
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     dim      = sum->space->dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->count; k++) {
+    const MpmContact *contact = &contacts->contact[k];
+    PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM] = {0., 0., 0.};
+    Answer            answer;
+
+    FaceValue(contacts, sum, contact, u, value);
+    Evaluate(contacts, contact, dim, value, &answer);
+    if (!answer.active) continue;
+    FaceValue(contacts, sum, contact, du, value);
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt c = 0; c < dim; c++) force[a] += answer.stiffness[a][c] * value[c];
+    AddForce(contacts, sum, contact, 1., force, y);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                               PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     dim = sum->space->dim, bs = sum->layout->block;
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  for (PetscInt k = 0; k < contacts->count; k++) {
+    const MpmContact *contact = &contacts->contact[k];
+    const MpmGroup   *group   = &sum->space->groups[contact->group];
+    const PetscInt   *nodes   = &sum->space->group_nodes[group->node_offset];
+    const PetscReal  *weight  = &contacts->weight[contact->weight];
+    PetscReal         value[MPM_MAX_DIM];
+    Answer            answer;
+
+    FaceValue(contacts, sum, contact, u, value);
+    Evaluate(contacts, contact, dim, value, &answer);
+    for (PetscInt i = 0; answer.active && i < group->node_count; i++)
+      for (PetscInt a = 0; a < dim; a++)
+        for (PetscInt c = 0; c < dim; c++)
+          blocks[(nodes[i] * bs + a) * bs + c] += weight[i] * weight[i] * answer.stiffness[a][c];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* element[i][c][d][j] += w_i K_cd w_j */
+static void AddElement(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const Answer *answer,
+                       PetscReal element[])
+{
+  const PetscInt   n = sum->space->groups[contact->group].node_count, dim = sum->space->dim, bs = sum->layout->block;
+  const PetscReal *weight = &contacts->weight[contact->weight];
+
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt c = 0; c < dim; c++)
+      for (PetscInt d = 0; d < dim; d++)
+        for (PetscInt j = 0; j < n; j++)
+          element[((i * bs + c) * bs + d) * n + j] += weight[i] * answer->stiffness[c][d] * weight[j];
+}
+
+static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                              PetscReal residual[], PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const MpmSpace    *space    = sum->space;
+  const PetscInt     dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  PetscReal         *element;
+  PetscInt           end;
+
+  PetscFunctionBeginUser;
+  if (!contacts->count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
+  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
+  for (PetscInt begin = 0; begin < contacts->count; begin = end) { /* contacts of one group stand side by side */
+    const MpmGroup *group = &space->groups[contacts->contact[begin].group];
+    PetscBool       any   = PETSC_FALSE;
+
+    PetscCall(PetscArrayzero(element, group->node_count * group->node_count * bs * bs));
+    for (end = begin; end < contacts->count && contacts->contact[end].group == contacts->contact[begin].group; end++) {
+      PetscReal value[MPM_MAX_DIM];
+      Answer    answer;
+
+      FaceValue(contacts, sum, &contacts->contact[end], u, value);
+      Evaluate(contacts, &contacts->contact[end], dim, value, &answer);
+      if (!answer.active) continue;
+      AddElement(contacts, sum, &contacts->contact[end], &answer, element);
+      any = PETSC_TRUE;
+    }
+    if (any) MpmPatternAddBlock(pattern, space, group, element);
+  }
+  PetscCall(PetscFree(element));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmTerm MpmTermContact = {
+  .name = "rigid contact", .residual = Residual, .tangent = Tangent, .apply = Apply, .diagonal = Diagonal};
+
+/* ---- the converged step ---- */
+
+/* What has slipped is remembered while a point touches. */
+static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const Answer answers[],
+                                MpmParticles *particles)
+{
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    for (PetscInt a = 0; contacts->boundaries[b].stick && a < sum->space->dim; a++) {
+      PetscReal *slip;
+
+      PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+      PetscCall(PetscArrayzero(slip, sum->points->count));
+      for (PetscInt k = 0; k < contacts->count; k++)
+        if (contacts->contact[k].boundary == b) slip[contacts->contact[k].point] = answers[k].slip[a];
+      PetscCall(
+        DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsCommit(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  const PetscInt dim = sum->space->dim;
+  Answer        *answers;
+
+  PetscFunctionBeginUser;
+  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(contacts->count, &answers));
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    contacts->depth[b] = 0.;
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) contacts->reaction[b][a] = 0.;
+  }
+  for (PetscInt k = 0; k < contacts->count; k++) {
+    const PetscInt b = contacts->contact[k].boundary;
+    PetscReal      value[MPM_MAX_DIM];
+
+    FaceValue(contacts, sum, &contacts->contact[k], u, value);
+    Evaluate(contacts, &contacts->contact[k], dim, value, &answers[k]);
+    for (PetscInt a = 0; a < dim; a++) contacts->reaction[b][a] += answers[k].force[a];
+    contacts->depth[b] = PetscMax(contacts->depth[b], answers[k].depth);
+  }
+  PetscCall(KeepSlips(contacts, sum, answers, particles));
+  PetscCall(PetscFree(answers));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, (PetscMPIInt)(contacts->boundary_count * MPM_MAX_DIM),
+                           MPIU_REAL, MPIU_SUM, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->depth, (PetscMPIInt)contacts->boundary_count, MPIU_REAL, MPIU_MAX,
+                           sum->grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,75 @@
+/*
+  The list of terms that a problem's residual consists of, and sums over it.
+*/
+#include "terms/terms.h"
+
+PetscErrorCode MpmTermsAdd(MpmTerms *terms, const MpmTerm *term, void *ctx)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscRealloc((size_t)(terms->count + 1) * sizeof(*terms->term), &terms->term));
+  PetscCall(PetscRealloc((size_t)(terms->count + 1) * sizeof(*terms->ctx), &terms->ctx));
+  terms->term[terms->count]  = term;
+  terms->ctx[terms->count++] = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsDestroy(MpmTerms *terms)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(terms->term));
+  PetscCall(PetscFree(terms->ctx));
+  terms->count = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
+                                  const MpmPoints *points, const char **why)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmSpaceBegin(space, rules, points, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->boxes) PetscCall(terms->term[k]->boxes(terms->ctx[k], rules, points, space));
+  PetscCall(MpmSpaceEnd(space, rules));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  for (PetscInt k = 0; k < terms->count; k++)
+    PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                               PetscReal residual[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  for (PetscInt k = 0; k < terms->count; k++)
+    PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                                   PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 1; k < terms->count; k++)
+    PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                                PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  PetscCall(PetscArrayzero(blocks, sum->space->local * sum->layout->block * sum->layout->block));
+  for (PetscInt k = 0; k < terms->count; k++)
+    PetscCall(terms->term[k]->diagonal(terms->ctx[k], sum, u, blocks, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,114 @@
+/*
+  A body gets another material between stages.
+
+  Strength, hardening and the like change where the law and its elasticity stay: F and history are kept, and the next
+  step's return does the rest (strength reduction). Otherwise the Cauchy stress is kept: F and history of the new law
+  that give it are searched (initial.c); history variables that both laws know by name are carried over. Volume and
+  domain stay, mass goes with the density.
+*/
+#include "time/time.h"
+
+static PetscBool SameElasticity(const MpmMaterial *one, const MpmMaterial *other)
+{
+  return (PetscBool)(!strcmp(one->info.name, other->info.name) && one->stiffness == other->stiffness &&
+                     one->penalty == other->penalty);
+}
+
+/* History variables of `to` from those of `from` with the same name and kind; others as at rest. */
+static void CarryState(const MpmMaterial *from, const MpmMaterial *to, PetscInt dim, const PetscReal old[],
+                       PetscReal state[])
+{
+  for (size_t v = 0; v < to->info.state_count; v++) {
+    const MpmStateVariable *variable = &to->info.states[v];
+    const PetscInt          n        = MpmStateComponents(variable, dim);
+    PetscInt                first    = 0;
+
+    for (PetscInt c = 0; c < n; c++) state[c] = c < 3 ? variable->initial : 0.;
+    for (size_t w = 0; w < from->info.state_count; w++) {
+      const MpmStateVariable *source = &from->info.states[w];
+
+      /* elastic strains belong to the stress, which is searched anew */
+      if (!strcmp(source->name, variable->name) && source->kind == MPM_STATE_SCALAR &&
+          variable->kind == MPM_STATE_SCALAR)
+        state[0] = old[first];
+      first += MpmStateComponents(source, dim);
+    }
+    state += n;
+  }
+}
+
+/* Volume, domain and stress of point p stay while F and history become the new material's; what MpmInitialFind says. */
+static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial *initial, MpmPoints *points, PetscInt p)
+{
+  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.state_size;
+  PetscReal state_n[MPM_INITIAL_STATE], state[MPM_INITIAL_STATE], *F = &points->F[p * dim * dim], J, U[MPM_MAX_DIM];
+  int       answer;
+
+  if (model->scene.stretch(F, U)) return 2;
+  J = MpmDeterminant(dim, F);
+  CarryState(old, initial->material, dim, size ? &points->state[p * size] : NULL, state_n);
+  answer = MpmInitialFind(initial, state_n, &points->stress[p * model->state.particles.stress_size], F, state);
+  if (answer == 2) return 2;
+  for (PetscInt k = 0; k < initial->material->state_size; k++) points->state[p * size + k] = state[k];
+  for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] *= U[a];
+  if (model->scene.stretch(F, U)) return 2;
+  for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
+  points->volume0[p] *= J / MpmDeterminant(dim, F);
+  return answer;
+}
+
+/* One body; counts points that the new law's yield surface moved, and those without an answer. */
+static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, PetscInt64 count[2])
+{
+  const MpmMaterial *material = &model->scene.materials.at[to];
+  PetscInt           first, end;
+  MpmInitial         initial;
+  MpmPoints          points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmInitialCreate(material, model->disc.grid.dim, &initial));
+  MpmBodyGetIds(model->scene.bodies.at[body], &first, &end);
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  for (PetscInt p = 0; p < points.count; p++) {
+    const MpmMaterial *old;
+
+    if (points.id[p] < first || points.id[p] >= end) continue;
+    old = &model->scene.materials.at[points.material[p]];
+    if (old->density > 0.) points.mass[p] *= material->density / old->density;
+    else
+      points.mass[p] = material->density * points.volume0[p] *
+                       MpmDeterminant(model->disc.grid.dim, &points.F[p * model->disc.grid.dim * model->disc.grid.dim]);
+    if (!SameElasticity(old, material)) {
+      const int answer = ChangePoint(model, old, &initial, &points, p);
+
+      if (answer) count[answer - 1]++;
+    }
+    points.material[p] = to;
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage)
+{
+  PetscInt64 count[2] = {0, 0};
+  PetscBool  any      = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+    if (stage->material[b] < 0) continue;
+    PetscCall(ChangeBody(model, b, stage->material[b], count));
+    any = PETSC_TRUE;
+  }
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT64, MPI_SUM, model->comm));
+  MpmCheckInput(!count[1],
+                "-mpm_stage_%s_materials: %" PetscInt64_FMT " points have a stress that the new material cannot have",
+                stage->name, count[1]);
+  if (count[0])
+    PetscCall(MpmMonitorNote(&model->monitor,
+                             "stage %s: the stress of %" PetscInt64_FMT
+                             " points is outside the new yield surface and was moved to it",
+                             stage->name, count[0]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,227 @@
+/*
+  A geostatic stage: the state of stress under which the ground is at rest in the very shape in which it was drawn.
+
+  Start. `gravity`: no stress, and the loads grow in the stage's steps. `k0`: the vertical stress is the weight above
+  (overburden.c), the horizontal ones k0 times that, and the loads act in full at once (k0.c); history, and F where a law
+  needs it, follow from the stress (initial.c).
+
+  Equilibrium. The sums over points depend on where the points stand over the grid, so that equilibrium must be found in
+  the shape that the next stage starts from: a step is solved, its stress and history are kept, and the points are put
+  back. What is then out of balance is the stress times the step's strain, so that each such step is shorter than the
+  last by about a strain, until the largest displacement is below the tolerance. Putting back leaves volume and domain
+  where they were: a law whose history holds its stress gets its old F and the Kirchhoff stress J sigma; for any other law
+  F stays that of the step, and the initial volume becomes V/det F, the initial domain that over the stretch.
+*/
+#include "time/time.h"
+
+static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *rest)
+{
+  const PetscInt dim = model->disc.grid.dim;
+  PetscReal      reach[2 * MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(rest, sizeof(*rest)));
+  rest->n = points->count;
+  PetscCall(PetscMalloc4((rest->n * dim), &rest->x, rest->n, &rest->volume, (rest->n * dim), &rest->domain,
+                         (rest->n * dim * dim), &rest->F));
+  PetscCall(PetscCalloc1(model->scene.materials.count, &rest->remembers));
+  for (PetscInt k = 0; k < 2 * MPM_MAX_DIM; k++) reach[k] = PETSC_NINFINITY;
+  for (PetscInt p = 0; p < rest->n; p++) {
+    const PetscReal *F = &points->F[p * dim * dim];
+    PetscReal        U[MPM_MAX_DIM];
+
+    PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
+               points->id[p]);
+    rest->volume[p] = points->volume0[p] * MpmDeterminant(dim, F);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal x = points->x[p * dim + a];
+
+      rest->x[p * dim + a]      = x;
+      rest->domain[p * dim + a] = points->half_length[p * dim + a] * U[a];
+      reach[a]                  = PetscMax(reach[a], x + rest->domain[p * dim + a]);
+      reach[MPM_MAX_DIM + a]    = PetscMax(reach[MPM_MAX_DIM + a], rest->domain[p * dim + a] - x);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, 2 * MPM_MAX_DIM, MPIU_REAL, MPIU_MAX, model->comm));
+  rest->height = reach[dim - 1] + reach[MPM_MAX_DIM + dim - 1];
+  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
+    MpmInitial initial;
+
+    PetscCall(MpmInitialCreate(&model->scene.materials.at[m], dim, &initial));
+    rest->remembers[m] = initial.remembers;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestDestroy(MpmRest *rest)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree4(rest->x, rest->volume, rest->domain, rest->F));
+  PetscCall(PetscFree(rest->start));
+  PetscCall(PetscFree(rest->remembers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a step, and back ---- */
+
+/* The points go back to where they were; stress and history stay. */
+static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
+{
+  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size;
+  PetscReal      largest[2] = {0., 0.};
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  for (PetscInt p = 0; p < rest->n; p++) {
+    PetscReal *F = &points.F[p * dim * dim], *stress = &points.stress[p * size], U[MPM_MAX_DIM], distance = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      distance += PetscSqr(points.x[p * dim + a] - rest->x[p * dim + a]);
+      points.x[p * dim + a] = rest->x[p * dim + a];
+    }
+    largest[0] = PetscMax(largest[0], PetscSqrtReal(distance));
+    if (rest->remembers[points.material[p]]) {
+      const PetscReal J = MpmDeterminant(dim, F) / MpmDeterminant(dim, &rest->F[p * dim * dim]);
+
+      for (PetscInt k = 0; k < dim * dim; k++) F[k] = rest->F[p * dim * dim + k];
+      for (PetscInt c = 0; c < size; c++) stress[c] *= J;
+    } else {
+      PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
+                 points.id[p]);
+      points.volume0[p] = rest->volume[p] / MpmDeterminant(dim, F);
+      for (PetscInt a = 0; a < dim; a++) points.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
+    }
+    for (PetscInt c = 0; rest->start && c < size; c++)
+      largest[1] = PetscMax(largest[1], PetscAbsReal(stress[c] - rest->start[p * size + c]));
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, largest, 2, MPIU_REAL, MPIU_MAX, model->comm));
+  rest->moved      = largest[0];
+  rest->correction = largest[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *hopeless)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points)); /* a failed step has kept them */
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(PetscArraycpy(rest->F, points.F, rest->n * model->disc.grid.dim * model->disc.grid.dim));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  model->state.load_scale = scale;
+  model->state.dt_last    = 0.;
+  PetscCall(
+    MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why, hopeless));
+  if (!*why) PetscCall(PutBack(model, rest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- equilibrium ---- */
+
+/* After a failed step: is there something to try? A smaller part of the loads, then a firmer ghost penalty. */
+static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, const char *why, PetscBool *again)
+{
+  const PetscReal duration = model->state.time_end - model->state.time_start;
+
+  PetscFunctionBeginUser;
+  *grow *= 0.5;
+  *again = (PetscBool)(part < 1. && *grow * duration >= model->state.dt_min);
+  if (!*again && model->state.ghost_rescue) {
+    PetscCall(MpmStepRaiseGhost(model, why));
+    *grow  = PetscMin(model->state.dt_nominal / duration, 1.);
+    *again = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  model->state.cuts++;
+  model->state.cuts_total++;
+  if (*again) PetscCall(MpmMonitorNote(&model->monitor, "%s; the loads grow by parts of %.4g", why, (double)*grow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Steps until the points stay where they are; `solved` counts those under the full loads. */
+static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *solved, const char **why)
+{
+  const MpmGeostatic *geostatic = &model->scene.stages[model->state.stage].geostatic;
+  PetscReal           part      = geostatic->method == MPM_GEOSTATIC_K0 ? 1. : 0.; /* of the loads that act */
+  PetscReal           grow = PetscMin(model->state.dt_nominal / (model->state.time_end - model->state.time_start), 1.);
+  PetscInt            newton = 0, linear = 0;
+  PetscBool           hopeless, again;
+
+  PetscFunctionBeginUser;
+  *solved           = 0;
+  model->state.cuts = 0;
+  while (!*solved || rest->moved > geostatic->tolerance * rest->height) {
+    const PetscReal next = part + grow > 1. - 1e-9 ? 1. : part + grow;
+
+    if (*solved == geostatic->iterations) {
+      PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                              "no equilibrium in %" PetscInt_FMT " iterations: points still move by %.3g m", *solved,
+                              (double)rest->moved));
+      *why = model->solver.lost;
+      break;
+    }
+    PetscCall(MpmRestSettle(model, rest, next, why, &hopeless));
+    newton += model->solver.newton;
+    linear += model->solver.linear;
+    if (*why) {
+      again = PETSC_FALSE;
+      if (!hopeless) PetscCall(TryAgain(model, part, &grow, *why, &again));
+      if (!again) break;
+      continue;
+    }
+    part = next;
+    if (part == 1.) ++*solved;
+  }
+  model->solver.newton    = newton;
+  model->solver.linear    = linear;
+  model->state.load_scale = 1.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt solved)
+{
+  char corrected[128] = "", outside[96] = "";
+
+  PetscFunctionBeginUser;
+  if (rest->start)
+    PetscCall(PetscSNPrintf(corrected, sizeof(corrected),
+                            "; the stress of k0 was corrected by up to %.4g Pa (largest: %.4g Pa)",
+                            (double)rest->correction, (double)rest->largest));
+  if (rest->outside)
+    PetscCall(
+      PetscSNPrintf(outside, sizeof(outside), ", at %" PetscInt64_FMT " points by the yield surface", rest->outside));
+  PetscCall(MpmMonitorLine(&model->monitor, "geostatic: at rest after %" PetscInt_FMT " iteration%s, to %.3g m%s%s",
+                           solved, solved > 1 ? "s" : "", (double)rest->moved, corrected, outside));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
+{
+  const PetscReal ghost = model->disc.ghost;
+  PetscInt        solved;
+  MpmPoints       points;
+  MpmRest         rest;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(RestCreate(model, &points, &rest));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
+    PetscCall(MpmRestSetK0(model, &rest));
+  /* what the penalty holds back in one iteration is left for the next ones */
+  if (model->state.ghost_rescue) model->disc.ghost = model->solver.factorises ? 0. : MPM_GHOST_REST;
+  PetscCall(FindEquilibrium(model, &rest, &solved, why));
+  if (model->disc.ghost < ghost) model->disc.ghost = ghost;
+  if (!*why) {
+    PetscCall(PrintRest(model, &rest, solved));
+    model->state.time = model->state.time_end;
+    model->state.step++;
+  }
+  PetscCall(RestDestroy(&rest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

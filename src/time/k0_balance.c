@@ -1,0 +1,373 @@
+/*
+  The stress of k0, which a geostatic stage starts from: the vertical stress is the weight above (overburden.c), the
+  horizontal ones k0 times that.
+
+  On level ground this is to be the stress at rest, to rounding. But it need not be in balance over the grid: splines sum
+  it to forces that are not quite the weights, least of all where layers differ in their points a cell, and so do points
+  that leave gaps. And what a material does to balance it would spoil the ratio. So a stress is looked for that has both:
+  of all in balance, with the ratio k0 and any shear, the one nearest to that of the weight above, in the sum of volume
+  times the square of the difference. That is equilibrium of a linear law whose stress keeps the ratio whatever the strain
+  (kernels/k0.c): one linear solve, and others that remove what was put in to keep the matrix regular. The points do not
+  move in them. Ground that is not level has no such stress of use: there the materials find the balance.
+*/
+#include "time/time.h"
+
+/* Solves for a balance, and what the stress may still change in the last one, relative to the largest. */
+#define BALANCE_LIMIT     24
+#define BALANCE_TOLERANCE 1e-10
+/* Ground is not level where the balance needs more shear, or is further from the weight above, in parts of the vertical
+   stress and in root mean square: a surface of about 6 degrees has that much shear, layers that overlap by a point that
+   much distance. */
+#define BALANCE_SHEAR    0.06
+#define BALANCE_DISTANCE 0.5
+/* The stand-in's modulus, in largest stresses, and the part of it that keeps the matrix regular: for a direct solver, and
+   for others, which take fewer iterations and more solves with it. */
+#define BALANCE_MODULUS      1e3
+#define BALANCE_REGULAR      1e-8
+#define BALANCE_REGULAR_MORE 1e-4
+/* The ghost penalty, which has no part in the balance, for iterative solvers. */
+#define BALANCE_GHOST 1e-4
+
+/* ---- the weight above ---- */
+
+/* Which way the stage's gravity points: along one axis, as the scene's check has it. */
+static MpmVertical FindVertical(MpmModel model)
+{
+  MpmVertical vertical = {.axis = model->disc.grid.dim - 1, .up = 1};
+
+  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+    PetscReal gravity = 0.;
+
+    for (PetscInt l = 0; l < model->scene.loads.count; l++)
+      if (model->scene.loads.at[l].type == MPM_LOAD_GRAVITY)
+        gravity += MpmModelLoadFactor(model, l, model->state.time_end) * model->scene.loads.at[l].value[a];
+    if (gravity != 0.)
+      vertical = (MpmVertical){.axis = a, .up = gravity < 0. ? 1 : -1, .gravity = PetscAbsReal(gravity)};
+  }
+  return vertical;
+}
+
+/* Gives point p the stress; what MpmInitialFind says. */
+static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *rest, MpmPoints *points, PetscInt p,
+                     PetscReal stress[])
+{
+  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.state_size,
+                 own = initial->material->state_size;
+  PetscReal state[MPM_INITIAL_STATE], U[MPM_MAX_DIM], *F = &points->F[p * dim * dim];
+  const int answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state);
+
+  if (answer == 2 || model->scene.stretch(F, U)) return 2;
+  for (PetscInt k = 0; k < own; k++) points->state[p * size + k] = state[k];
+  for (PetscInt a = 0; a < dim; a++) points->half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
+  points->volume0[p] = rest->volume[p] / MpmDeterminant(dim, F);
+  for (PetscInt c = 0; c < model->state.particles.stress_size; c++)
+    points->stress[p * model->state.particles.stress_size + c] = stress[c];
+  return answer;
+}
+
+/*
+  Gives all points their stress, `stress_size` components each; counts those that the yield surface moved, and those that
+  cannot have theirs.
+*/
+static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal goal[], PetscInt64 *without)
+{
+  const PetscInt size     = model->state.particles.stress_size;
+  PetscInt64     count[2] = {0, 0};
+  MpmInitial    *initial;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(model->scene.materials.count, &initial));
+  for (PetscInt m = 0; m < model->scene.materials.count; m++)
+    PetscCall(MpmInitialCreate(&model->scene.materials.at[m], model->disc.grid.dim, &initial[m]));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  for (PetscInt p = 0; p < rest->n; p++) {
+    PetscReal stress[6] = {0.};
+    int       answer;
+
+    for (PetscInt c = 0; c < size; c++) stress[c] = goal[p * size + c];
+    answer = SetStress(model, &initial[points.material[p]], rest, &points, p, stress);
+    if (answer) count[answer - 1]++;
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(PetscFree(initial));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT64, MPI_SUM, model->comm));
+  rest->outside = count[0];
+  *without      = count[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The stress of k0 from the weight above, for all points. */
+static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[])
+{
+  const PetscReal   k0       = model->scene.stages[model->state.stage].geostatic.k0;
+  const PetscInt    size     = model->state.particles.stress_size;
+  const MpmVertical vertical = FindVertical(model);
+  PetscReal        *pressure;
+  MpmPoints         points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(rest->n, &pressure));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmOverburden(&model->disc.grid, &points, &vertical, rest->domain, pressure));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  for (PetscInt p = 0; p < rest->n; p++) {
+    for (PetscInt c = 0; c < size; c++)
+      stress[p * size + c] = c < 3 ? -pressure[p] * (c == vertical.axis ? 1. : k0) : 0.;
+    rest->largest = PetscMax(rest->largest, PetscMax(1., k0) * pressure[p]);
+  }
+  PetscCall(PetscFree(pressure));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rest->largest, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsSmallStrain(const MpmModel model, PetscInt material)
+{
+  return (PetscBool)((model->scene.materials.at[material].info.traits & MPM_LAW_SMALL_STRAIN) != 0);
+}
+
+static PetscBool AnySmallStrain(const MpmModel model)
+{
+  for (PetscInt m = 0; m < model->scene.materials.count; m++)
+    if (IsSmallStrain(model, m)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Corrections of a small-strain law's stress; each leaves a strain's part of what the last one left. */
+#define SMALL_STRAIN_ROUNDS 4
+
+/*
+  Small-strain laws, whose forces are those of sigma F^T/J in the shape as it stands: up the axis v their stress must be
+  J/F_vv times the weight above, and the others by as much.
+*/
+static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscReal stress[])
+{
+  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size, v = FindVertical(model).axis;
+  PetscReal     *goal;
+  PetscInt64     without;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  if (!AnySmallStrain(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((rest->n * size), &goal));
+  PetscCall(PetscArraycpy(goal, stress, rest->n * size));
+  for (PetscInt k = 0; k < SMALL_STRAIN_ROUNDS; k++) {
+    PetscCall(SetStresses(model, rest, stress, &without));
+    PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+    for (PetscInt p = 0; p < rest->n; p++) {
+      const PetscReal *F = &points.F[p * dim * dim];
+
+      if (!IsSmallStrain(model, points.material[p])) continue;
+      for (PetscInt c = 0; c < size; c++)
+        stress[p * size + c] = goal[p * size + c] * MpmDeterminant(dim, F) / F[v * (dim + 1)];
+    }
+    PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  }
+  PetscCall(PetscFree(goal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- in balance ---- */
+
+/* The search: the stress so far, and the points as the stand-in sees them. */
+typedef struct {
+  MpmModel     model;
+  MpmRest     *rest;
+  MpmMaterial *standins; /* one for each material */
+  PetscReal    k0;
+  PetscInt     axis;   /* vertical one */
+  PetscReal   *stress; /* Cauchy, `stress_size` components a point; the points' history for the stand-in */
+  PetscReal   *F, *volume0;
+  PetscReal    change; /* largest of the last solve, Pa */
+  PetscBool    level;  /* is it a stress of level ground? */
+} Balance;
+
+static PetscErrorCode BalanceCreate(Balance *balance)
+{
+  MpmModel       model = balance->model;
+  const PetscInt dim   = model->disc.grid.dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(model->scene.materials.count, &balance->standins, (balance->rest->n * dim * dim), &balance->F,
+                         balance->rest->n, &balance->volume0));
+  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
+    MpmMaterial *standin = &balance->standins[m];
+
+    *standin            = model->scene.materials.at[m];
+    standin->state_size = 0; /* that a step would write */
+    for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
+      PetscCheck(MpmLawFind("k0_law", dim, (MpmForm)form, &standin->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+                 "law k0 is not compiled");
+      standin->law[form] = standin->info.law;
+    }
+    PetscCall(PetscMalloc1(standin->info.parameter_count, &standin->parameter));
+    standin->stiffness = standin->penalty = BALANCE_MODULUS * balance->rest->largest;
+    PetscCall(
+      PetscArraycpy(standin->parameter,
+                    ((const PetscReal[]){standin->density, standin->stiffness, balance->k0, (PetscReal)balance->axis,
+                                         model->solver.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
+                    standin->info.parameter_count));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode BalanceDestroy(Balance *balance)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < balance->model->scene.materials.count; m++)
+    PetscCall(PetscFree(balance->standins[m].parameter));
+  PetscCall(PetscFree3(balance->standins, balance->F, balance->volume0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The shape in which the stand-in gives the forces that the material will give: the volume as it stands, but for
+  small-strain laws the initial one and F, which follow from the stress.
+*/
+static PetscErrorCode TakeShape(Balance *balance)
+{
+  MpmModel       model = balance->model;
+  const PetscInt dim   = model->disc.grid.dim;
+  PetscInt64     without;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  if (AnySmallStrain(model)) PetscCall(SetStresses(model, balance->rest, balance->stress, &without));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  for (PetscInt p = 0; p < balance->rest->n; p++) {
+    const PetscBool small = IsSmallStrain(model, points.material[p]);
+
+    balance->volume0[p] = small ? points.volume0[p] : balance->rest->volume[p];
+    for (PetscInt k = 0; k < dim * dim; k++)
+      balance->F[p * dim * dim + k] = small ? points.F[p * dim * dim + k] : k % (dim + 1) ? 0. : 1.;
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the stress that has been solved for, without the part that kept the matrix regular. */
+static PetscErrorCode TakeStress(Balance *balance)
+{
+  const MpmModel model = balance->model;
+  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size, v = balance->axis;
+  PetscReal      sum[3] = {0., 0., 0.};
+
+  PetscFunctionBeginUser;
+  balance->change = 0.;
+  for (PetscInt p = 0; p < balance->rest->n; p++) {
+    const PetscReal *solved = &model->disc.trial.stress[p * size], *start = &balance->rest->start[p * size];
+    PetscReal       *stress = &balance->stress[p * size], vertical = solved[v], square = 1.;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      if (a == v) continue;
+      vertical += balance->k0 * solved[a];
+      square += PetscSqr(balance->k0);
+    }
+    for (PetscInt c = 0; c < size; c++) {
+      const PetscReal value = c >= 3 ? solved[c] : vertical / square * (c == v ? 1. : balance->k0);
+
+      balance->change = PetscMax(balance->change, PetscAbsReal(value - stress[c]));
+      stress[c]       = value;
+    }
+    sum[0] += PetscSqr(stress[v] - start[v]);
+    for (PetscInt c = 3; c < size; c++) sum[1] += PetscSqr(stress[c]);
+    sum[2] += PetscSqr(start[v]);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &balance->change, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));
+  balance->level =
+    (PetscBool)(sum[0] <= PetscSqr(BALANCE_DISTANCE) * sum[2] && sum[1] <= PetscSqr(BALANCE_SHEAR) * sum[2]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One solve, with the stand-ins as materials; without a solution the stress stays. */
+static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
+{
+  MpmModel            model  = balance->model;
+  PetscInt            failed = 0;
+  const char         *why;
+  MpmPoints           points;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmStepPrepare(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, &why));
+  if (!why) {
+    points                        = model->disc.points;
+    points.F                      = balance->F;
+    points.volume0                = balance->volume0;
+    points.state                  = balance->stress;
+    model->disc.sum.points        = &points;
+    model->disc.sum.state_size    = model->state.particles.stress_size;
+    model->solver.cache.reference = 0.;
+    PetscCall(MpmSolverSolve(&model->solver, &reason));
+    PetscCall(MpmSumResidual(&model->solver, &failed));
+    model->disc.trial.made = PETSC_FALSE;
+    model->disc.sum.points = &model->disc.points;
+  }
+  *solved = (PetscBool)(!why && reason > 0);
+  if (*solved) PetscCall(TakeStress(balance));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Brings the stress of k0 into balance where ground is level, and leaves it as it is where it is not. */
+static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[])
+{
+  const PetscReal diagonal = model->disc.diagonal, ghost = model->disc.ghost;
+  const PetscBool may       = model->solver.may_be_indefinite;
+  MpmMaterial    *materials = model->scene.materials.at;
+  PetscBool       solved    = PETSC_TRUE;
+  Balance         balance   = {.model  = model,
+                               .rest   = rest,
+                               .k0     = model->scene.stages[model->state.stage].geostatic.k0,
+                               .axis   = FindVertical(model).axis,
+                               .stress = stress};
+
+  PetscFunctionBeginUser;
+  PetscCall(BalanceCreate(&balance));
+  for (PetscInt it = 0; it < BALANCE_LIMIT && solved; it++) {
+    if (it && (!balance.level || balance.change <= BALANCE_TOLERANCE * rest->largest)) break;
+    PetscCall(TakeShape(&balance));
+    model->scene.materials.at       = balance.standins;
+    model->solver.may_be_indefinite = PETSC_FALSE;
+    model->disc.ghost               = model->solver.factorises ? 0. : PetscMin(ghost, BALANCE_GHOST);
+    model->disc.diagonal =
+      balance.standins[0].stiffness * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
+    PetscCall(SolveBalance(&balance, &solved));
+    model->scene.materials.at       = materials;
+    model->solver.may_be_indefinite = may;
+    model->disc.diagonal            = diagonal;
+    model->disc.ghost               = ghost;
+  }
+  if (!balance.level) PetscCall(PetscArraycpy(stress, rest->start, rest->n * model->state.particles.stress_size));
+  PetscCall(BalanceDestroy(&balance));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
+{
+  const PetscInt size = model->state.particles.stress_size;
+  PetscInt64     without;
+  PetscReal     *stress;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((rest->n * size), &stress));
+  PetscCall(FindK0(model, rest, stress));
+  PetscCall(CorrectSmallStrain(model, rest, stress));
+  PetscCall(PetscMalloc1((rest->n * size), &rest->start));
+  PetscCall(PetscArraycpy(rest->start, stress, rest->n * size));
+  if (rest->largest > 0.) PetscCall(BalanceK0(model, rest, stress));
+  PetscCall(SetStresses(model, rest, stress, &without));
+  MpmCheckInput(!without, "-mpm_stage_%s_geostatic_k0 %g: %" PetscInt64_FMT " points cannot have that stress",
+                model->scene.stages[model->state.stage].name,
+                (double)model->scene.stages[model->state.stage].geostatic.k0, without);
+  PetscCall(PetscFree(stress));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  for (PetscInt p = 0; p < rest->n; p++) { /* a law without history has its own stress across the plane */
+    if (size == 4 && !rest->remembers[points.material[p]]) rest->start[4 * p + 2] = points.stress[4 * p + 2];
+  }
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

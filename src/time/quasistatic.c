@@ -1,0 +1,387 @@
+/*
+  One step: space, conditions and loads, Newton, commit.
+*/
+#include "time/time.h"
+
+/* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
+static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
+{
+  const PetscInt rates = model->disc.layout.rates, bs = model->disc.layout.block;
+  PetscReal     *nodal;
+
+  PetscFunctionBeginUser;
+  if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((model->disc.space.owned * rates), &nodal));
+  PetscCall(MpmProjectToNodes(&model->disc.sum, rates, rates, model->disc.points.value, NULL, nodal));
+  for (PetscInt k = 0; k < model->disc.space.owned * rates; k++)
+    u[k / rates * bs + model->disc.layout.rate_component[k % rates]] = nodal[k];
+  PetscCall(PetscFree(nodal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How much of the change of the rate from step to step is taken to go on: all of it would let errors grow. */
+#define PREDICTED_CHANGE 0.9
+
+/*
+  The increment that the last two steps let expect, at the nodes: loads and motions go on much as before from step to
+  step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
+*/
+static PetscErrorCode Predict(MpmModel model, PetscReal u[])
+{
+  const PetscInt  dim = model->disc.grid.dim, bs = model->disc.layout.block, size = dim * (dim + 1);
+  const PetscReal change =
+    model->state.dt_before > 0. ? PREDICTED_CHANGE * model->disc.sum.dt / model->state.dt_last : 0.;
+  const PetscReal last   = (1. + change) * model->disc.sum.dt / model->state.dt_last;
+  const PetscReal before = change > 0. ? change * model->disc.sum.dt / model->state.dt_before : 0.;
+  PetscReal      *nodal, *expected;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((model->disc.space.owned * dim), &nodal, (model->disc.points.count * size), &expected));
+  for (PetscInt p = 0; p < model->disc.points.count; p++) {
+    const PetscReal *increment = &model->disc.points.increment[p * MPM_INCREMENT(dim)];
+
+    for (PetscInt k = 0; k < size; k++) expected[p * size + k] = last * increment[k] - before * increment[size + k];
+  }
+  PetscCall(MpmProjectToNodes(&model->disc.sum, dim, size, expected, expected + dim, nodal));
+  for (PetscInt k = 0; k < model->disc.space.owned * dim; k++) u[k / dim * bs + k % dim] = nodal[k];
+  PetscCall(PetscFree2(nodal, expected));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The start of Newton: nothing moves, or all goes on as before; totals stay, held unknowns take their values. */
+static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
+{
+  const PetscInt n = model->disc.space.owned * model->disc.layout.block;
+  PetscScalar   *x;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecZeroEntries(model->solver.x));
+  PetscCall(VecGetArray(model->solver.x, &x));
+  PetscCall(ProjectRates(model, x));
+  if (predict) PetscCall(Predict(model, x));
+  MpmFramesToUnknowns(&model->disc.constraints, model->disc.layout.block, model->disc.space.owned, x);
+  for (PetscInt k = 0; k < n; k++)
+    if (model->disc.constraints.condition[k] >= 0) x[k] = model->disc.constraints.value[k];
+  PetscCall(VecRestoreArray(model->solver.x, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static MpmRules Rules(MpmModel model)
+{
+  return (MpmRules){.grid       = &model->disc.grid,
+                    .shape      = model->scene.shape,
+                    .edge       = model->scene.edge,
+                    .wall_count = model->scene.walls.count,
+                    .walls      = model->scene.walls.at,
+                    .stretch    = model->scene.stretch,
+                    .materials  = model->scene.materials.at,
+                    .ghost      = model->disc.ghost,
+                    .sparse     = model->state.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                    .mean       = (PetscBool)(model->disc.layout.means > 0)};
+}
+
+PetscErrorCode MpmTrialReset(MpmTrial *trial)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree4(trial->F, trial->stress, trial->state, trial->u));
+  trial->made = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What does not depend on the step's length: arrays, space, pattern, solver. */
+static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
+{
+  const PetscInt bs = model->disc.layout.block, dim = model->disc.grid.dim;
+
+  PetscFunctionBeginUser;
+  model->disc.committed = PETSC_FALSE;
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmTermsSetUpSpace(&model->disc.terms, &model->disc.space, rules, &model->disc.points, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
+  PetscCall(PetscMalloc3((model->disc.space.local * bs), &model->disc.u, (model->disc.space.local * bs),
+                         &model->disc.residual, (model->disc.space.local * bs), &model->disc.force));
+  PetscCall(MpmTrialReset(&model->disc.trial));
+  PetscCall(PetscMalloc4((model->disc.points.count * dim * dim), &model->disc.trial.F,
+                         (model->disc.points.count * model->state.particles.stress_size), &model->disc.trial.stress,
+                         (model->disc.points.count * model->state.particles.state_size), &model->disc.trial.state,
+                         (model->disc.space.local * bs), &model->disc.trial.u));
+  model->state.active_dofs_max =
+    PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space.global_count * bs);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
+{
+  const MpmRules rules = Rules(model);
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  PetscCall(PrepareSpace(model, &rules, why));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Conditions and loads at the step's end. */
+static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmConstraintsSetUp(&model->disc.constraints, model->scene.bcs.count, model->scene.bcs.at,
+                                &model->disc.grid, &model->disc.layout, &model->disc.space, model->state.time, time));
+  PetscCall(MpmContactsSetUp(&model->disc.contacts, rules, &model->disc.space, &model->disc.points,
+                             &model->state.particles, model->state.time, time));
+  PetscCall(PetscArrayzero(model->disc.force, model->disc.space.local * model->disc.layout.block));
+  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
+    PetscCall(MpmLoadApply(&model->scene.loads.at[l], MpmModelLoadFactor(model, l, time), rules, &model->disc.sum,
+                           &model->state.particles, model->disc.force));
+  }
+  if (model->scene.body_force) {
+    PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, time, &model->disc.sum,
+                                model->disc.force));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  const MpmRules rules = Rules(model);
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  PetscCall(PetscTime(&since));
+  if (!again) PetscCall(PrepareSpace(model, &rules, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  model->disc.sum.dt = dt;
+  if (!again) PetscCall(MpmSolverSetUp(&model->solver));
+  PetscCall(PrepareConditions(model, &rules, time));
+  PetscCall(InitialGuess(model, PETSC_FALSE));
+  MpmMonitorClock(&model->monitor, MPM_TIME_TRANSFER, since);
+  PetscCall(MpmSolverSetNearNullSpace(&model->solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is a place in the grid? Rounding at the edge is forgiven. */
+static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal slack = 1e-9 * grid->h[a];
+
+    if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/*
+  Can no point of a group reach the grid's edge? They lie between its nodes, and none moves further than three times what
+  a node does, by any shape.
+*/
+static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
+{
+  const MpmGrid *grid = &model->disc.grid;
+  const PetscInt bs   = model->disc.layout.block;
+
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscReal reach = 0.;
+
+    for (PetscInt i = 0; i < group->node_count; i++)
+      reach =
+        PetscMax(reach, PetscAbsReal(model->disc.u[model->disc.space.group_nodes[group->node_offset + i] * bs + a]));
+    reach *= 3. / grid->h[a];
+    if (!(reach < (PetscReal)group->first[a])) return PETSC_FALSE;
+    if (!((PetscReal)(group->first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Would the converged increment carry a point out of the grid? The reason names the first such point of the lowest rank. */
+static PetscErrorCode FindLost(MpmModel model, const char **why)
+{
+  const PetscInt dim = model->disc.grid.dim, bs = model->disc.layout.block,
+                 most = PetscPowInt(model->disc.space.width, dim);
+  PetscMPIInt rank    = model->size;
+  PetscReal  *storage;
+  MpmBasis    basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < model->disc.space.group_count && rank == model->size; g++) {
+    const MpmGroup *group = &model->disc.space.groups[g];
+    const PetscInt *nodes = &model->disc.space.group_nodes[group->node_offset];
+
+    if (FarFromEdge(model, group)) continue;
+    for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
+      const PetscInt p              = model->disc.space.order[s];
+      PetscReal      x[MPM_MAX_DIM] = {0.};
+
+      MpmSpaceEvaluate(&model->disc.space, group, p, &basis);
+      for (PetscInt a = 0; a < dim; a++) {
+        x[a] = model->disc.points.x[p * dim + a];
+        for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
+      }
+      if (IsInside(&model->disc.grid, x)) continue;
+      rank = model->rank;
+      PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                              dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
+                                      : "point %" PetscInt_FMT " left the grid at (%g, %g)",
+                              model->disc.points.id[p], (double)x[0], (double)x[1], (double)x[2]));
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, model->comm));
+  if (rank == model->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(model->solver.lost, (PetscMPIInt)sizeof(model->solver.lost), MPI_CHAR, rank, model->comm));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The trial and the residual of the converged displacement: those of the last evaluation, where it was made there. */
+static PetscErrorCode FindTrial(MpmModel model)
+{
+  const PetscInt bs = model->disc.layout.block, count = model->disc.space.local * bs;
+  PetscBool      same = model->disc.trial.made;
+  PetscInt       failed;
+
+  PetscFunctionBeginUser;
+  if (same) PetscCall(PetscArraycmp(model->disc.trial.u, model->disc.u, count, &same));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPIU_BOOL, MPI_LAND, model->comm));
+  if (same) {
+    MpmFramesToAxes(&model->disc.constraints, bs, model->disc.space.owned, model->disc.residual);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSumResidual(&model->solver, &failed));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
+             failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The converged step becomes the state; reactions are what the held nodes lack in balance. */
+static PetscErrorCode Commit(MpmModel model)
+{
+  const PetscInt bs  = model->disc.layout.block;
+  const PetscInt dim = model->disc.grid.dim;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
+  PetscCall(FindTrial(model));
+  PetscCall(MpmCommitLocal(&model->disc.sum, model->disc.u));
+  model->disc.trial.made = PETSC_FALSE;
+  PetscCall(MpmContactsCommit(&model->disc.contacts, &model->disc.sum, model->disc.u, &model->state.particles));
+  PetscCall(PetscArrayzero(model->disc.reaction, model->scene.bcs.count * bs));
+  MpmConstraintsAddReactions(&model->disc.constraints, bs, model->disc.space.owned, model->disc.residual,
+                             model->disc.reaction);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)(model->scene.bcs.count * bs), MPIU_REAL,
+                           MPIU_SUM, model->comm));
+  for (PetscInt k = 0; k < model->disc.points.count * dim; k++)
+    model->disc.points.x[k] =
+      PetscMin(PetscMax(model->disc.points.x[k], model->disc.grid.lower[k % dim]), model->disc.grid.upper[k % dim]);
+  MpmMonitorClock(&model->monitor, MPM_TIME_TRANSFER, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const char *ReasonText(SNESConvergedReason reason)
+{
+  switch (reason) {
+  case SNES_DIVERGED_FUNCTION_DOMAIN:
+    return "a point had no stress (domain error)";
+  case MPM_SNES_DIVERGED_NAN:
+    return "the residual was not finite";
+  case SNES_DIVERGED_LINEAR_SOLVE:
+    return "the linear solver failed";
+  case SNES_DIVERGED_MAX_IT:
+    return "Newton reached its iteration limit";
+  case SNES_DIVERGED_LINE_SEARCH:
+    return "the line search failed";
+  case SNES_DIVERGED_LOCAL_MIN:
+    return "Newton's step does not lower the residual";
+  case SNES_DIVERGED_DTOL:
+    return "the residual grew without bound";
+  default:
+    return "Newton did not converge";
+  }
+}
+
+/* The residual at the step's start, which the tolerance refers to. */
+static PetscErrorCode FindReference(MpmModel model)
+{
+  PetscReal motion;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &motion)); /* held nodes may move */
+  model->disc.sum.rest = (PetscBool)(motion == 0. && !model->disc.layout.means);
+  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  model->disc.sum.rest = PETSC_FALSE;
+  PetscCall(VecNorm(model->solver.f, NORM_2, &model->solver.cache.reference));
+  if (PetscIsInfOrNanReal(model->solver.cache.reference)) model->solver.cache.reference = 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Newton from the prediction; where that fails, or there is none, from rest. */
+static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+{
+  PetscFunctionBeginUser;
+  model->solver.cache.reference = 0.;
+  model->solver.newton = model->solver.linear = 0;
+  if (model->state.predict && model->state.dt_last > 0.) {
+    PetscCall(FindReference(model));
+    PetscCall(InitialGuess(model, PETSC_TRUE));
+    PetscCall(MpmSolverSolve(&model->solver, reason));
+    if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(InitialGuess(model, PETSC_FALSE));
+  }
+  {
+    const PetscBool before = model->solver.indefinite;
+
+    PetscCall(MpmSolverSolve(&model->solver, reason));
+    if (model->solver.indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(InitialGuess(model, PETSC_FALSE)); /* the Krylov method has been changed: once more */
+  PetscCall(MpmSolverSolve(&model->solver, reason));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
+                       PetscBool *hopeless)
+{
+  SNESConvergedReason reason;
+
+  PetscFunctionBeginUser;
+  *hopeless = PETSC_TRUE;
+  PetscCall(MpmStepPrepare(model, time, dt, again, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Solve(model, &reason));
+  if (reason < 0) {
+    *hopeless = PETSC_FALSE;
+    *why      = ReasonText(reason);
+    PetscCall(MpmHeldExplain(model, why, hopeless));
+    if (*why == ReasonText(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmStabilityCheck(&model->solver, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindLost(model, why));
+  if (*why) {
+    *hopeless = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Commit(model));
+  model->state.dt_before = model->state.dt_last;
+  model->state.dt_last   = dt;
+  model->disc.committed  = PETSC_TRUE;
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
+{
+  PetscFunctionBeginUser;
+  model->disc.ghost         = MPM_GHOST_RESCUE;
+  model->state.ghost_rescue = PETSC_FALSE;
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_ghost %g", why,
+                           (double)model->disc.ghost));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

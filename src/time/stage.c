@@ -1,0 +1,623 @@
+/*
+  Stages: what acts, and on what, one after the other on the same points.
+
+    stages: geostatic,dig,load
+    stage_dig: {remove: "pit", bcs: "base,sides", loads: "weight", time: {end: 1, step: 0.1}}
+
+  Order of calls: MpmStagesReadLists() before conditions and loads are read, MpmStagesRead() after, MpmStagesSelect()
+  when the points are there, then MpmStageBegin() for each stage in turn.
+
+  Time grows on through the stages. A ramp counts from the start of the stage in which its condition or load joins; one
+  that acts in the next stage too goes on with its own time. A prescribed displacement therefore stays where it is, and
+  a load that has reached its full value keeps it.
+
+  Forces and tractions pick their points in the initial state, among the bodies that are there when they first act. A
+  body that goes takes its shares with it.
+*/
+#include "time/time.h"
+
+/* ---- time ---- */
+
+#define MOST_STEPS    1e9
+#define SHORTEST_STEP 1e-12 /* of the run's time */
+
+/* Refuses more steps than can be counted, and steps that are lost in rounding. */
+static PetscErrorCode CheckSteps(const MpmOptions *block, PetscReal end, PetscReal step, PetscReal step_min)
+{
+  PetscFunctionBeginUser;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(end < MOST_STEPS * step, "-%sstep %g: -%send, %g, must not be more than %g steps away", block->prefix,
+                (double)step, block->prefix, (double)end, MOST_STEPS);
+  MpmCheckInput(step_min >= SHORTEST_STEP * end,
+                "-%sstep_min %g: must be at least %g of -%send, %g: shorter steps are lost in rounding", block->prefix,
+                (double)step_min, SHORTEST_STEP, block->prefix, (double)end);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* `control` holds the defaults on entry; a step of 0 is none. */
+static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *prefix, MpmTimeControl *control)
+{
+  const MpmOptions block = {options->comm, prefix, options->record};
+  const PetscReal  ratio = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
+  const MpmNeed    need  = control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
+  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, need, &control->step, NULL));
+  control->step_min = ratio * control->step;
+  control->step_max = control->step;
+  PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &control->adaptive, NULL));
+  if (control->adaptive) control->step_max = PetscMax(control->end / 4., control->step);
+  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this; by default step/1024",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->step_min, NULL));
+  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
+                           MPM_OPTIONAL, &control->step_max, NULL));
+  PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
+                           (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &control->growth, NULL));
+  PetscCall(CheckSteps(&block, control->end, control->step, control->step_min));
+  MpmCheckInput(control->step_min <= control->step || MpmOptionsHelp(), "-%sstep_min %g: must not exceed -%sstep, %g",
+                prefix, (double)control->step_min, prefix, (double)control->step);
+  MpmCheckInput(!control->adaptive || control->step_max >= control->step || MpmOptionsHelp(),
+                "-%sstep_max %g: must not be below -%sstep, %g", prefix, (double)control->step_max, prefix,
+                (double)control->step);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The scene's own block. Where all stages have a step of their own, the scene needs none. */
+static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, MpmTimeControl *control)
+{
+  const MpmOptions block = {options->comm, "mpm_time_", options->record};
+  PetscBool        given;
+
+  PetscFunctionBeginUser;
+  *control = (MpmTimeControl){.end = 1., .growth = 2.};
+  PetscCall(MpmOptionsHeading(&block, "Time"));
+  PetscCall(MpmOptionsHas(&block, "step", &given));
+  if (given || !model->scene.stages[0].name || MpmOptionsHelp())
+    PetscCall(ReadTimeControl(options, "mpm_time_", control));
+  else
+    PetscCall(
+      MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
+  /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
+  model->state.predict = PETSC_TRUE;
+  for (PetscInt m = 0; m < model->scene.materials.count; m++)
+    if (model->scene.materials.at[m].state_size) model->state.predict = PETSC_FALSE;
+  PetscCall(
+    MpmOptionsBool(&block, "predict",
+                   "start each step from what the last two let expect; the default is true where no material has "
+                   "history",
+                   &model->state.predict, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- lists ---- */
+
+static PetscInt FindName(PetscInt count, char *const names[], const char *name)
+{
+  for (PetscInt k = 0; k < count; k++)
+    if (!strcmp(names[k], name)) return k;
+  return -1;
+}
+
+/* A stage's list; `given` is false where it has none. The word `none` is an empty list. */
+static PetscErrorCode ReadList(const MpmOptions *block, const char *list, const char *help, PetscInt *count,
+                               char ***names, PetscBool *given)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, list, given));
+  PetscCall(MpmOptionsNames(block, list, help, MPM_OPTIONAL, count, names));
+  MpmCheckInput(!*given || *count || MpmOptionsHelp(), "-%s%s: the list is empty; an empty one is `none`",
+                block->prefix, list);
+  if (*count == 1 && !strcmp((*names)[0], "none")) {
+    PetscCall(MpmNamesDestroy(*count, names));
+    *count = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which of the model's names a stage's list holds; those that are new are appended where `grow` says so. */
+static PetscErrorCode MarkList(const MpmOptions *block, const char *list, const char *help, PetscBool grow,
+                               PetscInt *count, char ***names, PetscBool **marks, PetscBool *given)
+{
+  PetscInt own;
+  char   **own_names;
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadList(block, list, help, &own, &own_names, given));
+  PetscCall(PetscCalloc1((*count + own + 1), marks));
+  for (PetscInt k = 0; k < own; k++) {
+    PetscInt found = FindName(*count, *names, own_names[k]);
+
+    MpmCheckInput(found >= 0 || grow || MpmOptionsHelp(), "-%s%s %s: there is no such body in -mpm_bodies",
+                  block->prefix, list, own_names[k]);
+    if (found < 0 && !grow) continue;
+    if (found < 0) {
+      found = (*count)++;
+      PetscCall(PetscRealloc(sizeof(**names) * (size_t)*count, names));
+      PetscCall(PetscStrallocpy(own_names[k], &(*names)[found]));
+    }
+    (*marks)[found] = PETSC_TRUE;
+  }
+  PetscCall(MpmNamesDestroy(own, &own_names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Marks for `count` names out of fewer; without a list of its own the stage has the scene's first `scene` names. */
+static PetscErrorCode WidenMarks(PetscInt had, PetscInt count, PetscInt scene, PetscBool given, PetscBool **marks)
+{
+  PetscBool *wide;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((count + 1), &wide));
+  for (PetscInt k = 0; k < count; k++) wide[k] = (PetscBool)(given ? k < had && (*marks)[k] : k < scene);
+  PetscCall(PetscFree(*marks));
+  *marks = wide;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Conditions and loads of all stages; `had` holds how many names were known when each stage's list was read. */
+static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
+{
+  const PetscInt scene_bcs = model->scene.bcs.count, scene_loads = model->scene.loads.count,
+                 n = model->scene.stage_count;
+  PetscInt  *had;
+  PetscBool *given;
+  char       prefix[256];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((2 * n), &had, (2 * n), &given));
+  for (PetscInt k = 0; k < n; k++) {
+    const MpmOptions block = {options->comm, prefix, options->record};
+    MpmStage        *stage = &model->scene.stages[k];
+
+    given[2 * k] = given[2 * k + 1] = PETSC_FALSE;
+    if (stage->name) {
+      PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
+      PetscCall(MpmOptionsHeading(&block, "Stage"));
+      PetscCall(MarkList(&block, "bcs", "conditions on nodes that act; default: -mpm_bcs; none", PETSC_TRUE,
+                         &model->scene.bcs.count, &model->scene.bcs.names, &stage->bcs, &given[2 * k]));
+      PetscCall(MarkList(&block, "loads", "loads that act; default: -mpm_loads; none", PETSC_TRUE,
+                         &model->scene.loads.count, &model->scene.loads.names, &stage->loads, &given[2 * k + 1]));
+    }
+    had[2 * k]     = model->scene.bcs.count;
+    had[2 * k + 1] = model->scene.loads.count;
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    PetscCall(WidenMarks(had[2 * k], model->scene.bcs.count, scene_bcs, given[2 * k], &model->scene.stages[k].bcs));
+    PetscCall(WidenMarks(had[2 * k + 1], model->scene.loads.count, scene_loads, given[2 * k + 1],
+                         &model->scene.stages[k].loads));
+  }
+  PetscCall(PetscFree2(had, given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options)
+{
+  PetscInt  count;
+  char    **names;
+  PetscBool given;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(options, "stages", &given));
+  PetscCall(MpmModelReadNames(options, "stages", "names of the stages, in their order", MPM_OPTIONAL, &count, &names));
+  MpmCheckInput(!given || count || MpmOptionsHelp(), "-mpm_stages: the list is empty; a scene without stages has none");
+  model->scene.stage_count = PetscMax(count, 1);
+  PetscCall(PetscCalloc1(model->scene.stage_count, &model->scene.stages));
+  for (PetscInt k = 0; k < count; k++) PetscCall(PetscStrallocpy(names[k], &model->scene.stages[k].name));
+  PetscCall(MpmNamesDestroy(count, &names));
+  PetscCall(ReadActive(model, options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the rest of a stage ---- */
+
+/* "body:material" pairs. */
+static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, MpmStage *stage)
+{
+  char    *text, **pair;
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies.count; b++) stage->material[b] = -1;
+  PetscCall(MpmOptionsText(block, "materials", "body:material pairs: what bodies are made of from here on", NULL,
+                           MPM_OPTIONAL, &text));
+  if (!text || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTextSplit(text, &count, &pair));
+  MpmCheckInput(count > 0, "-%smaterials: the list is empty; body:material pairs are wanted", block->prefix);
+  for (PetscInt k = 0; k < count; k++) {
+    char    *colon = strchr(pair[k], ':');
+    PetscInt body, material;
+
+    MpmCheckInput(colon, "-%smaterials %s: must be body:material pairs, separated by commas", block->prefix, text);
+    *colon   = '\0';
+    body     = FindName(model->scene.bodies.count, model->scene.bodies.names, pair[k]);
+    material = FindName(model->scene.materials.count, model->scene.materials.names, colon + 1);
+    MpmCheckInput(body >= 0, "-%smaterials %s: there is no body %s in -mpm_bodies", block->prefix, text, pair[k]);
+    MpmCheckInput(material >= 0, "-%smaterials %s: there is no material %s in -mpm_materials", block->prefix, text,
+                  colon + 1);
+    MpmCheckInput(stage->material[body] < 0, "-%smaterials %s: body %s stands there twice", block->prefix, text,
+                  pair[k]);
+    stage->material[body] = material;
+    model->scene.materials.at[material].spacing =
+      PetscMax(model->scene.materials.at[material].spacing, MpmBodySpacing(model->scene.bodies.at[body]));
+  }
+  PetscCall(MpmNamesDestroy(count, &pair));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadGeostatic(const MpmOptions *options, const char *name, MpmGeostatic *geostatic)
+{
+  static const char *const methods[] = {"gravity", "k0", NULL};
+  char                     prefix[256];
+  const MpmOptions         block  = {options->comm, prefix, options->record};
+  PetscInt                 method = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_geostatic_", name));
+  PetscCall(MpmOptionsWord(&block, "method",
+                           "gravity: the loads grow from nothing; k0: the stress follows from the weight above",
+                           methods, MPM_OPTIONAL, &method, NULL));
+  geostatic->method     = method ? MPM_GEOSTATIC_K0 : MPM_GEOSTATIC_GRAVITY;
+  geostatic->tolerance  = 1e-9;
+  geostatic->iterations = 50;
+  PetscCall(MpmOptionsReal(&block, "k0", "-", "horizontal over vertical stress, for the method k0",
+                           (MpmRange){0., 100., PETSC_FALSE}, method ? MPM_REQUIRED : MPM_OPTIONAL, &geostatic->k0,
+                           NULL));
+  PetscCall(MpmOptionsReal(&block, "tolerance", "-", "largest displacement that remains, in heights of the material",
+                           (MpmRange){0., 1., PETSC_TRUE}, MPM_OPTIONAL, &geostatic->tolerance, NULL));
+  PetscCall(MpmOptionsInt(&block, "iterations", "most solutions under the full loads", 1, 100000, MPM_OPTIONAL,
+                          &geostatic->iterations, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The stress of k0 needs a vertical axis: that of gravity. */
+static PetscErrorCode CheckGravity(MpmModel model, const MpmStage *stage)
+{
+  PetscInt axes = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+    PetscReal along = 0.;
+
+    for (PetscInt l = 0; l < model->scene.loads.count; l++)
+      if (stage->loads[l] && model->scene.loads.at[l].type == MPM_LOAD_GRAVITY)
+        along += model->scene.loads.at[l].value[a];
+    axes += along != 0. ? 1 : 0;
+  }
+  MpmCheckInput(axes == 1, "-mpm_stage_%s_geostatic_method k0: gravity must act along one axis, here along %d",
+                stage->name, (int)axes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In a geostatic stage nothing moves, and the engine must know the stress of every law. */
+static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
+{
+  PetscFunctionBeginUser;
+  if (MpmOptionsHelp() || stage->geostatic.method == MPM_GEOSTATIC_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(model->disc.layout.solid, "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name,
+                model->scene.physics.name);
+  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
+    for (PetscInt k = 0; k < model->scene.bcs.at[b].component_count; k++)
+      MpmCheckInput(!stage->bcs[b] || model->scene.bcs.at[b].value[k] == 0.,
+                    "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, where nothing moves",
+                    model->scene.bcs.names[b], (double)model->scene.bcs.at[b].value[k], stage->name);
+  }
+  if (stage->geostatic.method == MPM_GEOSTATIC_K0) PetscCall(CheckGravity(model, stage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const MpmTimeControl *scene, MpmStage *stage)
+{
+  static const char *const types[] = {"load", "geostatic", NULL};
+  char                     prefix[256], time_prefix[256];
+  const MpmOptions         block = {options->comm, prefix, options->record};
+  PetscInt                 type  = 0;
+  PetscBool                given;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
+  PetscCall(PetscSNPrintf(time_prefix, sizeof(time_prefix), "mpm_stage_%s_time_", stage->name));
+  PetscCall(MpmOptionsWord(&block, "type", "load: steps in time; geostatic: a state of stress in which nothing moves",
+                           types, MPM_OPTIONAL, &type, NULL));
+  if (type || MpmOptionsHelp()) PetscCall(ReadGeostatic(options, stage->name, &stage->geostatic));
+  stage->time = *scene;
+  if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
+  PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
+  PetscCall(MarkList(&block, "remove", "bodies that are taken away", PETSC_FALSE, &model->scene.bodies.count,
+                     &model->scene.bodies.names, &stage->removed, &given));
+  PetscCall(MarkList(&block, "bodies", "bodies that join here and were not there before", PETSC_FALSE,
+                     &model->scene.bodies.count, &model->scene.bodies.names, &stage->adds, &given));
+  PetscCall(ReadMaterials(model, &block, stage));
+  PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
+  PetscCall(CheckGeostatic(model, stage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every stage must find the bodies that it removes or changes, and leave one at least. */
+static PetscErrorCode CheckBodies(const MpmModel model)
+{
+  PetscBool *there, *was;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((model->scene.bodies.count + 1), &there, (model->scene.bodies.count + 1), &was));
+  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+    was[b]   = PETSC_FALSE;
+    there[b] = PETSC_TRUE;
+    for (PetscInt k = 0; k < model->scene.stage_count; k++)
+      if (model->scene.stages[k].adds[b]) there[b] = PETSC_FALSE;
+  }
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    const MpmStage *stage = &model->scene.stages[k];
+    PetscInt        left  = 0;
+
+    for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+      const char *body = model->scene.bodies.names[b];
+
+      MpmCheckInput(!stage->adds[b] || (!there[b] && !was[b]),
+                    "-mpm_stage_%s_bodies %s: the body was there before; one joins once", stage->name, body);
+      if (stage->adds[b]) there[b] = PETSC_TRUE;
+      MpmCheckInput(!stage->removed[b] || there[b], "-mpm_stage_%s_remove %s: the body is not there", stage->name,
+                    body);
+      was[b] = (PetscBool)(was[b] || there[b]);
+      if (stage->removed[b]) there[b] = PETSC_FALSE;
+      MpmCheckInput(stage->material[b] < 0 || there[b], "-mpm_stage_%s_materials %s: the body is not there",
+                    stage->name, body);
+      left += there[b] ? 1 : 0;
+    }
+    MpmCheckInput(left, "-mpm_stage_%s_%s: no body is left", stage->name ? stage->name : "",
+                  stage->name ? "remove" : "bodies");
+  }
+  PetscCall(PetscFree2(there, was));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
+{
+  MpmTimeControl scene;
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadSceneTime(model, options, &scene));
+  PetscCall(PetscCalloc1(model->scene.bodies.count, &model->state.parked));
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    MpmStage *stage = &model->scene.stages[k];
+
+    PetscCall(PetscMalloc1((model->scene.bodies.count + 1), &stage->material));
+    stage->time = scene;
+    if (stage->name) PetscCall(ReadStage(model, options, &scene, stage));
+    else {
+      PetscCall(PetscCalloc1((model->scene.bodies.count + 1), &stage->removed));
+      PetscCall(PetscCalloc1((model->scene.bodies.count + 1), &stage->adds));
+      for (PetscInt b = 0; b < model->scene.bodies.count; b++) stage->material[b] = -1;
+    }
+    model->state.run_end += stage->time.end;
+  }
+  if (!MpmOptionsHelp()) PetscCall(CheckBodies(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStagesDestroy(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; model->scene.stages && k < model->scene.stage_count; k++) {
+    MpmStage *stage = &model->scene.stages[k];
+
+    PetscCall(PetscFree(stage->name));
+    PetscCall(PetscFree(stage->bcs));
+    PetscCall(PetscFree(stage->loads));
+    PetscCall(PetscFree(stage->removed));
+    PetscCall(PetscFree(stage->adds));
+    PetscCall(PetscFree(stage->material));
+  }
+  for (PetscInt b = 0; model->state.parked && b < model->scene.bodies.count; b++)
+    PetscCall(PetscFree(model->state.parked[b].data));
+  PetscCall(PetscFree(model->scene.stages));
+  PetscCall(PetscFree(model->state.parked));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the model asks ---- */
+
+PetscBool MpmStagesAreGeostatic(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscBool MpmStagesKeepMass(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    for (PetscInt b = 0; b < model->scene.bodies.count; b++)
+      if (model->scene.stages[k].material[b] >= 0) return PETSC_TRUE;
+  return MpmStagesAreGeostatic(model);
+}
+
+PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
+{
+  if (!model->scene.loads.at[load].active) return 0.;
+  return model->state.load_scale *
+         MpmRampEvaluate(model->scene.loads.at[load].ramp, time - model->scene.loads.at[load].start);
+}
+
+/* ---- the points are there ---- */
+
+/* Takes the bodies out that are not there in a stage, or before the first one (stage 0 before its own changes). */
+static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+    PetscBool there = PETSC_TRUE;
+    PetscInt  first, end;
+
+    for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+      if (k > stage && model->scene.stages[k].adds[b]) there = PETSC_FALSE;
+      if (k <= stage && model->scene.stages[k].removed[b]) there = PETSC_FALSE;
+    }
+    if (there) continue;
+    MpmBodyGetIds(model->scene.bodies.at[b], &first, &end);
+    PetscCall(MpmParticlesRemove(&model->state.particles, first, end, &model->state.parked[b]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReturnAll(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies.count; b++)
+    PetscCall(MpmParticlesReturn(&model->state.particles, &model->state.parked[b]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The stage in which a load first acts; 0 where it never does. */
+static PetscInt FirstStage(const MpmModel model, PetscInt load)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].loads[load]) return k;
+  return 0;
+}
+
+static PetscErrorCode ClearShares(MpmModel model)
+{
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(model->state.particles.swarm, &count));
+  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
+    const char *field = model->scene.loads.at[l].share_field;
+    PetscReal  *share;
+
+    if (!field) continue;
+    PetscCall(DMSwarmGetField(model->state.particles.swarm, field, NULL, NULL, (void **)&share));
+    PetscCall(PetscArrayzero(share, count));
+    PetscCall(DMSwarmRestoreField(model->state.particles.swarm, field, NULL, NULL, (void **)&share));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStagesSelect(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ClearShares(model));
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    PetscCall(ParkAbsent(model, k));
+    for (PetscInt l = 0; l < model->scene.loads.count; l++) {
+      if (FirstStage(model, l) == k)
+        PetscCall(MpmLoadSelect(&model->scene.loads.at[l], &model->disc.grid, &model->state.particles));
+    }
+    PetscCall(ReturnAll(model));
+  }
+  PetscCall(ParkAbsent(model, -1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a stage begins ---- */
+
+static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
+{
+  PetscInt first, end;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+    MpmBodyGetIds(model->scene.bodies.at[b], &first, &end);
+    if (stage->adds[b]) PetscCall(MpmParticlesReturn(&model->state.particles, &model->state.parked[b]));
+    if (stage->removed[b]) PetscCall(MpmParticlesRemove(&model->state.particles, first, end, NULL));
+  }
+  PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ResetDisplacement(MpmModel model)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(PetscArraycpy(points.x0, points.x, points.count * model->disc.grid.dim));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  model->state.reference_output = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What acts from here on, and the walls that follow. */
+static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
+{
+  PetscFunctionBeginUser;
+  model->scene.walls.count = 0;
+  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
+    MpmCondition *bc = &model->scene.bcs.at[b];
+    PetscInt      walls;
+
+    if (stage->bcs[b] && !bc->active) bc->start = model->state.time_start;
+    bc->active = stage->bcs[b];
+    if (!bc->active) continue;
+    PetscCall(MpmConditionGetWalls(bc, &model->disc.grid, MpmShapeDegree(model->scene.shape), &walls,
+                                   &model->scene.walls.at[model->scene.walls.count]));
+    model->scene.walls.count += walls;
+  }
+  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
+    MpmLoad *load = &model->scene.loads.at[l];
+
+    if (stage->loads[l] && !load->active) load->start = model->state.time_start;
+    load->active = stage->loads[l];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which stage is under way, and how its time runs. */
+static void SetTime(MpmModel model, PetscInt k)
+{
+  const MpmTimeControl *control = &model->scene.stages[k].time;
+
+  model->state.stage      = k;
+  model->state.load_scale = 1.;
+  model->state.time_start = model->state.time;
+  model->state.time_end   = model->state.time + control->end;
+  model->state.dt_nominal = control->step;
+  model->state.dt_min     = control->step_min;
+  model->state.dt_max     = control->step_max;
+  model->state.growth     = control->growth;
+  model->state.adaptive   = control->adaptive;
+}
+
+PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
+{
+  const MpmStage *stage = &model->scene.stages[k];
+
+  PetscFunctionBeginUser;
+  SetTime(model, k);
+  model->state.dt_wanted = model->state.dt_nominal;
+  model->state.dt_last   = 0.; /* nothing goes on as before */
+  if (stage->name) {
+    PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+    PetscCall(ChangeBodies(model, stage));
+    PetscCall(MpmMaterialsChange(model, stage));
+    if (stage->reset) PetscCall(ResetDisplacement(model));
+    if (model->solver.jacobian)
+      PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be held */
+  }
+  PetscCall(Activate(model, stage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStageResume(MpmModel model)
+{
+  const PetscInt  stage = model->state.stage;
+  const PetscReal time  = model->state.time;
+
+  PetscFunctionBeginUser;
+  model->state.time = 0.;
+  for (PetscInt k = 0; k <= stage; k++) {
+    if (k) model->state.time = model->state.time_end;
+    SetTime(model, k);
+    PetscCall(Activate(model, &model->scene.stages[k]));
+    for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+      if (!model->scene.stages[k].adds[b]) continue;
+      PetscCall(PetscFree(model->state.parked[b].data));
+      model->state.parked[b].count = 0;
+    }
+  }
+  model->state.time = time;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
