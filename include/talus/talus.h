@@ -8,7 +8,7 @@
   A step, as data flows through it:
 
     MpmParticlesMigrate   points go to the ranks that own their cells; the partition follows the points
-    MpmSpaceSetUp         shape weights, groups of points that touch the same nodes, active nodes and their numbers
+    MpmTermsSetUpSpace    shape weights, groups of points that touch the same nodes, active nodes and their numbers
     SNESSolve             residual and Jacobian from the pointwise kernel; MpmResidual..., MpmJacobian...
     MpmCommitLocal        converged: history, positions and domains become those of n+1; otherwise nothing has changed
     history, output

@@ -49,12 +49,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   if (!model) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->state.particles.swarm) PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   PetscCall(MpmSolverDestroy(&model->solver));
-  PetscCall(MpmPatternReset(&model->disc.pattern));
-  PetscCall(MpmSpaceReset(&model->disc.space));
-  PetscCall(MpmConstraintsReset(&model->disc.constraints));
-  PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
-  PetscCall(MpmTrialReset(&model->disc.trial));
-  PetscCall(PetscFree(model->disc.reaction));
+  PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(PetscFree(model->results->history_row));
   PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));
   PetscCall(MpmOutputDestroy(&model->results->output));
@@ -69,8 +64,6 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
     PetscCall(MpmConditionDestroy(&model->scene.bcs.at[k]));
   for (PetscInt k = 0; model->scene.boundaries.at && k < model->scene.boundaries.count; k++)
     PetscCall(MpmBoundaryDestroy(&model->scene.boundaries.at[k]));
-  PetscCall(MpmContactsDestroy(&model->disc.contacts));
-  PetscCall(MpmTermsDestroy(&model->disc.terms));
   for (PetscInt k = 0; model->scene.loads.at && k < model->scene.loads.count; k++)
     PetscCall(MpmLoadDestroy(&model->scene.loads.at[k]));
   for (PetscInt k = 0; model->results->tracks.at && k < model->results->tracks.count; k++)
@@ -244,7 +237,6 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries.names[k], &model->disc.grid, &model->scene.boundaries.at[k]));
   }
-  PetscCall(MpmContactsCreate(model->scene.boundaries.count, model->scene.boundaries.at, &model->disc.contacts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -335,26 +327,6 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a step's problem consists of, and what of it does not change. */
-static PetscErrorCode CreateDiscretization(MpmModel model)
-{
-  MpmDiscretization *disc = &model->disc;
-
-  PetscFunctionBeginUser;
-  disc->material_count = model->scene.materials.count;
-  disc->sum            = (MpmSum){.grid              = &disc->grid,
-                                  .space             = &disc->space,
-                                  .layout            = &disc->layout,
-                                  .materials         = model->scene.materials.at,
-                                  .points            = &disc->points,
-                                  .physics_parameter = model->scene.physics.parameters,
-                                  .state_size        = model->state.particles.state_size};
-  PetscCall(MpmTermsAdd(&disc->terms, disc->layout.means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
-  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
-  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, &disc->contacts));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* About how many unknowns the material needs: the cells that its volume fills, and as many nodes. */
 static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
 {
@@ -393,7 +365,8 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(MpmSignalsCatch());
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
-  PetscCall(CreateDiscretization(model));
+  PetscCall(MpmDiscretizationSetUp(&model->disc, &model->scene.materials, &model->scene.boundaries,
+                                   model->scene.physics.parameters, model->state.particles.state_size));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

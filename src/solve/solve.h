@@ -71,6 +71,9 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
 /* Settles `auto` for about so many unknowns, and applies the preset. */
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns);
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver);
+/* A solver for another problem, with the same settings and objects of its own. */
+PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *disc, MpmMonitor *monitor,
+                                  MpmSolver *copy);
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver);
 PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
 /* A new solver after a linear solve has failed, with GMRES where CG met an indefinite Jacobian. */

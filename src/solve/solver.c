@@ -279,6 +279,21 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *disc, MpmMonitor *monitor,
+                                  MpmSolver *copy)
+{
+  PetscFunctionBeginUser;
+  *copy          = *solver;
+  copy->disc     = disc;
+  copy->monitor  = monitor;
+  copy->cache    = (MpmEvaluations){.lag = solver->cache.lag};
+  copy->jacobian = copy->shell = NULL;
+  copy->x = copy->f = NULL;
+  copy->name = copy->why = NULL;
+  PetscCall(CreateSNES(copy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver)
 {
   PetscBool changed = PETSC_TRUE;

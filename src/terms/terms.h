@@ -304,3 +304,14 @@ typedef struct {
   PetscReal      diagonal;  /* of prescribed unknowns: a typical stiffness */
   PetscReal      ghost;     /* factor of the ghost penalty, 0: none */
 } MpmDiscretization;
+
+/*
+  SetUp, once grid and layout are there, makes what stays from step to step; materials, boundaries and parameters are
+  borrowed. Destroy leaves the grid alone.
+*/
+PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
+                                      const MpmBoundaries *boundaries, const double physics_parameter[],
+                                      PetscInt state_size);
+PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
+/* Frees the arrays. */
+PetscErrorCode MpmTrialReset(MpmTrial *trial);

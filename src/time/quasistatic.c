@@ -80,14 +80,6 @@ static MpmRules Rules(MpmModel model)
                     .mean       = (PetscBool)(model->disc.layout.means > 0)};
 }
 
-PetscErrorCode MpmTrialReset(MpmTrial *trial)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree4(trial->F, trial->stress, trial->state, trial->u));
-  trial->made = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
 {

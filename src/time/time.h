@@ -92,8 +92,6 @@ struct _p_MpmModel {
   MpmResults       *results;
 };
 
-/* Frees the arrays. */
-PetscErrorCode MpmTrialReset(MpmTrial *trial);
 /*
   Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.
   `again`: the points have not moved since the last call, the space stands.
