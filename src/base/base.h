@@ -121,11 +121,16 @@ typedef enum {
 /* What the engine tells of itself while it works: messages go to whoever listens, times add up. */
 typedef struct {
   PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: nobody listens */
-  void     *ctx;
-  PetscReal seconds[MPM_TIME_COUNT];
+  void         *ctx;
+  PetscReal     seconds[MPM_TIME_COUNT];
+  PetscLogEvent event[MPM_TIME_COUNT]; /* the same tasks in -log_view */
 } MpmMonitor;
+extern const char *const MpmTimers[]; /* their names */
+/* Nobody listens, no time has passed; the tasks' events are made known to PETSc. */
+PetscErrorCode MpmMonitorCreate(MpmMonitor *monitor);
 /* A note to the step under way, and a line of its own in place of a step's. */
 PetscErrorCode MpmMonitorNote(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
 PetscErrorCode MpmMonitorLine(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
-/* Stops the clock of one task: adds the seconds since `since` to it. */
-void MpmMonitorClock(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since);
+/* A task begins, and ends: the seconds in between are added to its own. `since` is the caller's. */
+PetscErrorCode MpmMonitorBegin(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble *since);
+PetscErrorCode MpmMonitorEnd(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since);

@@ -158,8 +158,6 @@ PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt colu
 PetscErrorCode MpmHistoryAppend(MpmHistory history, const PetscReal values[]);
 PetscErrorCode MpmHistoryDestroy(MpmHistory *history);
 
-extern const char *const MpmTimers[];
-
 /* The account of a run; written as <prefix>_summary.json. */
 typedef struct {
   const char *status; /* "completed" or the reason */

@@ -60,14 +60,16 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   const PetscScalar *at;
   PetscScalar       *values;
   PetscLogDouble     since;
+  MpmTimer           timer;
   PetscInt           failed;
 
   PetscFunctionBeginUser;
   (void)snes;
-  PetscCall(PetscTime(&since));
   PetscCall(MpmGatherSolution(solver, x));
   solver->cache.made  = (PetscBool)(solver->cache.ahead && solver->jacobian_type == MPM_JACOBIAN_LOCAL);
   solver->cache.ahead = PETSC_FALSE;
+  timer               = solver->cache.made ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL;
+  PetscCall(MpmMonitorBegin(solver->monitor, timer, &since));
   if (solver->cache.made) PetscCall(SumBoth(solver, &failed));
   else PetscCall(MpmSumResidual(solver, &failed));
   MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, solver->disc->residual);
@@ -83,7 +85,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->grid.comm));
   if (failed && solver->disc->space.owned) values[0] = PETSC_INFINITY;
   PetscCall(VecRestoreArrayWrite(f, &values));
-  MpmMonitorClock(solver->monitor, solver->cache.made ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL, since);
+  PetscCall(MpmMonitorEnd(solver->monitor, timer, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,10 +174,10 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   solver->cache.fnorm_last = fnorm;
   solver->cache.lagged     = keep;
   if (keep) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(solver->monitor, MPM_TIME_JACOBIAN, &since));
   if (solver->jacobian) PetscCall(AssembleJacobian(solver, x, P));
   if (solver->shell) PetscCall(MpmMatfreeSetState(J, x));
-  MpmMonitorClock(solver->monitor, MPM_TIME_JACOBIAN, since);
+  PetscCall(MpmMonitorEnd(solver->monitor, MPM_TIME_JACOBIAN, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -57,24 +57,47 @@ typedef struct {
   MpmStage     *stages;
 } MpmScene;
 
+/*
+  How a step is taken. Until accept() the state is that of the step's start: roll_back() forgets what was tried.
+
+  begin      space, conditions and loads for a step to `time`, dt later; `again`: the points have not moved since the last
+             call, the space stands; `why` is NULL, or the reason for which there is no such step
+  predict    where the solution starts
+  solve      `why` is NULL, or the reason of the failure; `hopeless`: a shorter step would not help
+  accept     what was found becomes the state
+  roll_back
+  error      estimate of the step's error in time; NULL where there is none
+*/
+typedef struct {
+  const char *name;
+  PetscErrorCode (*begin)(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+  PetscErrorCode (*predict)(MpmModel model);
+  PetscErrorCode (*solve)(MpmModel model, const char **why, PetscBool *hopeless);
+  PetscErrorCode (*accept)(MpmModel model);
+  PetscErrorCode (*roll_back)(MpmModel model);
+  PetscErrorCode (*error)(MpmModel model, PetscReal *estimate);
+} MpmIntegrator;
+extern const MpmIntegrator MpmIntegratorQuasistatic; /* quasistatic.c */
+
 /* What moves on: points, time, and how steps go. */
 typedef struct {
-  MpmParticles particles;
-  PetscReal    time, time_end, dt_nominal, dt_min, dt_max, growth;
-  PetscReal    dt_wanted; /* of the next step */
-  PetscReal    dt_last;   /* of the last step, 0 before the first; */
-  PetscReal    dt_before; /* of the one before */
-  PetscBool    adaptive;
-  PetscBool    predict; /* start from the last step's increment */
-  PetscInt     step, cuts, cuts_total;
-  PetscInt     stage;      /* the one under way */
-  MpmParked   *parked;     /* per body: points that a later stage adds */
-  PetscReal    time_start; /* of the stage under way; time_end is its end */
-  PetscReal    run_end;
-  PetscReal    load_scale;               /* what a geostatic stage applies of its loads; otherwise 1 */
-  PetscBool    reference_output;         /* position0 goes into the next state that is written */
-  PetscBool    ghost_auto, ghost_rescue; /* nobody has set the ghost penalty; raise it before giving up */
-  PetscInt64   active_dofs_max;
+  const MpmIntegrator *integrator;
+  MpmParticles         particles;
+  PetscReal            time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscReal            dt_wanted; /* of the next step */
+  PetscReal            dt_last;   /* of the last step, 0 before the first; */
+  PetscReal            dt_before; /* of the one before */
+  PetscBool            adaptive;
+  PetscBool            predict; /* start from the last step's increment */
+  PetscInt             step, cuts, cuts_total;
+  PetscInt             stage;      /* the one under way */
+  MpmParked           *parked;     /* per body: points that a later stage adds */
+  PetscReal            time_start; /* of the stage under way; time_end is its end */
+  PetscReal            run_end;
+  PetscReal            load_scale;               /* what a geostatic stage applies of its loads; otherwise 1 */
+  PetscBool            reference_output;         /* position0 goes into the next state that is written */
+  PetscBool            ghost_auto, ghost_rescue; /* nobody has set the ghost penalty; raise it before giving up */
+  PetscInt64           active_dofs_max;
 } MpmState;
 
 /* Results and progress, which are the run's. */
@@ -155,3 +178,5 @@ PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, co
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* Where a run would give up, once: a firmer ghost penalty from here on. */
 PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why);
+/* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */
+PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why);
