@@ -1,6 +1,7 @@
 /*
   Newton's parts: residual and Jacobian as SNES calls them, when a step has converged, and the line search.
 */
+#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 #include "solve/solve.h"
 
 /* Brings the solution vector to the local nodes, ghosts included, as components along the axes. */
@@ -32,14 +33,28 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same with the Jacobian's sums, in one pass. */
-static PetscErrorCode SumBoth(MpmSolver *solver, PetscInt *failed)
+static PetscErrorCode GetPlace(Vec x, MpmPlace *place)
 {
   PetscFunctionBeginUser;
+  PetscCall(PetscObjectGetId((PetscObject)x, &place->id));
+  PetscCall(PetscObjectStateGet((PetscObject)x, &place->state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsSame(const MpmPlace *a, const MpmPlace *b)
+{
+  return (PetscBool)(a->id == b->id && a->state == b->state);
+}
+
+/* The same with the Jacobian's sums, in one pass. */
+static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  PetscCall(GetPlace(x, &solver->cache.summed));
   for (PetscInt k = 0; k < solver->disc->space.local * solver->disc->layout.block; k++)
     solver->disc->residual[k] = -solver->disc->force[k];
-  solver->cache.overwritten = PETSC_TRUE;
-  solver->disc->trial.made  = PETSC_FALSE;
+  solver->cache.assembled  = PETSC_FALSE;
+  solver->disc->trial.made = PETSC_FALSE;
   PetscCall(
     MpmPatternBegin(&solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, solver->jacobian));
   PetscCall(MpmTermsTangent(&solver->disc->terms, &solver->disc->sum, solver->disc->u, &solver->disc->pattern,
@@ -62,15 +77,16 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscLogDouble     since;
   MpmTimer           timer;
   PetscInt           failed;
+  PetscBool          both;
 
   PetscFunctionBeginUser;
   (void)snes;
   PetscCall(MpmGatherSolution(solver, x));
-  solver->cache.made  = (PetscBool)(solver->cache.ahead && solver->jacobian_type == MPM_JACOBIAN_LOCAL);
+  both                = (PetscBool)(solver->cache.ahead && solver->jacobian_type == MPM_JACOBIAN_LOCAL);
   solver->cache.ahead = PETSC_FALSE;
-  timer               = solver->cache.made ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL;
+  timer               = both ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL;
   PetscCall(MpmMonitorBegin(solver->monitor, timer, &since));
-  if (solver->cache.made) PetscCall(SumBoth(solver, &failed));
+  if (both) PetscCall(SumBoth(solver, x, &failed));
   else PetscCall(MpmSumResidual(solver, &failed));
   MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, solver->disc->residual);
   PetscCall(VecGetArrayRead(x, &at));
@@ -136,9 +152,13 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 
 static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 {
+  MpmPlace place;
+
   PetscFunctionBeginUser;
-  if (!solver->cache.made) PetscCall(SumJacobian(solver, x, P));
-  solver->cache.made = solver->cache.overwritten = PETSC_FALSE;
+  PetscCall(GetPlace(x, &place));
+  if (!IsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
+  solver->cache.summed.id = 0;
+  solver->cache.assembled = PETSC_TRUE;
   solver->cache.made_count++;
   PetscCall(MpmPatternEnd(&solver->disc->pattern, &solver->disc->space, solver->disc->diagonal, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
@@ -153,7 +173,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 */
 static PetscBool KeepJacobian(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
 {
-  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged || solver->cache.overwritten)
+  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged || !solver->cache.assembled)
     return PETSC_FALSE;
   return (PetscBool)(fnorm * fnorm <= 0.3 * target * solver->cache.fnorm_last);
 }
@@ -272,6 +292,8 @@ static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, Pe
 */
 static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 {
+  MpmSolver  *solver = (MpmSolver *)ctx;
+  MpmPlace    tried;
   Vec         X, F, Y, W, G;
   SNES        snes;
   PetscReal   xnorm, fnorm, ynorm, norm = 0., slope = 0., lambda = 1., good = 0., slope_good;
@@ -280,7 +302,7 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 
   PetscFunctionBeginUser;
   PetscCall(SNESLineSearchGetSNES(search, &snes));
-  PetscCall(LookAhead((MpmSolver *)ctx, snes));
+  PetscCall(LookAhead(solver, snes));
   PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
   PetscCall(SNESLineSearchGetNorms(search, &xnorm, &fnorm, &ynorm));
   PetscCall(VecDot(F, Y, &dot));
@@ -309,8 +331,10 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
     }
   }
   PetscCall(VecNorm(Y, NORM_2, &ynorm));
+  PetscCall(GetPlace(W, &tried));
   PetscCall(VecCopy(W, X));
   PetscCall(VecCopy(G, F));
+  if (IsSame(&tried, &solver->cache.summed)) PetscCall(GetPlace(X, &solver->cache.summed)); /* the same values */
   PetscCall(VecNorm(X, NORM_2, &xnorm));
   PetscCall(SNESLineSearchSetLambda(search, lambda));
   PetscCall(SNESLineSearchSetNorms(search, xnorm, norm, ynorm));

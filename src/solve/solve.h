@@ -8,19 +8,25 @@
 /* What a run does at an equilibrium that is not stable. */
 typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
 
+/* A vector's values as they were at some time: PETSc counts every change. */
+typedef struct {
+  PetscObjectId    id; /* 0: none */
+  PetscObjectState state;
+} MpmPlace;
+
 /*
   What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
 */
 typedef struct {
+  MpmPlace  summed;    /* where the Jacobian's sums, which wait in the matrix, were made */
+  PetscBool assembled; /* the matrix holds the Jacobian of the last solve */
   PetscReal reference; /* residual of the step in which nothing moves */
   PetscBool lag;       /* may a Jacobian serve for more than one iteration? */
   PetscBool lagged;    /* has the last one? */
   PetscBool solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
+  PetscBool ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal fnorm_last;
-  PetscBool ahead;           /* a Jacobian at the same place will follow the next residual: both in one pass */
-  PetscBool made;            /* it has been made with the last residual and waits to be assembled */
-  PetscBool overwritten;     /* the matrix no longer holds the Jacobian of the last solve */
   PetscInt  made_count;      /* Jacobians of this solution, */
   PetscInt  made_count_last; /* and of the last one */
 } MpmEvaluations;
