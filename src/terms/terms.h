@@ -182,15 +182,15 @@ typedef struct {
   PetscReal  **value;  /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
   PetscReal   *buffer;
   PetscInt64   buffer_size;
-  PetscScalar *array;                /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
+  PetscBool    coordinates; /* all rows are in the buffer, and the matrix takes them as coordinates and values */
+  PetscScalar *array;       /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
   const MpmConstraints *constraints; /* whose unknowns are left out, between Begin and End */
 } MpmPattern;
 
 PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
                                PetscBool *changed);
 PetscErrorCode MpmPatternReset(MpmPattern *pattern);
-PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type,
-                                   Mat *mat);
+PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat);
 /* Between these two, blocks are added. Begin zeroes the matrix; End puts `diagonal` on constrained rows and assembles. */
 PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints, Mat mat);
 PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, PetscReal diagonal, Mat mat);
