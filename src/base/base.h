@@ -11,6 +11,17 @@
 
 #define MPM_MAX_DIM 3
 
+#define MPM_ERR_INPUT PETSC_ERR_USER_INPUT
+
+/*
+  Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the
+  same on all ranks.
+*/
+#define MpmCheckInput(condition, ...) \
+  do { \
+    if (PetscUnlikely(!(condition))) SETERRQ(PETSC_COMM_SELF, MPM_ERR_INPUT, __VA_ARGS__); \
+  } while (0)
+
 /* ---- number.c ---- */
 
 /* Room for a number or a range as text. */
@@ -28,6 +39,14 @@ PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIB
 /* `value` fit for a one-line message: control characters become blanks, and a long one is cut short. Free with
    PetscFree(). */
 PetscErrorCode MpmTextQuote(const char value[], char **quoted);
+
+/*
+  Splits at commas, blanks around each part dropped; "" has no parts, "a," has an empty second one. Free with
+  MpmNamesDestroy().
+*/
+PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts);
+
+PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
 
 /* ---- text_buffer.c ---- */
 
@@ -119,7 +138,7 @@ typedef enum {
 } MpmTimer;
 
 /* What the engine tells of itself while it works: messages go to whoever listens, times add up. */
-typedef struct {
+typedef struct MpmMonitor {
   PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: nobody listens */
   void         *ctx;
   PetscReal     seconds[MPM_TIME_COUNT];

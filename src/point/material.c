@@ -2,6 +2,7 @@
   The materials of a scene, and the registry of the constitutive laws that were compiled in: the build scans materials/
   and lists every law's constructor, once per kernel instance, in mpm_laws.h.
 */
+#include "options/options.h"
 #include "point/point.h"
 
 #define MPM_LAW_INSTANCE(name, dim, directions) void MpmMaterialCreate_##name##_##dim##d_##directions(MpmLawInfo *info);

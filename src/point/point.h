@@ -2,8 +2,10 @@
 /*
   Registries of constitutive laws and physics, the layout of a physics' unknowns and inputs, and states with a wanted stress.
 */
-#include "options/options.h"
+#include "base/base.h"
 #include "talus/talus.h"
+
+typedef struct MpmOptions MpmOptions;
 
 #define MPM_MAX_BLOCK  8    /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS 24   /* inputs of a kernel */
@@ -12,7 +14,7 @@
 /* ---- material.c ---- */
 
 /* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
-typedef struct {
+typedef struct MpmMaterial {
   char       *name;
   MpmLawInfo  info;
   double     *parameter;
@@ -45,7 +47,7 @@ void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal
   The layout that follows from a physics' fields: block size, and which basis function and component each kernel input
   takes.
 */
-typedef struct {
+typedef struct MpmLayout {
   PetscInt  dim, block, inputs, rates;
   PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
   PetscInt  basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */

@@ -9,6 +9,8 @@
 #include <strings.h>
 #include <time.h>
 #include <unistd.h>
+#include "options/options.h"
+#include "options/record.h"
 #include "io/io.h"
 #include "run/run.h"
 

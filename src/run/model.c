@@ -1,6 +1,9 @@
 /*
   The model: the scene read from options, and the loop over steps.
 */
+#include "options/options.h"
+#include "terms/sparsity.h"
+#include "terms/terms.h"
 #include "run/run.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
@@ -97,19 +100,6 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 
 /* ---- the scene ---- */
 
-PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
-                                 PetscInt *count, char ***names)
-{
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsHeading(options, list));
-  PetscCall(MpmOptionsNames(options, list, help, need, count, names));
-  if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  *count = 1;
-  PetscCall(PetscMalloc1(1, names));
-  PetscCall(PetscStrallocpy("NAME", *names));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The physics of that name, and the layout of its unknowns. */
 static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt dim)
 {
@@ -196,8 +186,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmModelReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED,
-                              &model->scene.materials.count, &model->scene.materials.names));
+  PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED,
+                             &model->scene.materials.count, &model->scene.materials.names));
   PetscCall(PetscCalloc1(model->scene.materials.count, &model->scene.materials.at));
   model->solver.symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials.count; m++) {
@@ -208,10 +198,10 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->scene.physics.field_count > 1) model->solver.symmetric = PETSC_FALSE;
   model->disc.diagonal = stiffest * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
-  PetscCall(MpmModelReadNames(options, "bodies",
-                              "names of the body blocks; bodies must not overlap, and are welded where they share "
-                              "nodes",
-                              MPM_REQUIRED, &model->scene.bodies.count, &model->scene.bodies.names));
+  PetscCall(MpmOptionsBlocks(options, "bodies",
+                             "names of the body blocks; bodies must not overlap, and are welded where they share "
+                             "nodes",
+                             MPM_REQUIRED, &model->scene.bodies.count, &model->scene.bodies.names));
   PetscCall(PetscCalloc1(model->scene.bodies.count, &model->scene.bodies.at));
   for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
     PetscCall(MpmBodyCreate(options, model->scene.bodies.names[b], &model->disc.grid, model->scene.materials.count,
@@ -229,8 +219,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmModelReadNames(options, "boundaries", "names of the boundaries that do not follow the grid",
-                              MPM_OPTIONAL, &model->scene.boundaries.count, &model->scene.boundaries.names));
+  PetscCall(MpmOptionsBlocks(options, "boundaries", "names of the boundaries that do not follow the grid", MPM_OPTIONAL,
+                             &model->scene.boundaries.count, &model->scene.boundaries.names));
   PetscCall(PetscCalloc1(model->scene.boundaries.count, &model->scene.boundaries.at));
   for (PetscInt k = 0; k < model->scene.boundaries.count; k++) {
     for (PetscInt b = 0; b < model->scene.bcs.count && !MpmOptionsHelp(); b++) {
@@ -246,10 +236,10 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmModelReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs.count,
-                              &model->scene.bcs.names));
-  PetscCall(MpmModelReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads.count,
-                              &model->scene.loads.names));
+  PetscCall(MpmOptionsBlocks(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs.count,
+                             &model->scene.bcs.names));
+  PetscCall(MpmOptionsBlocks(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads.count,
+                             &model->scene.loads.names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs.count, &model->scene.bcs.at));
   PetscCall(PetscMalloc1((model->scene.bcs.count * 2 * MPM_MAX_BLOCK), &model->scene.walls.at));
@@ -269,8 +259,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->scene.loads.names[l]);
     }
   }
-  PetscCall(MpmModelReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
-                              &model->results->tracks.count, &model->results->tracks.names));
+  PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
+                             &model->results->tracks.count, &model->results->tracks.names));
   PetscCall(PetscCalloc1(model->results->tracks.count, &model->results->tracks.at));
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
     PetscCall(
@@ -306,8 +296,10 @@ static PetscErrorCode CreateParticles(MpmModel model)
   model->state.particles.has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies.count; b++)
     if (MpmBodyIsImported(model->scene.bodies.at[b])) model->state.particles.has_mass = PETSC_TRUE;
-  PetscCall(MpmParticlesCreate(&model->disc.grid, state_size, model->disc.layout.rates, half_length,
-                               model->state.predict, extra, fields, &model->state.particles));
+  PetscCall(MpmParticlesCreate(
+    &model->disc.grid,
+    &(MpmParticleFields){state_size, model->disc.layout.rates, half_length, model->state.predict, extra, fields},
+    &model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
   if (model->results->checkpoint.restart && !model->scene.stages[0].name) {

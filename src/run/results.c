@@ -1,6 +1,7 @@
 /*
   What the model hands to its writers: points, history, summary.
 */
+#include "options/options.h"
 #include "run/run.h"
 
 static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)

@@ -2,6 +2,9 @@
   Newton's parts: residual and Jacobian as SNES calls them, when a step has converged, and the line search.
 */
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
+#include "terms/discretization.h"
+#include "terms/sparsity.h"
+#include "terms/terms.h"
 #include "solve/solve.h"
 
 /* Brings the solution vector to the local nodes, ghosts included, as components along the axes. */
@@ -25,8 +28,7 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++) solver->disc->residual[k] = -solver->disc->force[k];
   solver->disc->sum.trial = solver->disc->sum.rest ? NULL : &solver->disc->trial;
-  PetscCall(
-    MpmTermsResidual(&solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
+  PetscCall(MpmTermsResidual(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
   PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
   solver->disc->trial.made = (PetscBool)(solver->disc->sum.trial != NULL);
   if (solver->disc->trial.made) PetscCall(PetscArraycpy(solver->disc->trial.u, solver->disc->u, count));
@@ -55,9 +57,8 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
     solver->disc->residual[k] = -solver->disc->force[k];
   solver->cache.assembled  = PETSC_FALSE;
   solver->disc->trial.made = PETSC_FALSE;
-  PetscCall(
-    MpmPatternBegin(&solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, solver->jacobian));
-  PetscCall(MpmTermsTangent(&solver->disc->terms, &solver->disc->sum, solver->disc->u, &solver->disc->pattern,
+  PetscCall(MpmPatternBegin(solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, solver->jacobian));
+  PetscCall(MpmTermsTangent(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->pattern,
                             solver->disc->residual, failed));
   PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,13 +141,13 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(solver, x));
-  PetscCall(MpmPatternBegin(&solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, P));
+  PetscCall(MpmPatternBegin(solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, P));
   if (solver->jacobian_type == MPM_JACOBIAN_LOCAL || solver->jacobian_type == MPM_JACOBIAN_MATFREE)
-    PetscCall(MpmTermsTangent(&solver->disc->terms, &solver->disc->sum, solver->disc->u, &solver->disc->pattern, NULL,
-                              &failed));
+    PetscCall(
+      MpmTermsTangent(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->pattern, NULL, &failed));
   else
-    PetscCall(MpmJacobianColoring(&solver->disc->terms, &solver->disc->sum, solver->jacobian_type, solver->disc->u,
-                                  &solver->disc->pattern, &failed));
+    PetscCall(MpmJacobianColoring(solver->disc->terms, &solver->disc->sum, solver->jacobian_type, solver->disc->u,
+                                  solver->disc->pattern, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,7 +161,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   solver->cache.summed.id = 0;
   solver->cache.assembled = PETSC_TRUE;
   solver->cache.made_count++;
-  PetscCall(MpmPatternEnd(&solver->disc->pattern, &solver->disc->space, solver->disc->diagonal, P));
+  PetscCall(MpmPatternEnd(solver->disc->pattern, &solver->disc->space, solver->disc->diagonal, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
   if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);

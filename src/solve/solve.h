@@ -2,8 +2,14 @@
 /*
   Newton's method and the linear solvers under it: presets, the forms of the Jacobian, and what is said of a solution.
 */
-#include "io/io.h"
-#include "terms/terms.h"
+#include "base/base.h"
+#include "talus/talus.h"
+
+typedef struct MpmDiscretization MpmDiscretization;
+typedef struct MpmOptions        MpmOptions;
+typedef struct MpmPattern        MpmPattern;
+typedef struct MpmSum            MpmSum;
+typedef struct MpmTerms          MpmTerms;
 
 /* What a run does at an equilibrium that is not stable. */
 typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
@@ -60,7 +66,7 @@ typedef struct {
 PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, MpmJacobianType type, const PetscReal u[],
                                    MpmPattern *pattern, PetscInt *failed);
 /*
-  The Jacobian of the present step as a shell matrix, with or without tangents kept (matfree.c). It must not
+  The Jacobian of the present step as a shell matrix, with or without tangents kept (mat_points.c). It must not
   outlive the step's space.
 */
 PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);

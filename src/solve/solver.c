@@ -1,6 +1,10 @@
 /*
   Newton and its linear solver: PETSc's SNES and KSP, set up by presets from options/ that any PETSc option overrides.
 */
+#include "options/options.h"
+#include "options/record.h"
+#include "terms/discretization.h"
+#include "terms/sparsity.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
 
@@ -267,7 +271,7 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscCall(VecDestroy(&solver->x));
   PetscCall(VecDestroy(&solver->f));
   if (!solver->matrix_unused)
-    PetscCall(MpmPatternCreateMat(&solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
+    PetscCall(MpmPatternCreateMat(solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
                                   solver->mat_type, &solver->jacobian));
   PetscCall(VecCreate(solver->disc->grid.comm, &solver->x));
   PetscCall(VecSetSizes(solver->x, solver->disc->space.owned * solver->disc->layout.block,

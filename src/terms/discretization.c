@@ -1,6 +1,8 @@
 /*
   The discrete problem of a step: what of it stays from step to step, and its end.
 */
+#include "terms/discretization.h"
+#include "terms/sparsity.h"
 #include "terms/terms.h"
 
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
@@ -34,7 +36,7 @@ PetscErrorCode MpmTrialReset(MpmTrial *trial)
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmPatternReset(&disc->pattern));
+  PetscCall(MpmPatternDestroy(&disc->pattern));
   PetscCall(MpmSpaceReset(&disc->space));
   PetscCall(MpmConstraintsReset(&disc->constraints));
   PetscCall(PetscFree3(disc->u, disc->residual, disc->force));

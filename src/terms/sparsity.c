@@ -7,17 +7,22 @@
   ghosts go to their owners through the matrix's stash. Matrices of other types than PETSc's own on the host (those of GPUs,
   hypre's) are given all rows, ghosts' too, as one list of coordinates and values.
 */
+#include "bc/bc.h"
+#include "terms/sparsity.h"
 #include "terms/terms.h"
 
-PetscErrorCode MpmPatternReset(MpmPattern *pattern)
+PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
 {
+  MpmPattern *pattern = *handle;
+
   PetscFunctionBeginUser;
+  if (!pattern) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(pattern->row));
   PetscCall(PetscFree(pattern->column));
   PetscCall(PetscFree(pattern->slot));
   PetscCall(PetscFree(pattern->value));
   PetscCall(PetscFree(pattern->buffer));
-  PetscCall(PetscMemzero(pattern, sizeof(*pattern)));
+  PetscCall(PetscFree(*handle));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,16 +202,17 @@ static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
+PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_Comm comm, PetscInt block,
                                PetscBool *changed)
 {
-  MpmPattern old      = *pattern;
-  Neighbours found    = {NULL};
-  MpmLists   received = {0};
-  Foreign    foreign  = {NULL, NULL};
+  MpmPattern *old      = *handle, *pattern;
+  Neighbours  found    = {NULL};
+  MpmLists    received = {0};
+  Foreign     foreign  = {NULL, NULL};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMemzero(pattern, sizeof(*pattern)));
+  PetscCall(PetscNew(handle));
+  pattern         = *handle;
   pattern->block  = block;
   pattern->dim    = space->dim;
   pattern->reach  = space->reach;
@@ -227,19 +233,19 @@ PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_C
   PetscCall(MpmListsDestroy(&received));
 
   /* equal rows and columns on every rank: the matrix and its symbolic factorisation stay; coordinates name ghosts' rows, too */
-  pattern->coordinates = old.coordinates;
-  const PetscInt count = old.coordinates ? pattern->local : pattern->owned;
+  if (old) pattern->coordinates = old->coordinates;
+  const PetscInt count = pattern->coordinates ? pattern->local : pattern->owned;
   *changed =
-    (PetscBool)(old.owned != pattern->owned || old.local < count || !old.row || old.row[count] != pattern->row[count]);
+    (PetscBool)(!old || old->owned != pattern->owned || old->local < count || old->row[count] != pattern->row[count]);
   if (!*changed) {
     PetscBool rows, columns;
 
-    PetscCall(PetscArraycmp(old.row, pattern->row, count + 1, &rows));
-    PetscCall(PetscArraycmp(old.column, pattern->column, pattern->row[count], &columns));
+    PetscCall(PetscArraycmp(old->row, pattern->row, count + 1, &rows));
+    PetscCall(PetscArraycmp(old->column, pattern->column, pattern->row[count], &columns));
     *changed = (PetscBool) !(rows && columns);
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, changed, 1, MPIU_BOOL, MPI_LOR, comm));
-  PetscCall(MpmPatternReset(&old));
+  PetscCall(MpmPatternDestroy(&old));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -391,26 +397,30 @@ static inline __attribute__((always_inline)) void AddTwo(PetscInt count, PetscRe
   for (PetscInt k = 0; k < count; k++) row[k] += left * b[k] + right * c[k];
 }
 
+/* Two vectors at rows, left and right, and the two that they multiply along a run of columns. */
+typedef struct {
+  const PetscReal *left, *b, *right, *c;
+} Pair;
+
 /* Rows of a node: the columns of `length` box nodes that stand side by side from `place` on. */
-static void AddPairRun(const PetscInt bs, PetscReal *row, PetscInt width, PetscInt length, const PetscReal left[],
-                       const PetscReal b[], const PetscReal right[], const PetscReal c[])
+static void AddPairRun(const PetscInt bs, PetscReal *row, PetscInt width, PetscInt length, const Pair pair)
 {
   for (PetscInt r = 0; r < bs; r++, row += width) {
     switch (length * bs) { /* three and four nodes, which is what boxes have on an axis with the usual shapes */
     case 6:
-      AddTwo(6, left[r], b, right[r], c, row);
+      AddTwo(6, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     case 8:
-      AddTwo(8, left[r], b, right[r], c, row);
+      AddTwo(8, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     case 9:
-      AddTwo(9, left[r], b, right[r], c, row);
+      AddTwo(9, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     case 12:
-      AddTwo(12, left[r], b, right[r], c, row);
+      AddTwo(12, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     default:
-      AddTwo(length * bs, left[r], b, right[r], c, row);
+      AddTwo(length * bs, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     }
   }
@@ -441,8 +451,8 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
       end = j + 1;
       if (nodes[j] < 0) continue;
       while (end < line && nodes[end] >= 0 && slot[offset[end]] == slot[offset[end - 1]] + 1) end++;
-      AddPairRun(bs, pattern->value[nodes[i]] + slot[offset[j]] * bs, width, end - j, &a[i * bs], &b[j * bs],
-                 &b[i * bs], &c[j * bs]);
+      AddPairRun(bs, pattern->value[nodes[i]] + slot[offset[j]] * bs, width, end - j,
+                 (Pair){&a[i * bs], &b[j * bs], &b[i * bs], &c[j * bs]});
     }
   }
 }

@@ -1,6 +1,7 @@
 /*
   One step: space, conditions and loads, Newton, commit.
 */
+#include "terms/terms.h"
 #include "time/time.h"
 
 /* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
@@ -89,7 +90,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   model->disc.committed = PETSC_FALSE;
   PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   PetscCall(MpmParticlesGetArrays(&model->state.particles, &model->disc.points));
-  PetscCall(MpmTermsSetUpSpace(&model->disc.terms, &model->disc.space, rules, &model->disc.points, why));
+  PetscCall(MpmTermsSetUpSpace(model->disc.terms, &model->disc.space, rules, &model->disc.points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
   PetscCall(PetscMalloc3((model->disc.space.local * bs), &model->disc.u, (model->disc.space.local * bs),
@@ -119,8 +120,8 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmConstraintsSetUp(&model->disc.constraints, model->scene.bcs.count, model->scene.bcs.at,
-                                &model->disc.grid, &model->disc.layout, &model->disc.space, model->state.time, time));
+  PetscCall(MpmConstraintsSetUp(&model->disc.constraints, &model->scene.bcs, &model->disc.grid, &model->disc.layout,
+                                &model->disc.space, model->state.time, time));
   PetscCall(MpmContactsSetUp(&model->disc.contacts, rules, &model->disc.space, &model->disc.points,
                              &model->state.particles, model->state.time, time));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space.local * model->disc.layout.block));

@@ -6,6 +6,9 @@
 */
 #include <petsc/private/matimpl.h>
 #include "scene.h"
+#include "terms/discretization.h"
+#include "terms/sparsity.h"
+#include "terms/terms.h"
 
 static const char *const scenes[] = {
   "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_region box -mpm_body_b_lower "
@@ -82,15 +85,15 @@ static PetscErrorCode ByCoordinates(MpmModel model, Mat *mat)
   PetscInt           failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmPatternCreateMat(&disc->pattern, &disc->space, model->comm, COORDINATES_ONLY, mat));
-  ck_assert(disc->pattern.coordinates);
+  PetscCall(MpmPatternCreateMat(disc->pattern, &disc->space, model->comm, COORDINATES_ONLY, mat));
+  ck_assert(disc->pattern->coordinates);
   PetscCall(MpmGatherSolution(&model->solver, model->solver.x));
   for (PetscInt again = 0; again < 2; again++) { /* a second time in the same matrix */
-    PetscCall(MpmPatternBegin(&disc->pattern, &disc->space, &disc->constraints, *mat));
-    PetscCall(MpmTermsTangent(&disc->terms, &disc->sum, disc->u, &disc->pattern, NULL, &failed));
-    PetscCall(MpmPatternEnd(&disc->pattern, &disc->space, disc->diagonal, *mat));
+    PetscCall(MpmPatternBegin(disc->pattern, &disc->space, &disc->constraints, *mat));
+    PetscCall(MpmTermsTangent(disc->terms, &disc->sum, disc->u, disc->pattern, NULL, &failed));
+    PetscCall(MpmPatternEnd(disc->pattern, &disc->space, disc->diagonal, *mat));
   }
-  disc->pattern.coordinates = PETSC_FALSE;
+  disc->pattern->coordinates = PETSC_FALSE;
   PetscCall(PetscObjectChangeTypeName((PetscObject)*mat, model->size > 1 ? MATMPIAIJ : MATSEQAIJ));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
