@@ -15,14 +15,16 @@ typedef struct MpmOptions MpmOptions;
 
 /* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
 typedef struct MpmMaterial {
-  char       *name;
-  MpmLawInfo  info;
-  double     *parameter;
-  MpmFunction law[MPM_FORM_COUNT];
-  PetscReal   density, stiffness, nu; /* nu: Poisson's ratio, 0 where the law has none */
-  PetscReal   penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
-  PetscReal   spacing; /* most cells from point to point on an axis at the start; 0: unknown */
-  PetscInt    state_size;
+  char        *name;
+  MpmLawInfo   info;
+  double      *parameter;
+  MpmLawTable *table; /* by parameter */
+  MpmFunction  law[MPM_FORM_COUNT];
+  PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
+  PetscReal    stiffness;   /* at rest, Pa */
+  PetscReal    penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+  PetscReal    spacing; /* most cells from point to point on an axis at the start; 0: unknown */
+  PetscInt     state_size;
 } MpmMaterial;
 
 /* Materials, with the names of their blocks. */
@@ -36,10 +38,28 @@ typedef struct {
 PetscBool      MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
+/* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
+PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
+/*
+  The law's answer and its derivative in a direction of anything that it depends on; `input` without parameters and
+  tables, which are the material's. Non-zero where the law has no answer.
+*/
+int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input, const MpmLawInput *direction,
+                           const MpmLawOutput *value, const MpmLawOutput *derivative);
 /* Components of one history variable. */
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
 /* Initial history of a material, after the tables of its law. */
 void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[]);
+
+/* ---- parameter.c ---- */
+
+/*
+  Reads one parameter of a law into a number, or into a table that MpmTablesDestroy() frees, or PetscFree() its `value`.
+  The other of the two is zero. Collective.
+*/
+PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *parameter, double *value,
+                                MpmLawTable *table);
+PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table);
 
 /* ---- physics.c ---- */
 

@@ -168,6 +168,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->dt                = sum->dt;
   point->traits            = material->info.traits;
   point->law               = material->law;
+  point->table             = material->table;
   point->state             = NULL;
   point->F                 = NULL;
   point->stress            = NULL;

@@ -196,6 +196,7 @@ static PetscErrorCode BalanceCreate(Balance *balance)
 
     *standin            = model->scene.materials.at[m];
     standin->state_size = 0; /* that a step would write */
+    standin->table      = NULL;
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
       PetscCheck(MpmLawFind("k0_law", dim, (MpmForm)form, &standin->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
                  "law k0 is not compiled");
