@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include "options/options.h"
 #include "point/point.h"
 
 #define MESSAGE_LENGTH 256
