@@ -1,5 +1,5 @@
 /*
-  The model: the scene read from options, and the loop over steps.
+  The model: its life, the scene read from options, and what is made of it.
 */
 #include "run/run.h"
 
@@ -14,15 +14,37 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   PetscCallMPI(MPI_Comm_size(comm, &(*model)->size));
   PetscCall(MpmRecordCreate(&(*model)->record));
   PetscCall(PetscNew(&(*model)->results));
-  (*model)->solver.disc    = &(*model)->disc;
-  (*model)->solver.monitor = &(*model)->monitor;
-  (*model)->monitor        = (MpmMonitor){.message = MpmTerminalMessage, .ctx = *model};
+  (*model)->solver.disc     = &(*model)->disc;
+  (*model)->solver.monitor  = &(*model)->monitor;
+  (*model)->solver.database = &(*model)->database;
+  (*model)->monitor         = (MpmMonitor){.message = MpmTerminalMessage, .ctx = *model};
   {
     PetscLogDouble now;
 
     PetscCall(PetscTime(&now));
     (*model)->results->start = now;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the caller sets ---- */
+
+PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCall(MpmDatabaseInsert(&model->database, model->comm, options));
+  model->caller.own = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetOptionsPrefix(MpmModel model, const char prefix[])
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCheck(!prefix || prefix[0] != '-', model->comm, PETSC_ERR_ARG_WRONG, "%s: a prefix has no dash", prefix);
+  PetscCall(PetscFree(model->caller.prefix));
+  PetscCall(PetscStrallocpy(prefix, &model->caller.prefix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -41,12 +63,40 @@ PetscErrorCode MpmModelSetBodyForce(MpmModel model, MpmBodyForce force, void *ct
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModelUseTerminal(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.terminal = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelEnter(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE,
+             "a hook must not set up, step or run its own model");
+  PetscCall(MpmDatabaseEnter(&model->database));
+  model->caller.busy = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelLeave(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.busy = PETSC_FALSE;
+  PetscCall(MpmDatabaseLeave(&model->database));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- its end ---- */
+
 PetscErrorCode MpmModelDestroy(MpmModel *handle)
 {
   MpmModel model = *handle;
 
   PetscFunctionBeginUser;
   if (!model) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
   if (model->state.particles.swarm) PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmPatternReset(&model->disc.pattern));
@@ -93,6 +143,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.title));
   PetscCall(PetscFree(model->scene.prefix));
   PetscCall(MpmRecordDestroy(&model->record));
+  PetscCall(MpmDatabaseDestroy(&model->database));
+  PetscCall(PetscFree(model->caller.prefix));
   PetscCall(PetscCommDestroy(&model->comm));
   PetscCall(PetscFree(model->results));
   PetscCall(PetscFree(*handle));
@@ -371,11 +423,19 @@ static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelSetFromOptions(MpmModel model)
+/* The options that are the model's, unless they were given as text. */
+static PetscErrorCode TakeOptions(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  if (!model->caller.own) PetscCall(MpmDatabaseTake(&model->database, model->caller.prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadScene(MpmModel model)
 {
   const MpmOptions options = {model->comm, "mpm_", model->record};
   PetscLogDouble   since;
-  PetscReal        unknowns;
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
@@ -390,7 +450,27 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(MpmSolverSetFromOptions(&model->solver, &options));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options));
-  PetscCall(MpmSignalsCatch());
+  MpmMonitorClock(&model->monitor, MPM_TIME_SETUP, since);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetFromOptions(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(TakeOptions(model));
+  MpmModelCall(model, ReadScene(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points, discretization and solver of the scene that has been read. */
+static PetscErrorCode SetUp(MpmModel model)
+{
+  const MpmOptions options = {model->comm, "mpm_", model->record};
+  PetscLogDouble   since;
+  PetscReal        unknowns;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&since));
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
   PetscCall(CreateDiscretization(model));
@@ -398,157 +478,16 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));
   PetscCall(MpmRestartApply(model));
+  model->caller.set_up = PETSC_TRUE;
   MpmMonitorClock(&model->monitor, MPM_TIME_SETUP, since);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- the run ---- */
-
-/* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
-static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
-{
-  const PetscReal small  = 1e-9 * model->state.dt_nominal;
-  PetscReal       target = model->state.time_end, next;
-
-  if (!model->state.adaptive) {
-    target = model->state.time_start +
-             model->state.dt_nominal *
-               PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.);
-    if (target > model->state.time_end - small) target = model->state.time_end;
-  }
-  next  = model->state.time + dt > target - PetscMax(small, 1e-3 * dt) ? target : model->state.time + dt;
-  *step = next - model->state.time;
-  return next;
-}
-
-/* After an easy step the next one is longer; after a hard one, when adaptive, it stays. */
-static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
-{
-  if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
-  if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
-  return model->solver.newton <= 6 ? PetscMin(wanted * model->state.growth, model->state.dt_max) : wanted;
-}
-
-/* One step, cut as often as needed. `why` tells the reason when it was given up. */
-static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
-{
-  PetscReal      next;
-  PetscBool      hopeless, again = PETSC_FALSE;
-  PetscLogDouble since;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
-  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, why));
-  MpmMonitorClock(&model->monitor, MPM_TIME_MIGRATE, since);
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  model->state.cuts = 0;
-  for (;;) {
-    next = NextTime(model, model->state.dt_wanted, dt);
-    PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
-    if (!*why) break;
-    if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
-    again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
-    if (!again) {
-      if (!model->state.ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);
-      PetscCall(MpmStepRaiseGhost(model, *why));
-      model->state.dt_wanted = model->state.dt_nominal;
-      continue;
-    }
-    model->state.dt_wanted = 0.5 * *dt;
-    model->state.cuts++;
-    model->state.cuts_total++;
-    PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", *why, (double)model->state.dt_wanted));
-  }
-  model->state.time = next;
-  model->state.step++;
-  model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Result files, new or those of the run that goes on; a new one starts with the present state. */
-static PetscErrorCode OpenResults(MpmModel model)
+PetscErrorCode MpmModelSetUp(MpmModel model)
 {
   PetscFunctionBeginUser;
-  if (model->results->output_every) {
-    PetscCall(MpmOutputCreate(model->comm, model->scene.prefix, &model->results->output));
-    PetscCall(MpmOutputSetSingle(model->results->output, model->results->output_single));
-  }
-  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
-  PetscCall(MpmModelCreateHistory(model));
-  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
-  if (model->results->output && !MpmOutputStarted(model->results->output)) PetscCall(MpmModelWriteOutput(model));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
-{
-  const MpmOptions options = {model->comm, NULL, model->record};
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsWarnUnused(&options, moment));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What a converged step leaves: its row, its line, and at times the points. */
-static PetscErrorCode Report(MpmModel model, PetscReal dt)
-{
-  PetscFunctionBeginUser;
-  PetscCall(MpmModelWriteHistory(model, dt));
-  PetscCall(MpmTerminalStep(model, dt));
-  if (model->solver.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
-  if (model->results->output_every && (model->state.step % model->results->output_every == 0))
-    PetscCall(MpmModelWriteOutput(model));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What is left of the stage under way; a geostatic one is a single step for the results. `stop`: by a signal. */
-static PetscErrorCode RunStage(MpmModel model, PetscBool *stop, const char **why)
-{
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
-  PetscReal       dt    = 0.;
-
-  PetscFunctionBeginUser;
-  while (!*stop && model->state.time < model->state.time_end * (1. - 1e-12)) {
-    if (stage->name && model->state.time == model->state.time_start)
-      PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
-    if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
-      PetscCall(MpmGeostaticRun(model, why));
-      dt = model->state.time - model->state.time_start;
-    } else PetscCall(Advance(model, &dt, why));
-    if (*why) break;
-    PetscCall(Report(model, dt));
-    PetscCall(MpmCheckpointStep(model, stop));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmModelRun(MpmModel model, int *status)
-{
-  const char *why = NULL;
-  PetscBool   stop;
-
-  PetscFunctionBeginUser;
-  *status = 0;
-  PetscCall(MpmTerminalBegin(model));
-  PetscCall(OpenResults(model));
-  PetscCall(MpmCheckpointStep(model, &stop));
-  PetscCall(RunStage(model, &stop, &why));
-  while (!why && !stop && model->state.stage + 1 < model->scene.stage_count) {
-    PetscCall(MpmStageBegin(model, model->state.stage + 1));
-    PetscCall(RunStage(model, &stop, &why));
-  }
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
-  if (why && !model->state.particles.gone) PetscCall(MpmCheckpointWrite(model));
-  if (!stop && model->results->output_every && model->results->output_step != model->state.step &&
-      !model->state.particles.gone)
-    PetscCall(MpmModelWriteOutput(model));
-  if (why) {
-    *status = MPM_EXIT_GAVEUP;
-    PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n",
-                           model->state.step, (double)model->state.time, why));
-  }
-  PetscCall(MpmModelWriteSummary(model, why ? why : stop ? "interrupted" : "completed"));
-  PetscCall(WarnUnused(model, MPM_AT_END));
-  PetscCall(MpmSignalsRelease());
+  if (model->caller.set_up) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetFromOptions() comes first");
+  MpmModelCall(model, SetUp(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -29,6 +29,7 @@ typedef struct {
 typedef struct {
   MpmDiscretization *disc;
   MpmMonitor        *monitor;
+  MpmDatabase       *database; /* the model's options: presets go there */
   MpmJacobianType    jacobian_type;
   char              *name, *why; /* the preset; why `auto` took it, or NULL */
   PetscBool          symmetric;
