@@ -21,7 +21,7 @@
   A step, as data flows through it:
 
     MpmParticlesMigrate   points go to the ranks that own their cells; the partition follows the points
-    MpmSpaceSetUp         shape weights, groups of points that touch the same nodes, active nodes and their numbers
+    MpmTermsSetUpSpace    shape weights, groups of points that touch the same nodes, active nodes and their numbers
     SNESSolve             residual and Jacobian from the pointwise kernel; MpmResidual..., MpmJacobian...
     MpmCommitLocal        converged: history, positions and domains become those of n+1; otherwise nothing has changed
     history, output
@@ -106,6 +106,31 @@ typedef PetscErrorCode (*MpmStepHook)(MpmModel model, void *ctx);
 #pragma GCC visibility push(default)
 
 extern const char *const MpmJacobianTypes[];
+
+/* ---- what is there besides what was compiled in ---- */
+
+/*@
+  MpmLawRegister - offers constitutive laws to the models of this process, under -mpm_material_NAME_type
+
+  Not collective, but all ranks must register the same; before MpmModelSetFromOptions() of those who use them
+
+  Input Parameters:
++ count     - number of instances
+- instances - for each law all that the build compiles: in 2D and 3D, with 0, 1 and dim^2 directions. Names and functions
+              are borrowed until PetscFinalize()
+
+  Notes:
+  The registry is the process', and stays: registering the same law again does nothing. Fails with MPM_ERR_INPUT where
+  another law has the name, or where an instance is missing.
+@*/
+PetscErrorCode MpmLawRegister(PetscInt count, const MpmLawInstance instances[]);
+
+/*@
+  MpmPhysicsRegister - offers a physics under -mpm_physics; else as MpmLawRegister()
+
+  The struct is copied; what its pointers point to is borrowed until PetscFinalize().
+@*/
+PetscErrorCode MpmPhysicsRegister(const MpmPhysics *physics);
 
 /* ---- life ---- */
 
@@ -318,5 +343,26 @@ PetscErrorCode MpmModelRestorePointMaterials(MpmModel model, const PetscInt **ma
 @*/
 PetscErrorCode MpmModelFindState(MpmModel model, const char material[], const char variable[], PetscInt *first,
                                  PetscInt *components);
+
+/* ---- check ---- */
+
+/* How far apart the Jacobian's forms are, relative to the form `local` in the Frobenius norm. */
+typedef struct {
+  PetscReal coloring, dense; /* assembled by block colours, and column by column */
+  PetscReal matfree[2];      /* actions on a vector, with points' tangents kept and without */
+  PetscReal differences;     /* finite ones: of the order of 1e-7, or the kernel's derivatives are wrong */
+} MpmJacobianCheck;
+
+/*@
+  MpmModelCheckJacobian - compares the Jacobian's forms for the next step, for who has written a law or a physics
+
+  Input Parameter:
+. cells - size of the random increment at which they are taken: of a displacement in cells, of another field in its own
+          unit; 0.01 is a good value
+
+  Note:
+  The state stays as it is. Costs as many residuals as there are unknowns: for small models.
+@*/
+PetscErrorCode MpmModelCheckJacobian(MpmModel model, PetscReal cells, MpmJacobianCheck *check);
 
 #pragma GCC visibility pop

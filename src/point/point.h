@@ -30,6 +30,8 @@ typedef struct {
   MpmMaterial *at;
 } MpmMaterials;
 
+/* The directions of a form. */
+PetscInt MpmFormDirections(MpmForm form, PetscInt dim);
 /* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
 PetscBool      MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
@@ -66,6 +68,14 @@ PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
 typedef int (*MpmStretch)(const double *F, double *diagonal);
 /* The function that gives the diagonal of U = sqrt(F^T F). */
 MpmStretch MpmStretchFind(PetscInt dim);
+
+/* ---- registry.c ---- */
+
+/* What has been registered besides what was compiled in; NULL behind the last. */
+const MpmLawInstance *MpmLawRegistered(PetscInt k);
+const MpmPhysics     *MpmPhysicsRegistered(PetscInt k);
+/* Loads the files of -mpm_plugin; they stay loaded, and a second time does nothing. Collective. */
+PetscErrorCode MpmPluginsLoad(const MpmOptions *options);
 
 /* ---- stress_inversion.c ---- */
 

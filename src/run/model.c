@@ -169,14 +169,17 @@ PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, co
 /* The physics of that name, and the layout of its unknowns. */
 static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt dim)
 {
-  PetscBool found = PETSC_TRUE, solid;
+  PetscBool found = PETSC_FALSE;
+  char     *words = NULL;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscStrcmp(name, "solid", &solid));
   if (!model->scene.physics.name) {
-    MpmCheckInput(solid, "-mpm_physics %s: must be one of solid", name);
-    PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
-    PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", name);
+    PetscCall(MpmTextAppend(&words, "solid"));
+    for (PetscInt k = 0; MpmPhysicsRegistered(k); k++)
+      PetscCall(MpmTextAppend(&words, ", %s", MpmPhysicsRegistered(k)->name));
+    if (strcmp(name, "solid_fbar")) PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
+    MpmCheckInput(found, "-mpm_physics %s: must be one of %s", name, words);
+    PetscCall(PetscFree(words));
   }
   PetscCall(MpmLayoutCreate(&model->scene.physics, dim, &model->disc.layout));
   model->scene.stretch = MpmStretchFind(dim);
@@ -192,8 +195,10 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, "Scene"));
   PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->scene.title));
+  PetscCall(MpmPluginsLoad(options));
   PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, &dim, NULL));
-  PetscCall(MpmOptionsText(options, "physics", "what is solved: solid", "solid", MPM_OPTIONAL, &name));
+  PetscCall(
+    MpmOptionsText(options, "physics", "what is solved: solid, or what a plugin brings", "solid", MPM_OPTIONAL, &name));
   PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
   model->scene.shape = (MpmShapeType)shape;
   PetscCall(MpmOptionsWord(options, "shape_edge", "how splines end at the grid's edges and at walls", MpmEdgeTypes,

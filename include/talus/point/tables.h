@@ -55,6 +55,13 @@ typedef struct {
   MpmFunction law;
 } MpmLawInfo;
 
+/* A law as compiled for one dimension and number of derivative directions: its constructor, which MPM_LAW() makes. */
+typedef struct {
+  const char *name;
+  int         dim, directions;
+  void (*create)(MpmLawInfo *info);
+} MpmLawInstance;
+
 /* The forms in which a kernel is compiled; a law pointer table is indexed by them. */
 typedef enum { MPM_FORM_RESIDUAL, MPM_FORM_DIRECTION, MPM_FORM_TANGENT, MPM_FORM_COUNT } MpmForm;
 
