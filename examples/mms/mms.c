@@ -48,6 +48,7 @@ int main(int argc, char **argv)
   lame.lambda = E * nu / ((1. + nu) * (1. - 2. * nu));
   lame.mu     = E / (2. * (1. + nu));
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
+  PetscCall(MpmModelUseTerminal(model));
   PetscCall(MpmModelSetBodyForce(model, BodyForce, &lame));
   PetscCall(MpmModelSetFromOptions(model));
   PetscCall(MpmModelRun(model, &status));

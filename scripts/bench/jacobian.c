@@ -88,7 +88,9 @@ static PetscErrorCode CreateModel(Bench *bench)
   physics.kernels[2].tangent = HenckyTangent;
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &bench->model));
   PetscCall(MpmModelSetPhysics(bench->model, &physics));
+  PetscCall(MpmModelUseTerminal(bench->model));
   PetscCall(MpmModelSetFromOptions(bench->model));
+  PetscCall(MpmModelSetUp(bench->model));
   PetscCheck(bench->model->disc.grid.dim == 2, bench->model->comm, PETSC_ERR_SUP, "the scene must be plane");
   for (PetscInt k = 0; k < bench->model->scene.materials.count; k++) {
     PetscCheck(!strcmp(bench->model->scene.materials.at[k].info.name, "hencky"), bench->model->comm, PETSC_ERR_SUP,

@@ -23,7 +23,7 @@ static const struct {
   {"ksp_max_it", PETSC_TRUE, "a number >= 1", 1.},  {"ksp_gmres_restart", PETSC_TRUE, "a number >= 1", 1.},
 };
 
-static PetscErrorCode CheckNumber(const MpmForeignOption *option)
+static PetscErrorCode CheckNumber(const MpmDatabaseOption *option)
 {
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(numbers); i++) {
     PetscReal real  = 0.;
@@ -41,7 +41,7 @@ static PetscErrorCode CheckNumber(const MpmForeignOption *option)
 }
 
 /* An option that names a type has a name to give. */
-static PetscErrorCode CheckType(const MpmForeignOption *option)
+static PetscErrorCode CheckType(const MpmDatabaseOption *option)
 {
   PetscBool type;
 
@@ -52,7 +52,7 @@ static PetscErrorCode CheckType(const MpmForeignOption *option)
 }
 
 /* Does the library do one of the factorisations? */
-static PetscErrorCode CheckFactorisation(const MpmForeignOption *option)
+static PetscErrorCode CheckFactorisation(const MpmDatabaseOption *option)
 {
   const char         *package = option->value ? option->value : "";
   const MatFactorType kinds[] = {MAT_FACTOR_LU, MAT_FACTOR_CHOLESKY, MAT_FACTOR_ILU, MAT_FACTOR_ICC};
@@ -77,10 +77,10 @@ static PetscErrorCode CheckFactorisation(const MpmForeignOption *option)
 
 PetscErrorCode MpmForeignOptionsCheck(void)
 {
-  MpmForeignOption *options;
-  PetscInt          count;
-  PetscBool         left;
-  char             *text;
+  MpmDatabaseOption *options;
+  PetscInt           count;
+  PetscBool          left;
+  char              *text;
 
   PetscFunctionBegin;
   /* PETSc reads this one when it ends, with the results written */
@@ -106,10 +106,10 @@ PetscErrorCode MpmForeignOptionsCheck(void)
 
 PetscErrorCode MpmForeignOptionsFind(const char message[], char name[], size_t size)
 {
-  MpmForeignOption *options;
-  PetscInt          count;
-  char             *text;
-  size_t            longest = 0;
+  MpmDatabaseOption *options;
+  PetscInt           count;
+  char              *text;
+  size_t             longest = 0;
 
   PetscFunctionBegin;
   name[0] = '\0';

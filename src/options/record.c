@@ -15,115 +15,7 @@
 /* PETSc 3.18 dies on its 513th option. Below this many, defaults are written as keys, beyond it as comments. */
 #define MPM_YAML_KEYS 480
 
-typedef MpmForeignOption Pair; /* an option of the database; both strings are lent by PETSc */
-
-/* ---- database ---- */
-
-/*
-  PetscOptionsFindPair() is the only look-up, and it marks what it finds as used, in a fallback too. So presence is put
-  together from the two calls that go by exact names: what has been used, and the list of what has not.
-*/
-PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has)
-{
-  PetscInt count;
-  char   **names, **values;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsUsed(NULL, name, has));
-  if (*has) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscOptionsLeftGet(NULL, &count, &names, &values));
-  for (PetscInt i = 0; i < count && !*has; i++) PetscCall(PetscStrcasecmp(names[i], name, has));
-  PetscCall(PetscOptionsLeftRestore(NULL, &count, &names, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given)
-{
-  char *key = NULL;
-
-  PetscFunctionBegin;
-  *value = NULL;
-  PetscCall(MpmDatabaseHas(name, given));
-  if (!*given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTextAppend(&key, "-%s", name));
-  PetscCall(PetscOptionsFindPair(NULL, NULL, key, value, given));
-  PetscCall(PetscFree(key));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static int ComparePairs(const void *a, const void *b)
-{
-  return strcmp(((const Pair *)a)->name, ((const Pair *)b)->name);
-}
-
-static PetscErrorCode PairsAdd(PetscInt *count, Pair *pairs, const char name[], const char value[])
-{
-  PetscBool same = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < *count && !same; i++) PetscCall(PetscStrcasecmp(pairs[i].name, name, &same));
-  if (!same) pairs[(*count)++] = (Pair){name, value};
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  All options in the database, sorted by name; free pairs and `text` with PetscFree() after use. PetscOptionsGetAll()
-  gives one string in which values cannot be told from names, so that its words only serve as candidates; nothing is
-  marked as used that was not before.
-*/
-static PetscErrorCode DatabaseGet(PetscInt *count, Pair **pairs, char **text)
-{
-  PetscInt  left, words = 0;
-  char    **names, **values;
-  PetscBool used;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsGetAll(NULL, text));
-  PetscCall(PetscOptionsLeftGet(NULL, &left, &names, &values));
-  for (const char *c = *text; *c; c++) words += (*c == '-');
-  PetscCall(PetscMalloc1((size_t)(left + words + 1), pairs));
-  *count = 0;
-  for (PetscInt i = 0; i < left; i++) PetscCall(PairsAdd(count, *pairs, names[i], values[i]));
-  PetscCall(PetscOptionsLeftRestore(NULL, &left, &names, &values));
-  for (char *word = strtok(*text, " "); word; word = strtok(NULL, " ")) {
-    const char *value;
-
-    if (word[0] != '-' || !word[1]) continue;
-    PetscCall(PetscOptionsUsed(NULL, word + 1, &used));
-    if (!used) continue;
-    PetscCall(PetscOptionsFindPair(NULL, NULL, word, &value, &used));
-    PetscCall(PairsAdd(count, *pairs, word + 1, value));
-  }
-  if (*count) qsort(*pairs, (size_t)*count, sizeof(Pair), ComparePairs);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode IsOurs(const char name[], PetscBool *ours)
-{
-  char head[5];
-
-  PetscFunctionBegin;
-  while (*name == '-') name++; /* --mpm_dim, to PETSc, is the option -mpm_dim of one dash more, which nobody asks for */
-  PetscCall(PetscStrncpy(head, name, sizeof(head)));
-  PetscCall(PetscStrcasecmp(head, "mpm_", ours));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options, char **text)
-{
-  PetscInt all;
-
-  PetscFunctionBegin;
-  PetscCall(DatabaseGet(&all, options, text));
-  *count = 0;
-  for (PetscInt i = 0; i < all; i++) {
-    PetscBool ours;
-
-    PetscCall(IsOurs((*options)[i].name, &ours));
-    if (!ours) (*options)[(*count)++] = (*options)[i];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+typedef MpmDatabaseOption Pair;
 
 /* ---- record ---- */
 
@@ -240,13 +132,13 @@ PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options)
 
   PetscFunctionBegin;
   PetscCall(MpmForeignOptionsCheck());
-  PetscCall(DatabaseGet(&count, &pairs, &text));
+  PetscCall(MpmDatabaseGet(&count, &pairs, &text));
   for (PetscInt i = 0; i < count && !unknown; i++) {
     MpmRecordEntry *entry;
     const char     *nearest;
     PetscBool       ours;
 
-    PetscCall(IsOurs(pairs[i].name, &ours));
+    PetscCall(MpmDatabaseIsOurs(pairs[i].name, &ours));
     if (!ours) continue;
     PetscCall(RecordFind(options->record, pairs[i].name, &entry));
     if (entry && entry->known) continue;
@@ -381,7 +273,7 @@ PetscErrorCode MpmOptionsTextYAML(const MpmOptions *options, MpmTextFile *text)
 
   PetscFunctionBegin;
   PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the options in force");
-  PetscCall(DatabaseGet(&count, &pairs, &words));
+  PetscCall(MpmDatabaseGet(&count, &pairs, &words));
   PetscCall(WriteAll(file, options->record, count, pairs));
   PetscCall(PetscFree(pairs));
   PetscCall(PetscFree(words));
@@ -405,7 +297,7 @@ static PetscErrorCode WriteFile(MpmRecord record, const char path[], PetscBool *
   PetscCall(MpmTextAppend(&temporary, "%s.tmp", path));
   file = fopen(temporary, "w");
   if (file) {
-    PetscCall(DatabaseGet(&count, &pairs, &text));
+    PetscCall(MpmDatabaseGet(&count, &pairs, &text));
     PetscCall(WriteAll(file, record, count, pairs));
     PetscCall(PetscFree(pairs));
     PetscCall(PetscFree(text));

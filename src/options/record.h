@@ -2,24 +2,9 @@
 /*
   What the readers of options, their record and other parsers share: texts, the database of options, the record's entries.
 */
+#include "options/database.h"
 #include "options/options.h"
 
-/*
-  The options database. `name` has no leading dash. PETSc's look-up takes -a_b for -a_1_b when the latter is absent,
-  meant for levels of multigrid, and it would let one body of a scene inherit from another: these go by the exact name
-  (case aside, as PETSc does).
-*/
-PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has);
-/* Lends the value; NULL for an option without one. Marks the option as used. */
-PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given);
-
-/* An option that is not ours, as it stands in the database, which lends both; `value` may be NULL. */
-typedef struct {
-  const char *name, *value;
-} MpmForeignOption;
-
-/* All of them; free `options` and `text` with PetscFree() after use. */
-PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmForeignOption **options, char **text);
 /* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
 PetscErrorCode MpmForeignOptionsCheck(void);
 

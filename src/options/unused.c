@@ -27,9 +27,9 @@ static PetscErrorCode IsLate(const char name[], PetscBool *late)
 
 PetscErrorCode MpmForeignOptionsKeep(MpmRecord record)
 {
-  MpmForeignOption *options;
-  PetscInt          count;
-  char             *text;
+  MpmDatabaseOption *options;
+  PetscInt           count;
+  char              *text;
 
   PetscFunctionBegin;
   if (!record || record->foreign) PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,22 +10,35 @@
 #include "mpm_laws.h"
 #undef MPM_LAW_INSTANCE
 
-static const struct {
-  const char *name;
-  PetscInt    dim;
-  MpmForm     form;
-  void (*create)(MpmLawInfo *info);
-} laws[] = {
+static const MpmLawInstance laws[] = {
 #define MPM_LAW_INSTANCE(name, dim, instance, form) {#name, dim, form, MpmMaterialCreate_##name##_##dim##d_##instance},
 #include "mpm_laws.h"
 #undef MPM_LAW_INSTANCE
 };
 
+/* All instances, those compiled in and those registered; NULL behind the last. */
+static const MpmLawInstance *Instance(PetscInt k)
+{
+  const PetscInt own = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(laws);
+
+  return k < own ? &laws[k] : MpmLawRegistered(k - own);
+}
+
+/* The next law from `k` on, one instance for each. */
+static const MpmLawInstance *NextLaw(PetscInt *k)
+{
+  for (const MpmLawInstance *law = Instance((*k)++); law; law = Instance((*k)++))
+    if (law->dim == 3 && law->form == MPM_FORM_RESIDUAL) return law;
+  return NULL;
+}
+
 PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info)
 {
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
-    if (laws[k].dim == dim && laws[k].form == form && !strcmp(laws[k].name, name)) {
-      laws[k].create(info);
+  const MpmLawInstance *law;
+
+  for (PetscInt k = 0; (law = Instance(k)); k++) {
+    if (law->dim == dim && law->form == form && !strcmp(law->name, name)) {
+      law->create(info);
       return PETSC_TRUE;
     }
   }
@@ -40,16 +53,18 @@ PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
 /* The names of all laws, NULL-terminated; free the array only. */
 static PetscErrorCode LawNames(const char ***names)
 {
-  PetscInt count = 0;
+  const MpmLawInstance *law;
+  PetscInt              count = 0, k = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1((PETSC_STATIC_ARRAY_LENGTH(laws) + 1), names));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+  while (NextLaw(&k)) count++;
+  PetscCall(PetscCalloc1((count + 1), names));
+  count = k = 0;
+  while ((law = NextLaw(&k))) {
     MpmLawInfo info;
 
-    if (laws[k].dim != 3 || laws[k].form != MPM_FORM_RESIDUAL) continue;
-    laws[k].create(&info);
-    if (!(info.traits & MPM_LAW_INTERNAL)) (*names)[count++] = laws[k].name;
+    law->create(&info);
+    if (!(info.traits & MPM_LAW_INTERNAL)) (*names)[count++] = law->name;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -58,16 +73,17 @@ static PetscErrorCode LawNames(const char ***names)
 static PetscErrorCode PrintLaws(const MpmOptions *block)
 {
   const MpmOptions unrecorded = {block->comm, block->prefix, NULL}; /* laws share parameters: each is printed again */
-  char             title[256];
+  const MpmLawInstance *law;
+  PetscInt              k = 0;
+  char                  title[256];
 
   PetscFunctionBeginUser;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(laws); k++) {
+  while ((law = NextLaw(&k))) {
     MpmLawInfo  info;
     MpmLawTable table;
     double      unused;
 
-    if (laws[k].dim != 3 || laws[k].form != MPM_FORM_RESIDUAL) continue;
-    laws[k].create(&info);
+    law->create(&info);
     if (info.traits & MPM_LAW_INTERNAL) continue;
     PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", info.name, info.summary));
     PetscCall(MpmOptionsHeading(block, title));

@@ -42,6 +42,12 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
     *physics = physics_list[k];
     *found   = PETSC_TRUE;
   }
+  for (PetscInt k = 0; !*found && MpmPhysicsRegistered(k); k++) {
+    if (strcmp(MpmPhysicsRegistered(k)->name, name)) continue;
+    *physics = *MpmPhysicsRegistered(k);
+    *found   = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (size_t k = 0; *found && k < PETSC_STATIC_ARRAY_LENGTH(kernels); k++) {
     if (!strcmp(kernels[k].name, name)) kernels[k].create(&physics->kernels[kernels[k].dim]);
   }

@@ -89,6 +89,14 @@ typedef int (*MpmStretch)(const double *F, double *diagonal);
 /* The function that gives the diagonal of U = sqrt(F^T F). */
 MpmStretch MpmStretchFind(PetscInt dim);
 
+/* ---- registry.c ---- */
+
+/* What has been registered besides what was compiled in; NULL behind the last. */
+const MpmLawInstance *MpmLawRegistered(PetscInt k);
+const MpmPhysics     *MpmPhysicsRegistered(PetscInt k);
+/* Loads the files of -mpm_plugin; they stay loaded, and a second time does nothing. Collective. */
+PetscErrorCode MpmPluginsLoad(const MpmOptions *options);
+
 /* ---- stress_inversion.c ---- */
 
 /*

@@ -179,13 +179,19 @@ static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *sta
   help = MpmOptionsHelp();
   if (help) PetscCall(MpmHelpBegin(PETSC_COMM_WORLD));
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
+  PetscCall(MpmModelUseTerminal(model));
   PetscCall(MpmModelSetFromOptions(model));
   if (help) {
     PetscCall(MpmHelpEnd(PETSC_COMM_WORLD));
     PetscCall(PetscOptionsClearValue(NULL, "-help")); /* else PETSc goes on with its own when it ends */
     PetscCall(PetscOptionsClearValue(NULL, "-h"));
   }
-  if (!help) PetscCall(MpmModelRun(model, status));
+  if (!help) {
+    PetscCall(MpmSignalsCatch());
+    PetscCall(MpmModelSetUp(model));
+    PetscCall(MpmModelRun(model, status));
+    PetscCall(MpmSignalsRelease());
+  }
   PetscCall(MpmModelDestroy(&model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,5 @@
 /*
-  The model: the scene read from options, and the loop over steps.
+  The model: its life, the scene read from options, and what is made of it.
 */
 #include "options/options.h"
 #include "terms/sparsity.h"
@@ -17,8 +17,9 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   PetscCallMPI(MPI_Comm_size(comm, &(*model)->size));
   PetscCall(MpmRecordCreate(&(*model)->record));
   PetscCall(PetscNew(&(*model)->results));
-  (*model)->solver.disc    = &(*model)->disc;
-  (*model)->solver.monitor = &(*model)->monitor;
+  (*model)->solver.disc     = &(*model)->disc;
+  (*model)->solver.monitor  = &(*model)->monitor;
+  (*model)->solver.database = &(*model)->database;
   PetscCall(MpmMonitorCreate(&(*model)->monitor));
   (*model)->monitor.message  = MpmTerminalMessage;
   (*model)->monitor.ctx      = *model;
@@ -29,6 +30,27 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
     PetscCall(PetscTime(&now));
     (*model)->results->start = now;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the caller sets ---- */
+
+PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCall(MpmDatabaseInsert(&model->database, model->comm, options));
+  model->caller.own = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetOptionsPrefix(MpmModel model, const char prefix[])
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCheck(!prefix || prefix[0] != '-', model->comm, PETSC_ERR_ARG_WRONG, "%s: a prefix has no dash", prefix);
+  PetscCall(PetscFree(model->caller.prefix));
+  PetscCall(PetscStrallocpy(prefix, &model->caller.prefix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,12 +69,40 @@ PetscErrorCode MpmModelSetBodyForce(MpmModel model, MpmBodyForce force, void *ct
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModelUseTerminal(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.terminal = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelEnter(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE,
+             "a hook must not set up, step or run its own model");
+  PetscCall(MpmDatabaseEnter(&model->database));
+  model->caller.busy = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelLeave(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.busy = PETSC_FALSE;
+  PetscCall(MpmDatabaseLeave(&model->database));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- its end ---- */
+
 PetscErrorCode MpmModelDestroy(MpmModel *handle)
 {
   MpmModel model = *handle;
 
   PetscFunctionBeginUser;
   if (!model) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
   if (model->state.particles.swarm) PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
@@ -92,6 +142,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.title));
   PetscCall(PetscFree(model->scene.prefix));
   PetscCall(MpmRecordDestroy(&model->record));
+  PetscCall(MpmDatabaseDestroy(&model->database));
+  PetscCall(PetscFree(model->caller.prefix));
   PetscCall(PetscCommDestroy(&model->comm));
   PetscCall(PetscFree(model->results));
   PetscCall(PetscFree(*handle));
@@ -103,14 +155,17 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 /* The physics of that name, and the layout of its unknowns. */
 static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt dim)
 {
-  PetscBool found = PETSC_TRUE, solid;
+  PetscBool found = PETSC_FALSE;
+  char     *words = NULL;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscStrcmp(name, "solid", &solid));
   if (!model->scene.physics.name) {
-    MpmCheckInput(solid, "-mpm_physics %s: must be one of solid", name);
-    PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
-    PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", name);
+    PetscCall(MpmTextAppend(&words, "solid"));
+    for (PetscInt k = 0; MpmPhysicsRegistered(k); k++)
+      PetscCall(MpmTextAppend(&words, ", %s", MpmPhysicsRegistered(k)->name));
+    if (strcmp(name, "solid_fbar")) PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
+    MpmCheckInput(found, "-mpm_physics %s: must be one of %s", name, words);
+    PetscCall(PetscFree(words));
   }
   PetscCall(MpmLayoutCreate(&model->scene.physics, dim, &model->disc.layout));
   model->scene.stretch = MpmStretchFind(dim);
@@ -126,8 +181,10 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, "Scene"));
   PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->scene.title));
+  PetscCall(MpmPluginsLoad(options));
   PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, &dim, NULL));
-  PetscCall(MpmOptionsText(options, "physics", "what is solved: solid", "solid", MPM_OPTIONAL, &name));
+  PetscCall(
+    MpmOptionsText(options, "physics", "what is solved: solid, or what a plugin brings", "solid", MPM_OPTIONAL, &name));
   PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
   model->scene.shape = (MpmShapeType)shape;
   PetscCall(MpmOptionsWord(options, "shape_edge", "how splines end at the grid's edges and at walls", MpmEdgeTypes,
@@ -338,11 +395,19 @@ static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelSetFromOptions(MpmModel model)
+/* The options that are the model's, unless they were given as text. */
+static PetscErrorCode TakeOptions(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  if (!model->caller.own) PetscCall(MpmDatabaseTake(&model->database, model->caller.prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadScene(MpmModel model)
 {
   const MpmOptions options = {model->comm, "mpm_", model->record};
   PetscLogDouble   since;
-  PetscReal        unknowns;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
@@ -357,7 +422,27 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(MpmSolverSetFromOptions(&model->solver, &options));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options));
-  PetscCall(MpmSignalsCatch());
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetFromOptions(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(TakeOptions(model));
+  MpmModelCall(model, ReadScene(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points, discretization and solver of the scene that has been read. */
+static PetscErrorCode SetUp(MpmModel model)
+{
+  const MpmOptions options = {model->comm, "mpm_", model->record};
+  PetscLogDouble   since;
+  PetscReal        unknowns;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, &model->scene.materials, &model->scene.boundaries,
@@ -366,96 +451,16 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));
   PetscCall(MpmRestartApply(model));
+  model->caller.set_up = PETSC_TRUE;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- the run ---- */
-
-/* Result files, new or those of the run that goes on; a new one starts with the present state. */
-static PetscErrorCode OpenResults(MpmModel model)
+PetscErrorCode MpmModelSetUp(MpmModel model)
 {
   PetscFunctionBeginUser;
-  if (model->results->output_every) {
-    PetscCall(MpmOutputCreate(model->comm, model->scene.prefix, &model->results->output));
-    PetscCall(MpmOutputSetSingle(model->results->output, model->results->output_single));
-  }
-  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
-  PetscCall(MpmModelCreateHistory(model));
-  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
-  if (model->results->output && !MpmOutputStarted(model->results->output)) PetscCall(MpmModelWriteOutput(model));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
-{
-  const MpmOptions options = {model->comm, NULL, model->record};
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsWarnUnused(&options, moment));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What a converged step leaves: its row, its line, and at times the points. */
-static PetscErrorCode Report(MpmModel model, PetscReal dt)
-{
-  PetscFunctionBeginUser;
-  PetscCall(MpmModelWriteHistory(model, dt));
-  PetscCall(MpmTerminalStep(model, dt));
-  if (model->solver.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
-  if (model->results->output_every && (model->state.step % model->results->output_every == 0))
-    PetscCall(MpmModelWriteOutput(model));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What is left of the stage under way; a geostatic one is a single step for the results. `stop`: by a signal. */
-static PetscErrorCode RunStage(MpmModel model, PetscBool *stop, const char **why)
-{
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
-  PetscReal       dt    = 0.;
-
-  PetscFunctionBeginUser;
-  while (!*stop && model->state.time < model->state.time_end * (1. - 1e-12)) {
-    if (stage->name && model->state.time == model->state.time_start)
-      PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
-    if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
-      PetscCall(MpmGeostaticRun(model, why));
-      dt = model->state.time - model->state.time_start;
-    } else PetscCall(MpmAdvance(model, &dt, why));
-    if (*why) break;
-    PetscCall(Report(model, dt));
-    PetscCall(MpmCheckpointStep(model, stop));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmModelRun(MpmModel model, int *status)
-{
-  const char *why = NULL;
-  PetscBool   stop;
-
-  PetscFunctionBeginUser;
-  *status = 0;
-  PetscCall(MpmTerminalBegin(model));
-  PetscCall(OpenResults(model));
-  PetscCall(MpmCheckpointStep(model, &stop));
-  PetscCall(RunStage(model, &stop, &why));
-  while (!why && !stop && model->state.stage + 1 < model->scene.stage_count) {
-    PetscCall(MpmStageBegin(model, model->state.stage + 1));
-    PetscCall(RunStage(model, &stop, &why));
-  }
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
-  if (why && !model->state.particles.gone) PetscCall(MpmCheckpointWrite(model));
-  if (!stop && model->results->output_every && model->results->output_step != model->state.step &&
-      !model->state.particles.gone)
-    PetscCall(MpmModelWriteOutput(model));
-  if (why) {
-    *status = MPM_EXIT_GAVEUP;
-    PetscCall(PetscFPrintf(model->comm, stderr, "talus: gave up after step %" PetscInt_FMT " at time %g: %s\n",
-                           model->state.step, (double)model->state.time, why));
-  }
-  PetscCall(MpmModelWriteSummary(model, why ? why : stop ? "interrupted" : "completed"));
-  PetscCall(WarnUnused(model, MPM_AT_END));
-  PetscCall(MpmSignalsRelease());
+  if (model->caller.set_up) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetFromOptions() comes first");
+  MpmModelCall(model, SetUp(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

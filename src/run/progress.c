@@ -9,6 +9,24 @@
 #define MEMORY        0.95 /* weight of what was summed before this step */
 #define LINES_A_TITLE 50   /* the columns' titles come again, so that a long log can be read anywhere */
 
+PetscBool MpmTerminalShows(const MpmModel model)
+{
+  return (PetscBool)(model->caller.terminal && !model->results->quiet);
+}
+
+PetscErrorCode MpmTerminalWarn(MpmModel model, const char format[], ...)
+{
+  char    text[PETSC_MAX_PATH_LEN + 512];
+  va_list arguments;
+
+  PetscFunctionBeginUser;
+  va_start(arguments, format);
+  PetscCall(PetscVSNPrintf(text, sizeof(text), format, NULL, arguments));
+  va_end(arguments);
+  if (model->caller.terminal) PetscCall(PetscFPrintf(model->comm, stderr, "talus: %s\n", text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintTitles(MpmModel model)
 {
   PetscFunctionBeginUser;
@@ -24,7 +42,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&model->results->terminal.since));
-  if (model->results->quiet) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmTerminalShows(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextQuote(model->scene.title[0] ? model->scene.title : model->scene.prefix, &title));
   PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, title));
   PetscCall(PetscFree(title));
@@ -64,7 +82,7 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   char           left[MPM_DURATION_TEXT];
 
   PetscFunctionBeginUser;
-  if (model->results->quiet) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmTerminalShows(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&now));
   terminal->seconds  = MEMORY * terminal->seconds + (now - terminal->since);
   terminal->progress = MEMORY * terminal->progress + dt;
@@ -86,7 +104,7 @@ PetscErrorCode MpmTerminalMessage(void *ctx, PetscBool line, const char text[])
   const MpmModel model = (MpmModel)ctx;
 
   PetscFunctionBeginUser;
-  if (!model->results->quiet) PetscCall(PetscPrintf(model->comm, "%s%s\n", line ? "  " : "        ", text));
+  if (MpmTerminalShows(model)) PetscCall(PetscPrintf(model->comm, "%s%s\n", line ? "  " : "        ", text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

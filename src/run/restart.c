@@ -133,8 +133,7 @@ static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], 
   for (PetscInt k = 0; k < count && found < 0; k++) {
     PetscCall(MpmCheckpointVerify(model->comm, paths[k], collective, head, reason, &why));
     if (!why) found = k;
-    else if (k + 1 < count)
-      PetscCall(PetscFPrintf(model->comm, stderr, "talus: %s: %s; the one before it is tried\n", paths[k], why));
+    else if (k + 1 < count) PetscCall(MpmTerminalWarn(model, "%s: %s; the one before it is tried", paths[k], why));
     PetscCall(PetscStrncpy(path, paths[k], PETSC_MAX_PATH_LEN));
     if (why && why != reason) PetscCall(PetscStrncpy(reason, why, sizeof(reason)));
   }

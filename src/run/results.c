@@ -179,6 +179,6 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
   PetscCall(MpmSummaryReduce(model->comm, &summary));
   PetscCall(ResultPath(model, "_summary.json", path, sizeof(path)));
   PetscCall(MpmSummaryWrite(model->comm, path, MPM_VERSION, &summary));
-  if (!model->results->quiet) PetscCall(MpmTerminalSummary(model->comm, &summary));
+  if (MpmTerminalShows(model)) PetscCall(MpmTerminalSummary(model->comm, &summary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

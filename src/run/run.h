@@ -72,7 +72,11 @@ typedef struct {
   PetscInt       lines;
 } MpmTerminal;
 
-/* Header, line of a step, and a line between two steps; nothing with -mpm_quiet. */
+/* Does the model show its progress? Not with -mpm_quiet, and not unless its caller wants it. */
+PetscBool MpmTerminalShows(const MpmModel model);
+/* A line on stderr, behind the program's name; with -mpm_quiet, too. */
+PetscErrorCode MpmTerminalWarn(MpmModel model, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* Header, line of a step, and a line between two steps. */
 PetscErrorCode MpmTerminalBegin(MpmModel model);
 PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt);
 /* The table of where the time went, and the sizes, for the terminal. */
@@ -104,6 +108,21 @@ struct MpmResults {
   MpmCheckpoint checkpoint;
   MpmTerminal   terminal;
 };
+
+/*
+  A call that must not be entered again while it is at work, with the model's options in force; both end with it, also
+  where it fails.
+*/
+PetscErrorCode MpmModelEnter(MpmModel model);
+PetscErrorCode MpmModelLeave(MpmModel model);
+#define MpmModelCall(model, call) \
+  do { \
+    PetscErrorCode model_error; \
+    PetscCall(MpmModelEnter(model)); \
+    model_error = (call); \
+    PetscCall(MpmModelLeave(model)); \
+    PetscCall(model_error); \
+  } while (0)
 
 /* Results (results.c). */
 PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);

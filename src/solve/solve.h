@@ -6,6 +6,7 @@
 #include "talus/talus.h"
 
 typedef struct MpmDiscretization MpmDiscretization;
+typedef struct MpmDatabase       MpmDatabase;
 typedef struct MpmOptions        MpmOptions;
 typedef struct MpmPattern        MpmPattern;
 typedef struct MpmSum            MpmSum;
@@ -41,6 +42,7 @@ typedef struct {
 typedef struct {
   MpmDiscretization *disc;
   MpmMonitor        *monitor;
+  MpmDatabase       *database; /* the model's options: presets go there */
   MpmJacobianType    jacobian_type;
   char              *name, *why; /* the preset; why `auto` took it, or NULL */
   PetscBool          symmetric;

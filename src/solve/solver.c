@@ -298,7 +298,7 @@ PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *di
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSolverSetUp(MpmSolver *solver)
+static PetscErrorCode SetUp(MpmSolver *solver)
 {
   PetscBool changed = PETSC_TRUE;
 
@@ -311,6 +311,13 @@ PetscErrorCode MpmSolverSetUp(MpmSolver *solver)
   if (solver->jacobian_type == MPM_JACOBIAN_MATFREE)
     PetscCall(MpmMatfreeCreate(solver, solver->keep_tangents, &solver->shell));
   PetscCall(MpmNewtonSetMats(solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverSetUp(MpmSolver *solver)
+{
+  PetscFunctionBeginUser;
+  MpmDatabaseCall(solver->database, SetUp(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -473,7 +480,7 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason)
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
   solver->cache.made_count = 0;
-  PetscCall(Newton(solver, reason));
+  MpmDatabaseCall(solver->database, Newton(solver, reason));
   PetscCall(PetscTime(&now));
   inside = solver->monitor->seconds[MPM_TIME_RESIDUAL] + solver->monitor->seconds[MPM_TIME_JACOBIAN] - before;
   solver->monitor->seconds[MPM_TIME_SOLVE] += now - since - inside;

@@ -20,6 +20,8 @@ typedef struct {
   MpmRamp      ramp;
   PetscBool    active; /* in this stage; its ramp counts from `start` */
   PetscReal    start;
+  PetscBool    held; /* the caller has set the factor, and the ramp is not asked */
+  PetscReal    factor;
 } MpmLoad;
 
 /* Loads, with the names of their blocks. */

@@ -2,6 +2,7 @@
 /*
   The parts of a model: what was read, what moves on, and what a step works with.
 */
+#include "options/database.h"
 #include "particles/body.h"
 #include "solve/solve.h"
 #include "terms/discretization.h"
@@ -103,12 +104,27 @@ typedef struct {
   PetscInt64           active_dofs_max;
 } MpmState;
 
+/* What the caller of the library has set, and how the run stands. */
+typedef struct {
+  MpmStepHook before, after;
+  void       *before_ctx, *after_ctx;
+  char       *prefix; /* of the model's options in the database in force, or NULL */
+  PetscBool   own;    /* the options were given as text */
+  PetscBool   set_up;
+  PetscBool   busy;     /* in a call that must not be entered again */
+  PetscBool   stop;     /* the caller asks for the end of the run */
+  PetscBool   terminal; /* progress and warnings are shown */
+  const char *why;      /* the last step was given up */
+} MpmCaller;
+
 /* Results and progress, which are the run's. */
 typedef struct MpmResults MpmResults;
 
 struct _p_MpmModel {
   MPI_Comm          comm;
   PetscMPIInt       rank, size;
+  MpmDatabase       database;
+  MpmCaller         caller;
   MpmRecord         record;
   MpmMonitor        monitor;
   MpmScene          scene;

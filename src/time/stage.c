@@ -448,6 +448,7 @@ PetscBool MpmStagesKeepMass(const MpmModel model)
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
   if (!model->scene.loads.at[load].active) return 0.;
+  if (model->scene.loads.at[load].held) return model->state.load_scale * model->scene.loads.at[load].factor;
   return model->state.load_scale *
          MpmRampEvaluate(model->scene.loads.at[load].ramp, time - model->scene.loads.at[load].start);
 }

@@ -28,8 +28,7 @@ PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
-static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
+PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
 {
   const PetscReal small  = 1e-9 * model->state.dt_nominal;
   PetscReal       target = model->state.time_end, next;
@@ -66,7 +65,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.cuts = 0;
   for (;;) {
-    next = NextTime(model, model->state.dt_wanted, dt);
+    next = MpmNextTime(model, model->state.dt_wanted, dt);
     PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
     if (!*why) break;
     if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);

@@ -42,6 +42,7 @@ static inline PetscErrorCode SceneCreate(MPI_Comm comm, const MpmPhysics *physic
   PetscCall(MpmModelCreate(comm, model));
   if (physics) PetscCall(MpmModelSetPhysics(*model, physics));
   PetscCall(MpmModelSetFromOptions(*model));
+  PetscCall(MpmModelSetUp(*model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

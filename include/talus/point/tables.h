@@ -116,6 +116,14 @@ typedef struct {
 typedef int (*MpmSensitivity)(const MpmLawInput *input, const MpmLawInput *direction, const MpmLawOutput *value,
                               const MpmLawOutput *derivative);
 
+/* A law as compiled for one dimension and form: its constructor, which MPM_LAW() makes. */
+typedef struct {
+  const char *name;
+  int         dim;
+  MpmForm     form;
+  void (*create)(MpmLawInfo *info);
+} MpmLawInstance;
+
 /*
   What a physics kernel is told about one point. The last three are where the step's end goes, should it turn out to be
   it; NULL when nobody asks: in Jacobians, and in residuals with one in the same pass.

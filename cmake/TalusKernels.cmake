@@ -1,0 +1,82 @@
+# How constitutive laws and physics are compiled, in the tree and outside of it.
+
+# The instances of a physics' kernel, dimension:directions, and of a law, which is compiled once more to be differentiated by
+# all that it is given. Here and nowhere else.
+set(TALUS_INSTANCES 2:0 2:1 2:4 3:0 3:1 3:9)
+set(TALUS_LAW_INSTANCES ${TALUS_INSTANCES} 2:sensitivity 3:sensitivity)
+
+# Takes an instance apart: dimension, directions, the form that it is, and what the compiler is told.
+macro(talus_instance instance dim count form definitions)
+  string(REPLACE ":" ";" ${dim} ${instance})
+  list(GET ${dim} 1 ${count})
+  list(GET ${dim} 0 ${dim})
+  set(${definitions} MPM_DIM=${${dim}} MPM_DIRECTIONS=${${count}})
+  if(${count} STREQUAL 0)
+    set(${form} MPM_FORM_RESIDUAL)
+  elseif(${count} STREQUAL 1)
+    set(${form} MPM_FORM_DIRECTION)
+  elseif(${count} STREQUAL sensitivity)
+    set(${form} MPM_FORM_SENSITIVITY)
+    set(${definitions} MPM_DIM=${${dim}} MPM_DIRECTIONS=1 MPM_SENSITIVITY)
+  else()
+    set(${form} MPM_FORM_TANGENT)
+  endif()
+endmacro()
+
+# talus_add_plugin(NAME [LAWS FILE...] [PHYSICS FILE... [DIRECTIONS N2 N3]] [SOURCES FILE...])
+#
+# A library NAME.so for -mpm_plugin.
+#   LAWS        files NAME.c with MPM_LAW(NAME, ...), as in materials/: the law NAME
+#   PHYSICS     files NAME.c with MPM_KERNEL(NAME, ...) or MPM_KERNEL_MEAN(NAME, ...), as in physics/: the physics NAME
+#   DIRECTIONS  of a physics that asks no law: as many as its kernel has inputs, in 2D and in 3D
+#   SOURCES     other files; for each physics one of them has `void MpmPhysicsDescribe_NAME(MpmPhysics *physics)`, which
+#               sets all but the kernels
+function(talus_add_plugin name)
+  cmake_parse_arguments(PARSE_ARGV 1 plugin "" "" "LAWS;PHYSICS;DIRECTIONS;SOURCES")
+  set(physics_instances ${TALUS_INSTANCES})
+  if(plugin_DIRECTIONS)
+    list(GET plugin_DIRECTIONS 0 in_2d)
+    list(GET plugin_DIRECTIONS 1 in_3d)
+    set(physics_instances 2:0 2:1 2:${in_2d} 3:0 3:1 3:${in_3d})
+  endif()
+  set(TALUS_DECLARATIONS "")
+  set(TALUS_LAWS "")
+  set(TALUS_PHYSICS "")
+  set(objects "")
+  foreach(file ${plugin_LAWS} ${plugin_PHYSICS})
+    get_filename_component(kernel ${file} NAME_WE)
+    if(file IN_LIST plugin_LAWS)
+      set(instances ${TALUS_LAW_INSTANCES})
+    else()
+      set(instances ${physics_instances})
+      string(APPEND TALUS_DECLARATIONS "void MpmPhysicsDescribe_${kernel}(MpmPhysics *physics);\n")
+      string(APPEND TALUS_PHYSICS "  memset(&physics, 0, sizeof(physics));\n  MpmPhysicsDescribe_${kernel}(&physics);\n")
+    endif()
+    foreach(instance ${instances})
+      talus_instance(${instance} dim count form definitions)
+      set(suffix ${kernel}_${dim}d_${count})
+      if(file IN_LIST plugin_LAWS)
+        string(APPEND TALUS_DECLARATIONS "void MpmMaterialCreate_${suffix}(MpmLawInfo *info);\n")
+        string(APPEND TALUS_LAWS "    {\"${kernel}\", ${dim}, ${form}, MpmMaterialCreate_${suffix}},\n")
+      else()
+        string(APPEND TALUS_DECLARATIONS "void MpmKernelCreate_${suffix}(MpmKernelSet *set);\n")
+        string(APPEND TALUS_PHYSICS "  MpmKernelCreate_${suffix}(&physics.kernels[${dim}]);\n")
+      endif()
+      add_library(${name}_${suffix} OBJECT ${file})
+      target_compile_definitions(${name}_${suffix} PRIVATE ${definitions})
+      target_compile_options(${name}_${suffix} PRIVATE ${TALUS_KERNEL_OPTIONS})
+      target_link_libraries(${name}_${suffix} PRIVATE Talus::headers)
+      set_target_properties(${name}_${suffix} PROPERTIES POSITION_INDEPENDENT_CODE ON C_VISIBILITY_PRESET hidden
+        C_STANDARD 11 C_STANDARD_REQUIRED ON)
+      list(APPEND objects $<TARGET_OBJECTS:${name}_${suffix}>)
+    endforeach()
+    if(file IN_LIST plugin_PHYSICS)
+      string(APPEND TALUS_PHYSICS "  PetscCall(host->register_physics(&physics));\n")
+    endif()
+  endforeach()
+  configure_file(${TALUS_KERNELS_DIR}/plugin.c.in ${CMAKE_CURRENT_BINARY_DIR}/${name}_plugin.c @ONLY)
+  add_library(${name} MODULE ${CMAKE_CURRENT_BINARY_DIR}/${name}_plugin.c ${plugin_SOURCES} ${objects})
+  target_link_libraries(${name} PRIVATE Talus::headers m)
+  set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so" C_VISIBILITY_PRESET hidden C_STANDARD 11)
+endfunction()
+set(TALUS_KERNELS_DIR ${CMAKE_CURRENT_LIST_DIR})

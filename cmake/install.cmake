@@ -1,0 +1,45 @@
+# cmake --install: the program, both libraries, the public headers, a CMake package and a pkg-config file.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# What who links against Talus needs by name: PETSc and MPI, for their calls are in its headers; the rest for libtalus.a.
+set(TALUS_INCLUDE_DIRS ${PETSC_INCLUDE_DIRS} ${MPI_C_INCLUDE_DIRS})
+set(TALUS_PUBLIC_LIBRARIES ${PETSC_LINK_LIBRARIES} ${MPI_C_LIBRARIES})
+set(TALUS_PRIVATE_LIBRARIES ${HDF5_LINK_LIBRARIES} ${YAML_LINK_LIBRARIES} ${LAPACK_LIBRARIES} ${CMAKE_DL_LIBS} m)
+list(FILTER TALUS_PRIVATE_LIBRARIES EXCLUDE REGEX "^-Wl|^$")
+foreach(list TALUS_INCLUDE_DIRS TALUS_PUBLIC_LIBRARIES TALUS_PRIVATE_LIBRARIES)
+  list(REMOVE_DUPLICATES ${list})
+endforeach()
+list(TRANSFORM TALUS_INCLUDE_DIRS PREPEND "-I" OUTPUT_VARIABLE TALUS_PC_INCLUDES)
+string(REPLACE ";" " " TALUS_PC_INCLUDES "${TALUS_PC_INCLUDES}")
+foreach(kind PUBLIC PRIVATE)
+  set(words "")
+  foreach(library ${TALUS_${kind}_LIBRARIES})
+    if(NOT library MATCHES "[/-]")
+      set(library -l${library})
+    endif()
+    string(APPEND words " ${library}")
+  endforeach()
+  string(STRIP "${words}" TALUS_PC_${kind})
+endforeach()
+
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Talus)
+configure_package_config_file(cmake/TalusConfig.cmake.in ${PROJECT_BINARY_DIR}/generated/TalusConfig.cmake
+  INSTALL_DESTINATION ${package} PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/TalusConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+
+install(TARGETS talus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS mpm talus_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY include/talus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(FILES ${PROJECT_BINARY_DIR}/generated/TalusConfig.cmake ${PROJECT_BINARY_DIR}/generated/TalusConfigVersion.cmake
+  cmake/TalusKernels.cmake cmake/plugin.c.in DESTINATION ${package})
+# The prefix is known only when it is installed to.
+install(CODE "set(talus_source \"${PROJECT_SOURCE_DIR}\")
+set(PROJECT_VERSION \"${PROJECT_VERSION}\")
+set(TALUS_PC_INCLUDES \"${TALUS_PC_INCLUDES}\")
+set(TALUS_PC_PUBLIC \"${TALUS_PC_PUBLIC}\")
+set(TALUS_PC_PRIVATE \"${TALUS_PC_PRIVATE}\")
+set(CMAKE_INSTALL_FULL_INCLUDEDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
+set(CMAKE_INSTALL_FULL_LIBDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}\")
+configure_file(\${talus_source}/cmake/talus.pc.in
+  \"\$ENV{DESTDIR}\${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig/talus.pc\" @ONLY)")

@@ -1,0 +1,20 @@
+#pragma once
+/*
+  Laws and physics that are compiled outside the tree: a shared library that -mpm_plugin loads.
+
+  talus_add_plugin() of the installed CMake package makes one; the file that it generates defines the two symbols below.
+*/
+#include "talus/talus.h"
+
+/* What the program offers to a plugin; the plugin calls nothing else of it. */
+typedef struct {
+  PetscErrorCode (*register_law)(PetscInt count, const MpmLawInstance instances[]);
+  PetscErrorCode (*register_physics)(const MpmPhysics *physics);
+} MpmPluginHost;
+
+#pragma GCC visibility push(default)
+/* MPM_VERSION of the headers that the plugin was compiled with. */
+extern const char MpmPluginVersion[];
+/* Registers all that is in the plugin; called once. */
+PetscErrorCode         MpmPluginRegister(const MpmPluginHost *host);
+#pragma GCC visibility pop

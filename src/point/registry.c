@@ -1,0 +1,185 @@
+/*
+  Laws and physics that callers and plugins add to those that were compiled in.
+
+  The registry is the process', as PETSc's own registries of types are: the only data of the engine, besides the note that
+  a signal leaves, that no model owns. It only grows, until PetscFinalize(), and models look at it only while they read
+  their scene.
+*/
+#include <dlfcn.h>
+#include "options/options.h"
+#include "point/point.h"
+#include "talus/plugin.h"
+
+static struct {
+  PetscInt        law_count, physics_count, plugin_count;
+  MpmLawInstance *laws;
+  MpmPhysics     *physics;
+  void          **plugins; /* handles of the files that have been loaded: they stay */
+} registry;
+
+static PetscErrorCode Forget(void)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(registry.laws));
+  PetscCall(PetscFree(registry.physics));
+  PetscCall(PetscFree(registry.plugins));
+  registry.law_count = registry.physics_count = registry.plugin_count = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for `more` entries behind `count`. */
+static PetscErrorCode Grow(size_t entry, PetscInt count, PetscInt more, void *array)
+{
+  PetscFunctionBegin;
+  if (!registry.law_count && !registry.physics_count && !registry.plugin_count)
+    PetscCall(PetscRegisterFinalize(Forget));
+  PetscCall(PetscRealloc(entry * (size_t)(count + more), (void **)array));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- laws ---- */
+
+const MpmLawInstance *MpmLawRegistered(PetscInt k)
+{
+  return k < registry.law_count ? &registry.laws[k] : NULL;
+}
+
+static const MpmLawInstance *FindInstance(PetscInt count, const MpmLawInstance list[], const char *name, PetscInt dim,
+                                          MpmForm form)
+{
+  for (PetscInt k = 0; k < count; k++)
+    if (list[k].dim == dim && list[k].form == form && !strcmp(list[k].name, name)) return &list[k];
+  return NULL;
+}
+
+static const char *const forms[] = {"residual", "direction", "tangent", "sensitivity"};
+
+/* All forms must be there, and the name must be free; `known`: it has been registered before, just so. */
+static PetscErrorCode CheckLaw(PetscInt count, const MpmLawInstance list[], const MpmLawInstance *law, PetscBool *known)
+{
+  const MpmLawInstance *other = FindInstance(registry.law_count, registry.laws, law->name, law->dim, law->form);
+  MpmLawInfo            info;
+
+  PetscFunctionBegin;
+  *known = (PetscBool)(other && other->create == law->create);
+  if (*known) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!MpmLawFind(law->name, 2, MPM_FORM_RESIDUAL, &info), "law %s: there is one of this name already",
+                law->name);
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
+      MpmCheckInput(FindInstance(count, list, law->name, dim, (MpmForm)form),
+                    "law %s: it is not compiled for %dD in the %s form", law->name, (int)dim, forms[form]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLawRegister(PetscInt count, const MpmLawInstance instances[])
+{
+  PetscBool *known;
+  PetscInt   added = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(count, &known));
+  for (PetscInt k = 0; k < count; k++) {
+    PetscCall(CheckLaw(count, instances, &instances[k], &known[k]));
+    added += known[k] ? 0 : 1;
+  }
+  PetscCall(Grow(sizeof(*registry.laws), registry.law_count, added, &registry.laws));
+  for (PetscInt k = 0; k < count; k++)
+    if (!known[k]) registry.laws[registry.law_count++] = instances[k];
+  PetscCall(PetscFree(known));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- physics ---- */
+
+const MpmPhysics *MpmPhysicsRegistered(PetscInt k)
+{
+  return k < registry.physics_count ? &registry.physics[k] : NULL;
+}
+
+PetscErrorCode MpmPhysicsRegister(const MpmPhysics *physics)
+{
+  MpmPhysics other;
+  PetscBool  found;
+
+  PetscFunctionBegin;
+  MpmCheckInput(physics->name && physics->name[0], "a physics without a name cannot be registered");
+  PetscCall(MpmPhysicsCreate(physics->name, &other, &found));
+  if (found && other.kernels[2].residual == physics->kernels[2].residual) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!found, "physics %s: there is one of this name already", physics->name);
+  PetscCall(Grow(sizeof(*registry.physics), registry.physics_count, 1, &registry.physics));
+  registry.physics[registry.physics_count++] = *physics;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- plugins ---- */
+
+typedef PetscErrorCode (*Register)(const MpmPluginHost *host);
+
+/* Opens the file on this rank; `fault` tells why that is not possible, and is empty where it is. */
+static PetscErrorCode Open(const char path[], void **handle, char fault[], size_t size)
+{
+  const char *version;
+  char       *name = NULL;
+
+  PetscFunctionBegin;
+  fault[0] = '\0';
+  PetscCall(MpmTextAppend(&name, "%s%s", strchr(path, '/') ? "" : "./", path)); /* or it is looked for elsewhere */
+  *handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+  PetscCall(PetscFree(name));
+  if (!*handle) {
+    PetscCall(PetscSNPrintf(fault, size, "cannot be loaded: %s", dlerror()));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  version = (const char *)dlsym(*handle, "MpmPluginVersion");
+  if (!version || !dlsym(*handle, "MpmPluginRegister"))
+    PetscCall(PetscSNPrintf(fault, size, "is no plugin: it has no MpmPluginVersion and MpmPluginRegister"));
+  else if (strcmp(version, MPM_VERSION))
+    PetscCall(PetscSNPrintf(fault, size, "is for Talus %.32s, this is " MPM_VERSION, version));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Load(MPI_Comm comm, const char path[])
+{
+  const MpmPluginHost host = {MpmLawRegister, MpmPhysicsRegister};
+  char                fault[512];
+  void               *handle = NULL, *symbol;
+  Register            entry;
+  PetscMPIInt         rank, size, first;
+
+  PetscFunctionBegin;
+  PetscCall(Open(path, &handle, fault, sizeof(fault)));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  first = fault[0] ? rank : size;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm));
+  if (first < size) PetscCallMPI(MPI_Bcast(fault, (PetscMPIInt)sizeof(fault), MPI_CHAR, first, comm));
+  MpmCheckInput(first == size, "-mpm_plugin %s: %s", path, fault);
+  for (PetscInt k = 0; k < registry.plugin_count; k++)
+    if (registry.plugins[k] == handle) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Grow(sizeof(*registry.plugins), registry.plugin_count, 1, &registry.plugins));
+  registry.plugins[registry.plugin_count++] = handle;
+  symbol                                    = dlsym(handle, "MpmPluginRegister");
+  PetscCall(PetscMemcpy(&entry, &symbol, sizeof(entry)));
+  PetscCall((*entry)(&host));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPluginsLoad(const MpmOptions *options)
+{
+  char    *text, **paths;
+  PetscInt count;
+
+  PetscFunctionBegin;
+  PetscCall(MpmOptionsText(options, "plugin",
+                           "files with laws and physics that were compiled outside the program, separated by commas",
+                           NULL, MPM_OPTIONAL, &text));
+  if (!text) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTextSplit(text, &count, &paths));
+  for (PetscInt k = 0; k < count; k++) PetscCall(Load(options->comm, paths[k]));
+  PetscCall(MpmNamesDestroy(count, &paths));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

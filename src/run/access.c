@@ -1,0 +1,175 @@
+/*
+  What a caller of the library sees of a model's points, loads and reactions.
+*/
+#include "run/run.h"
+
+/* ---- loads and reactions ---- */
+
+static PetscErrorCode FindLoad(MpmModel model, const char name[], MpmLoad **load)
+{
+  PetscFunctionBeginUser;
+  *load = NULL;
+  for (PetscInt l = 0; l < model->scene.loads.count && !*load; l++)
+    if (!strcmp(model->scene.loads.names[l], name)) *load = &model->scene.loads.at[l];
+  PetscCheck(*load, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no load %s", name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetLoadFactor(MpmModel model, const char name[], PetscReal factor)
+{
+  MpmLoad *load;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindLoad(model, name, &load));
+  PetscCheck(!PetscIsInfOrNanReal(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "load %s: its factor is not finite", name);
+  load->held   = PETSC_TRUE;
+  load->factor = factor;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const PetscReal value[])
+{
+  MpmLoad *load;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindLoad(model, name, &load));
+  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+    PetscCheck(!PetscIsInfOrNanReal(value[a]), PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+               "load %s: its value is not finite", name);
+    load->value[a] = value[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal reaction[])
+{
+  const PetscInt   dim  = model->disc.grid.dim;
+  const PetscReal *from = NULL;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bcs.count; b++)
+    if (!strcmp(model->scene.bcs.names[b], name)) from = &model->disc.reaction[b * model->disc.layout.block];
+  for (PetscInt b = 0; b < model->scene.boundaries.count; b++)
+    if (!strcmp(model->scene.boundaries.names[b], name)) from = model->disc.contacts.reaction[b];
+  PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition and no boundary %s", name);
+  PetscCall(PetscArraycpy(reaction, from, dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- points ---- */
+
+PetscErrorCode MpmModelGetPointCount(MpmModel model, PetscInt *local, PetscInt *total)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  if (local) PetscCall(DMSwarmGetLocalSize(model->state.particles.swarm, local));
+  if (total) *total = (PetscInt)model->state.particles.total;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fields that are the caller's business; the others are notes of the engine to itself. */
+static PetscErrorCode FindField(MpmModel model, const char name[], PetscInt *components)
+{
+  static const char *const names[] = {"position", "position0", "F", "volume0", "stress", "state", "value"};
+  const MpmParticles      *points  = &model->state.particles;
+  PetscBool                ours    = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names); k++) ours = (PetscBool)(ours || !strcmp(names[k], name));
+  *components = 0;
+  for (PetscInt k = 0; ours && k < points->field_count; k++)
+    if (!strcmp(points->fields[k].name, name)) *components = points->fields[k].components;
+  PetscCheck(*components, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "the points have no field %s", name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetPoints(MpmModel model, const char name[], PetscInt *components, PetscReal **array)
+{
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindField(model, name, &count));
+  PetscCall(DMSwarmGetField(model->state.particles.swarm, name, NULL, NULL, (void **)array));
+  if (components) *components = count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelRestorePoints(MpmModel model, const char name[], PetscInt *components, PetscReal **array)
+{
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindField(model, name, &count));
+  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, name, NULL, NULL, (void **)array));
+  if (components) *components = 0;
+  *array = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GetIntegers(MpmModel model, const char name[], const PetscInt **array)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  PetscCall(DMSwarmGetField(model->state.particles.swarm, name, NULL, NULL, (void **)(uintptr_t)array));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestoreIntegers(MpmModel model, const char name[], const PetscInt **array)
+{
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, name, NULL, NULL, (void **)(uintptr_t)array));
+  *array = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetPointIds(MpmModel model, const PetscInt **id)
+{
+  PetscFunctionBeginUser;
+  PetscCall(GetIntegers(model, "id", id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelRestorePointIds(MpmModel model, const PetscInt **id)
+{
+  PetscFunctionBeginUser;
+  PetscCall(RestoreIntegers(model, "id", id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetPointMaterials(MpmModel model, const PetscInt **material)
+{
+  PetscFunctionBeginUser;
+  PetscCall(GetIntegers(model, "material", material));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelRestorePointMaterials(MpmModel model, const PetscInt **material)
+{
+  PetscFunctionBeginUser;
+  PetscCall(RestoreIntegers(model, "material", material));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelFindState(MpmModel model, const char material[], const char variable[], PetscInt *first,
+                                 PetscInt *components)
+{
+  const PetscInt     dim  = model->disc.grid.dim;
+  const MpmMaterial *from = NULL;
+
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < model->scene.materials.count; m++)
+    if (!strcmp(model->scene.materials.names[m], material)) from = &model->scene.materials.at[m];
+  PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no material %s", material);
+  *first = 0;
+  for (size_t k = 0; k < from->info.state_count; k++) {
+    const PetscInt count = MpmStateComponents(&from->info.states[k], dim);
+
+    if (components) *components = count;
+    if (!strcmp(from->info.states[k].name, variable)) PetscFunctionReturn(PETSC_SUCCESS);
+    *first += count;
+  }
+  SETERRQ(PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "material %s: its law has no history variable %s", material,
+          variable);
+}

@@ -1,0 +1,218 @@
+/*
+  The steps of a model: one at a time for who calls the library, and the run of all of them with its results.
+*/
+#include "options/options.h"
+#include "run/run.h"
+
+/* ---- one step ---- */
+
+static PetscBool AtStageEnd(const MpmModel model)
+{
+  return (PetscBool)(model->state.time >= model->state.time_end * (1. - 1e-12));
+}
+
+/* Has the last stage come to its end? */
+static PetscBool AtEnd(const MpmModel model)
+{
+  return (PetscBool)(AtStageEnd(model) && model->state.stage + 1 >= model->scene.stage_count);
+}
+
+/* The next step, in the next stage where this one has ended; a geostatic stage is a single step for the results. */
+static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
+{
+  const char    **why = &model->caller.why;
+  const MpmStage *stage;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  if (AtStageEnd(model)) PetscCall(MpmStageBegin(model, model->state.stage + 1));
+  stage = &model->scene.stages[model->state.stage];
+  if (stage->name && model->state.time == model->state.time_start)
+    PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  if (model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
+  if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
+    PetscCall(MpmGeostaticRun(model, why));
+    *dt = model->state.time - model->state.time_start;
+  } else PetscCall(MpmAdvance(model, dt, why));
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  if (!*why && model->caller.after) PetscCall((*model->caller.after)(model, model->caller.after_ctx));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode StepOnce(MpmModel model)
+{
+  PetscReal dt;
+
+  PetscFunctionBeginUser;
+  model->caller.stop = PETSC_FALSE;
+  PetscCall(TakeStep(model, &dt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelSetUp(model));
+  *status = MPM_COMPLETED;
+  if (AtEnd(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmModelCall(model, StepOnce(model));
+  *status = model->caller.why    ? MPM_GAVE_UP
+            : AtEnd(model)       ? MPM_COMPLETED
+            : model->caller.stop ? MPM_STOPPED
+                                 : MPM_RUNNING;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the run ---- */
+
+/* Result files, new or those of the run that goes on; a new one starts with the present state. */
+static PetscErrorCode OpenResults(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->results->output_every) {
+    PetscCall(MpmOutputCreate(model->comm, model->scene.prefix, &model->results->output));
+    PetscCall(MpmOutputSetSingle(model->results->output, model->results->output_single));
+  }
+  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
+  PetscCall(MpmModelCreateHistory(model));
+  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
+  if (model->results->output && !MpmOutputStarted(model->results->output)) PetscCall(MpmModelWriteOutput(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options of PETSc's that nobody has used by now. */
+static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
+{
+  const MpmOptions options = {model->comm, NULL, model->record};
+
+  PetscFunctionBeginUser;
+  if (model->caller.terminal) PetscCall(MpmOptionsWarnUnused(&options, moment));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a converged step leaves: its row, its line, and at times the points. */
+static PetscErrorCode Report(MpmModel model, PetscReal dt)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelWriteHistory(model, dt));
+  PetscCall(MpmTerminalStep(model, dt));
+  if (model->solver.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
+  if (model->results->output_every && (model->state.step % model->results->output_every == 0))
+    PetscCall(MpmModelWriteOutput(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the end of a run leaves, whatever has ended it. */
+static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
+{
+  const char     *why  = model->caller.why;
+  const PetscBool gone = model->state.particles.gone;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
+  if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone)
+    PetscCall(MpmModelWriteOutput(model));
+  if (why) {
+    PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
+                              (double)model->state.time, why));
+  }
+  PetscCall(MpmModelWriteSummary(model, why                  ? why
+                                        : interrupted        ? "interrupted"
+                                        : model->caller.stop ? "stopped"
+                                                             : "completed"));
+  PetscCall(WarnUnused(model, MPM_AT_END));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All steps with their results. */
+static PetscErrorCode Run(MpmModel model)
+{
+  PetscBool interrupted; /* by a signal */
+  PetscReal dt;
+
+  PetscFunctionBeginUser;
+  model->caller.why = NULL;
+  PetscCall(MpmTerminalBegin(model));
+  PetscCall(OpenResults(model));
+  PetscCall(MpmCheckpointStep(model, &interrupted));
+  while (!interrupted && !model->caller.stop && !AtEnd(model)) {
+    PetscCall(TakeStep(model, &dt));
+    if (model->caller.why) break;
+    PetscCall(Report(model, dt));
+    PetscCall(MpmCheckpointStep(model, &interrupted));
+  }
+  if (AtEnd(model)) model->caller.stop = PETSC_FALSE;
+  PetscCall(Finish(model, interrupted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelRun(MpmModel model, int *status)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelSetUp(model));
+  PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
+  MpmModelCall(model, Run(model));
+  *status = model->caller.why ? MPM_EXIT_GAVEUP : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the caller asks and sets ---- */
+
+PetscErrorCode MpmModelStop(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.stop = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetReason(MpmModel model, const char **why)
+{
+  PetscFunctionBeginUser;
+  *why = model->caller.why;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetTime(MpmModel model, PetscReal *time, PetscInt *step)
+{
+  PetscFunctionBeginUser;
+  if (time) *time = model->state.time;
+  if (step) *step = model->state.step;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetTimeStep(MpmModel model, PetscReal *dt)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(model->caller.set_up, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  *dt = model->state.dt_wanted;
+  if (!AtStageEnd(model)) (void)MpmNextTime(model, model->state.dt_wanted, dt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetTimeStep(MpmModel model, PetscReal dt)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(model->caller.set_up, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  PetscCheck(dt > 0. && !PetscIsInfOrNanReal(dt), model->comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "a step of %g: must be a finite number > 0", (double)dt);
+  model->state.dt_wanted = dt;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetBeforeStep(MpmModel model, MpmStepHook hook, void *ctx)
+{
+  PetscFunctionBeginUser;
+  model->caller.before     = hook;
+  model->caller.before_ctx = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetAfterStep(MpmModel model, MpmStepHook hook, void *ctx)
+{
+  PetscFunctionBeginUser;
+  model->caller.after     = hook;
+  model->caller.after_ctx = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,53 @@
+/*
+  jacobians PLUGIN - how far apart the forms of the Jacobian are, for the plugin's law and its physics, in 2D and 3D: a line
+  each with the case and the distances of colouring, dense, actions with tangents and without, and differences.
+*/
+#include <talus/talus.h>
+
+static const char *const blocks[] = {
+  "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_lower 0.5,0.4 "
+  "-mpm_body_b_upper 2.5,1.6 -mpm_bc_f_lower 0,0.4 -mpm_bc_f_upper 3,0.4 -mpm_bc_f_components x,y ",
+  "-mpm_dim 3 -mpm_grid_lower 0,0,0 -mpm_grid_upper 2,2,1.2 -mpm_grid_cells 4,4,3 -mpm_body_b_lower 0.5,0.5,0.4 "
+  "-mpm_body_b_upper 1.5,1.5,0.8 -mpm_bc_f_lower 0,0,0.4 -mpm_bc_f_upper 2,2,0.4 -mpm_bc_f_components x,y,z "};
+static const struct {
+  const char *name, *options;
+} kinds[] = {
+  {"law", "-mpm_material_m_type fung -mpm_material_m_stiffening 0.8"},
+  {"physics", "-mpm_physics swelling -mpm_material_m_type neo_hookean"},
+  {"both", "-mpm_physics swelling -mpm_material_m_type fung"},
+};
+
+static PetscErrorCode Look(const char *plugin, PetscInt dim, size_t kind)
+{
+  char             options[4096];
+  MpmModel         model;
+  MpmJacobianCheck check;
+  MpmStatus        status;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(options, sizeof(options),
+                          "%s%s -mpm_plugin %s -mpm_materials m -mpm_material_m_E 10 -mpm_material_m_nu 0.3 "
+                          "-mpm_bodies b -mpm_body_b_material m -mpm_body_b_region box -mpm_bcs f -mpm_bc_f_region box "
+                          "-mpm_material_m_density 1 -mpm_loads g -mpm_load_g_type gravity -mpm_load_g_value %s "
+                          "-mpm_time_step 0.25",
+                          blocks[dim - 2], kinds[kind].options, plugin, dim == 2 ? "0.5,-1" : "0.5,0.2,-1"));
+  PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
+  PetscCall(MpmModelSetOptions(model, options));
+  PetscCall(MpmModelSetFromOptions(model));
+  PetscCall(MpmModelStep(model, &status)); /* the forms are compared for a body that has moved */
+  PetscCall(MpmModelCheckJacobian(model, 0.02, &check));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s_%" PetscInt_FMT "d %d %.3e %.3e %.3e %.3e %.3e\n", kinds[kind].name, dim,
+                        (int)status, (double)check.coloring, (double)check.dense, (double)check.matfree[0],
+                        (double)check.matfree[1], (double)check.differences));
+  PetscCall(MpmModelDestroy(&model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  for (PetscInt dim = 2; dim <= 3; dim++)
+    for (size_t kind = 0; kind < sizeof(kinds) / sizeof(kinds[0]); kind++) PetscCall(Look(argv[1], dim, kind));
+  PetscCall(PetscFinalize());
+  return 0;
+}

@@ -1,0 +1,48 @@
+/*
+  Swelling: a neo-Hookean solid that what diffuses through it, c, pushes apart
+
+    tau = mu (b - 1) + (lambda ln J - beta c) 1 ,       P = V_0 tau dF^{-T}                conjugate to grad du
+    V_0 ((c - c_n)/dt + gamma J)                                                           conjugate to c
+    V_0 D J grad c                                                                         conjugate to grad c
+
+  lambda and mu are the material's, beta, gamma and D the physics'. It asks no law, so it has a direction for each input.
+*/
+#include "talus/point/elasticity.h"
+
+enum { PUSH, SOURCE, DIFFUSIVITY };
+
+#define SOLID  (MPM_DIM * MPM_DIM)
+#define INPUTS (SOLID + 1 + MPM_DIM)
+
+static int SwellingKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+{
+  const double *physics = point->physics_parameter;
+  const Lame    lame    = LameFromParameters(point->parameter);
+  const Tensor  dF      = TensorFromGradient(input);
+  const Tensor  F       = TensorMulArray(&dF, point->F_n);
+  const Sym     b       = SymLeftCauchyGreen(&F);
+  const Sym     sheared = SymScaleBy(lame.mu, &b);
+  const Scalar  J = TensorDet(&F), c = input[SOLID];
+  Scalar        pressure, rate;
+  Tensor        P;
+  Sym           tau;
+
+  if (!(ScalarValue(J) > 0.)) return 1;
+  pressure = ScalarShift(ScalarScale(lame.lambda, ScalarLog(J)), -lame.mu);
+  tau      = SymShift(&sheared, ScalarAdd(pressure, ScalarScale(-physics[PUSH], c)));
+  P        = SymTimesInverseTranspose(&tau, &dF, point->volume0);
+  for (int k = 0; k < SOLID; k++) flux[k] = P.a[k];
+  rate        = ScalarScale(1. / point->dt, ScalarShift(c, -point->value_n[0]));
+  flux[SOLID] = ScalarScale(point->volume0, ScalarAdd(rate, ScalarScale(physics[SOURCE], J)));
+  for (int a = 0; a < MPM_DIM; a++)
+    flux[SOLID + 1 + a] = ScalarScale(point->volume0 * physics[DIFFUSIVITY], ScalarMul(J, input[SOLID + 1 + a]));
+  if (point->F) {
+    const Sym sigma = SymScaleBy(1. / ScalarValue(J), &tau);
+
+    TensorStore(point->F, &F);
+    SymStore(point->stress, &sigma);
+  }
+  return 0;
+}
+
+MPM_KERNEL(swelling, INPUTS, SwellingKernel)
