@@ -92,7 +92,7 @@ MpmStretch MpmStretchFind(PetscInt dim);
 /* ---- stress_inversion.c ---- */
 
 /*
-  States of one material with a wanted stress. Where the law's stress follows from its history alone (`remembers`), F
+  States of one material with a wanted stress. Where the law's stress follows from its state alone (`stateful`), F
   stays the identity and all six components are met; otherwise F carries the stress, in plane strain without the
   component across the plane.
 */
@@ -101,7 +101,7 @@ typedef struct {
   MpmKernelSet       kernel;
   MpmFunction        law[MPM_FORM_COUNT];
   PetscInt           dim, model_dim; /* of the kernel, and of the model */
-  PetscBool          remembers;
+  PetscBool          stateful;
 } MpmInitial;
 
 #define MPM_INITIAL_STATE 64 /* most values of a history in 3D */
