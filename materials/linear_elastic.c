@@ -10,7 +10,7 @@
 
   Source: Timoshenko and Goodier (1970), Theory of Elasticity, 3rd edition, McGraw-Hill, chapter 1.
 */
-#include "talus/point/elasticity.h" /* brings mpmkernel.h, and with it tensor.h and dual.h */
+#include "talus/point/elasticity.h" /* brings law.h, and with it tensor.h and dual.h */
 
 /* The options -mpm_material_<name>_<parameter>, in the order in which the kernel finds the numbers in
    point->parameter. Every law has `density`. ELASTIC_PARAMETERS is density, E, nu; further rows look like
@@ -18,7 +18,7 @@
    range, help, choices. */
 static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 
-/* What the law remembers of a point, in the order in which the kernel finds it in point->state_n. A law with history
+/* The state of a point, in the order in which the kernel finds it in point->state_n. A law with history
    has rows such as {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"} instead. */
 static const MpmStateVariable states[] = MPM_NO_STATE;
 

@@ -19,7 +19,7 @@
 */
 #include "solid.h"
 
-/* The law's answer; where nothing moves, the stress that is there already. */
+/* The law's answer; in a stage without motion, the stress that is there already. */
 MPM_FN int Stress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
   const MpmLawPoint law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt, point->table};

@@ -2,7 +2,7 @@
 """A rigid rough footing on half a block of clay by finite elements: the rows of reference.csv. Needs scipy.
 
 Small strain, von Mises, squares with four nodes and the mean dilatation (B-bar) against locking. Shares with the scene
-the problem and where the held nodes stand, so that both see the same width of the footing.
+the problem and where the constrained nodes stand, so that both see the same width of the footing.
 """
 import numpy as np
 from scipy import sparse
@@ -48,7 +48,7 @@ def stress(strain, plastic):
 
 
 class Ground:
-    """Mesh of squares, held nodes, and the assembly."""
+    """Mesh of squares, constrained nodes, and the assembly."""
 
     def __init__(self, size, mean):
         self.size, self.matrices = size, strain_matrices(size, mean)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A slope in stages: nothing moves at rest, forces balance in every stage, the trench's floor rises, the crest settles."""
+"""A slope in stages: the geostatic state is in equilibrium, forces balance in every stage, the trench's floor rises, the crest settles."""
 import sys
 from pathlib import Path
 

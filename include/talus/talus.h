@@ -22,7 +22,7 @@
 
     MpmParticlesMigrate   points go to the ranks that own their cells; the partition follows the points
     MpmTermsSetUpSpace    shape weights, groups of points that touch the same nodes, active nodes and their numbers
-    SNESSolve             residual and Jacobian from the pointwise kernel; MpmResidual..., MpmJacobian...
+    SNESSolve             residual and Jacobian from the pointwise kernel; MpmTermsResidual, MpmTermsTangent
     MpmCommitLocal        converged: history, positions and domains become those of n+1; otherwise nothing has changed
     history, output
 */

@@ -1,4 +1,4 @@
-"""What it costs to share out the points anew, and what it brings: a heap that slides over the whole grid.
+"""What it costs to redistribute the points, and what it brings: a heap that slides over the whole grid.
 
 Scene scripts/bench/slide.yaml, with -mpm_grid_balance from 1.01 to never.
 """

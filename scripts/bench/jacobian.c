@@ -104,14 +104,14 @@ static PetscErrorCode Deform(MpmModel model, PetscInt steps)
 {
   SNESConvergedReason reason;
   const char         *why;
-  PetscBool           hopeless;
+  PetscBool           retryable;
 
   PetscFunctionBeginUser;
   for (model->state.step = 0; model->state.step < steps; model->state.step++) {
     const PetscReal next = model->state.dt_nominal * (PetscReal)(model->state.step + 1);
 
     PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
-    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &hopeless));
+    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &retryable));
     PetscCheck(!why, model->comm, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", model->state.step, why);
     model->state.time = next;
   }

@@ -3,7 +3,7 @@
 
     bench_output -bench_prefix /tmp/bench/run [-bench_points 10000000] [-bench_rounds 3] [-bench_single]
 
-  Points as in 3D: 24 reals and 2 integers each, made from their ids, dealt to the ranks in blocks that are not those
+  Points as in 3D: 24 reals and 2 integers each, made from their ids, distributed over the ranks in blocks that are not those
   of the file. Lines on the terminal, for a program to read: a key and a number.
 */
 #include <fcntl.h>

@@ -19,7 +19,7 @@ regular lattice that Talus has (one point in each of 16 small elements a cell). 
 direct solvers: the one that came farthest, then the fastest.
 
 Shapes: Kratos has linear. In Talus SHAPE-plain is without the ghost penalty, which is on otherwise: linear-plain is the
-method of Kratos, to be compared with the uniform layout. The penalty stiffens the beam a little, where hat functions and gimp are too soft; the error of gimp with it is therefore smaller than that of
+method of Kratos, to be compared with the uniform layout. The penalty stiffens the beam a little, where linear basis functions and gimp are too soft; the error of gimp with it is therefore smaller than that of
 gimp-plain, and the two show how much each number is worth.
 
 Newton iterations a step: up to 100 in Kratos (its own limit of 20 is too small for most rows at 1e-8), and as many in
@@ -49,7 +49,7 @@ LENGTH, BOX, GRID, POINTS = 10.0, [0.0, 9.0, 10.0, 10.0], [15.0, 15.0], 4
 END = (10.0, 9.5)  # the middle of the end section, m
 REFERENCE = (-0.55126, -0.84272)  # its displacement over the length
 BEAM = {"density": 1000.0, "E": 12e6, "nu": 0.2, "gravity": 20.0, "steps": 50}  # as in peers.yaml
-PATIENCE = 100  # Newton iterations a step, where nothing helps against nodes that hardly hold material
+PATIENCE = 100  # Newton iterations a step, where nothing helps against small-cut nodes
 WITH_GHOST = ("linear", "gimp")  # Talus has the ghost penalty for these
 
 COLUMNS = ["code", "shape", "layout", "h", "points", "tolerance", "linear_solver", "steps", "load", "newton_iterations",

@@ -30,9 +30,9 @@ typedef struct {
   MpmCondition *at;
 } MpmConditions;
 
-/* The frame of a node that a condition with a normal holds; rows q_r, of which the first `held` are held (node_frames.c). */
+/* The frame of a node with a condition along a normal; rows q_r, of which the first `constrained` are (node_frames.c). */
 typedef struct {
-  PetscInt  held, condition[MPM_MAX_DIM]; /* condition: whose equation it is */
+  PetscInt  constrained, condition[MPM_MAX_DIM]; /* condition: whose equation it is */
   PetscReal value[MPM_MAX_DIM];
   PetscReal axis[MPM_MAX_DIM][MPM_MAX_DIM];   /* q_r */
   PetscReal factor[MPM_MAX_DIM][MPM_MAX_DIM]; /* L_kr */

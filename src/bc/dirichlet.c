@@ -5,7 +5,7 @@
   tangential motion is free. Its value is the total since the start, value times ramp; a step prescribes what is added to
   it from the step's beginning to its end, whatever came before at the node. Nodes do not move with the material.
 
-  A reaction is the force of the support on the body, the internal less the external forces at the nodes held.
+  A reaction is the force of the support on the body, the internal less the external forces at the constrained nodes.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -48,15 +48,15 @@ static PetscErrorCode CheckRegion(const MpmOptions *block, const MpmGrid *grid, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Which unknowns are held, and the values. */
+/* Which unknowns are prescribed, and their values. */
 static PetscErrorCode ReadComponents(const MpmOptions *block, const MpmLayout *layout, MpmCondition *bc)
 {
   char   **components;
   PetscInt count;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsNames(block, "components", "which unknowns are held: x, y, z, p (or give a normal)", MPM_REQUIRED,
-                            &count, &components));
+  PetscCall(MpmOptionsNames(block, "components", "which unknowns are prescribed: x, y, z, p (or give a normal)",
+                            MPM_REQUIRED, &count, &components));
   MpmCheckInput(count <= layout->block, "-%scomponents: %" PetscInt_FMT " given, a node has %" PetscInt_FMT " unknowns",
                 block->prefix, count, layout->block);
   for (PetscInt k = 0; k < count; k++) {
@@ -80,9 +80,10 @@ static PetscErrorCode ReadNormal(const MpmOptions *block, PetscInt dim, MpmCondi
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHas(block, "components", &components));
-  PetscCall(MpmOptionsReals(block, "normal", "-",
-                            "direction along which the displacement is held, of any length but 0; across it is free",
-                            MPM_RANGE_ANY, MPM_OPTIONAL, dim, bc->normal, &bc->inclined));
+  PetscCall(
+    MpmOptionsReals(block, "normal", "-",
+                    "direction along which the displacement is prescribed, of any length but 0; across it is free",
+                    MPM_RANGE_ANY, MPM_OPTIONAL, dim, bc->normal, &bc->inclined));
   if (MpmOptionsHelp()) bc->inclined = PETSC_FALSE;
   if (!bc->inclined) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(!components, "-%snormal and -%scomponents: give one of them, not both", block->prefix, block->prefix);
@@ -169,7 +170,7 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
       wall.upper[a] = PETSC_INFINITY;
     }
     PetscCall(MpmRegionGetBounds(bc->region, wall.lower, wall.upper));
-    /* the outermost planes of held nodes; at the grid's edges there is nothing to add */
+    /* the outermost planes of constrained nodes; at the grid's edges there is nothing to add */
     first =
       (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->lower[axis]) / grid->h[axis], 0.) - MPM_TOLERANCE);
     last = (PetscInt)PetscFloorReal(
@@ -268,8 +269,8 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmConditio
     NodePosition(grid, space, i, x);
     MakeFrame(conditions->count, bcs, x, grid->dim, time_n, time, frame);
     for (PetscInt r = 0; r < grid->dim; r++) {
-      constraints->condition[i * bs + r] = r < frame->held ? frame->condition[r] : -1;
-      constraints->value[i * bs + r]     = r < frame->held ? frame->value[r] : 0.;
+      constraints->condition[i * bs + r] = r < frame->constrained ? frame->condition[r] : -1;
+      constraints->value[i * bs + r]     = r < frame->constrained ? frame->value[r] : 0.;
     }
     constraints->any = PETSC_TRUE;
   }
@@ -316,7 +317,7 @@ static void AddFrameReactions(const MpmFrame *frame, PetscInt dim, PetscInt bloc
   PetscReal amount[MPM_MAX_DIM];
 
   MpmFrameForces(frame, dim, force, amount);
-  for (PetscInt r = 0; r < frame->held; r++) {
+  for (PetscInt r = 0; r < frame->constrained; r++) {
     for (PetscInt c = 0; c < dim; c++) {
       PetscReal a = 0.;
 

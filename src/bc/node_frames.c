@@ -2,7 +2,7 @@
   Conditions along normals: a node that one of them holds has an orthonormal frame q_1, q_2 (, q_3).
 
   The conditions on such a node are equations a_k . u = g_k, with a_k a normal or an axis. Gram and Schmidt's method turns
-  them into held components of the frame, a_k = sum_r L_kr q_r, so that v_r = q_r . u follows from L v = g; the remaining
+  them into constrained components of the frame, a_k = sum_r L_kr q_r, so that v_r = q_r . u follows from L v = g; the remaining
   q_r are free. An equation that depends on those before it adds nothing: equations come with the last condition first, so
   that the last one holds, as for single components.
 
@@ -16,7 +16,7 @@
 
 void MpmFrameAdd(MpmFrame *frame, PetscInt dim, const PetscReal a[], PetscReal g, PetscInt condition)
 {
-  const PetscInt r                 = frame->held;
+  const PetscInt r                 = frame->constrained;
   PetscReal      rest[MPM_MAX_DIM] = {0., 0., 0.}, along[MPM_MAX_DIM] = {0., 0., 0.}, norm = 0.;
 
   if (r == dim) return;
@@ -41,26 +41,26 @@ void MpmFrameAdd(MpmFrame *frame, PetscInt dim, const PetscReal a[], PetscReal g
     frame->axis[r][c]   = rest[c] / norm;
     frame->factor[r][c] = along[c];
   }
-  frame->held++;
+  frame->constrained++;
 }
 
 void MpmFrameComplete(MpmFrame *frame, PetscInt dim)
 {
-  const PetscInt held = frame->held;
+  const PetscInt constrained = frame->constrained;
 
-  while (frame->held < dim) {
+  while (frame->constrained < dim) {
     PetscReal least[MPM_MAX_DIM] = {0., 0., 0.}, a[MPM_MAX_DIM] = {0., 0., 0.};
     PetscInt  best = 0;
 
     /* the axis that the frame knows least about */
     for (PetscInt c = 0; c < dim; c++) {
-      for (PetscInt k = 0; k < frame->held; k++) least[c] += PetscSqr(frame->axis[k][c]);
+      for (PetscInt k = 0; k < frame->constrained; k++) least[c] += PetscSqr(frame->axis[k][c]);
       if (least[c] < least[best]) best = c;
     }
     a[best] = 1.;
     MpmFrameAdd(frame, dim, a, 0., -1);
   }
-  frame->held = held;
+  frame->constrained = constrained;
 }
 
 /* values <- Q values, or Q^T values, at the first `nodes` local nodes */
@@ -145,11 +145,11 @@ void MpmFramesRotateBlocks(const MpmConstraints *constraints, PetscInt bs, Petsc
 
 void MpmFrameForces(const MpmFrame *frame, PetscInt dim, const PetscReal force[], PetscReal amount[])
 {
-  for (PetscInt r = frame->held - 1; r >= 0; r--) {
+  for (PetscInt r = frame->constrained - 1; r >= 0; r--) {
     PetscReal rest = 0.;
 
     for (PetscInt c = 0; c < dim; c++) rest += frame->axis[r][c] * force[c];
-    for (PetscInt k = r + 1; k < frame->held; k++) rest -= frame->factor[k][r] * amount[k];
+    for (PetscInt k = r + 1; k < frame->constrained; k++) rest -= frame->factor[k][r] * amount[k];
     amount[r] = rest / frame->factor[r][r];
   }
 }

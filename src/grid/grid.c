@@ -1,18 +1,18 @@
 /*
-  The background grid: a regular lattice, cut among the ranks by planes between its nodes.
+  The background grid: a regular lattice, shared out to the ranks by planes between its nodes.
 
-  Cuts nest: the first divides the lattice among two halves of the ranks, the next ones divide each part again, across
+  Splits nest: the first divides the lattice among two halves of the ranks, the next ones divide each part again, across
   whichever axis balances its points best (Berger and Bokhari 1987, doi:10.1109/TC.1987.1676942). So the parts are
-  boxes, of any number of ranks, and follow the points also where a product of cuts per axis could not: along a slope,
-  for instance. Where a layer of cells holds too much for that, the cut passes through it with a step.
+  boxes, of any number of ranks, and follow the points also where a product of splits per axis could not: along a slope,
+  for instance. Where a layer of cells holds too much for that, the split passes through it with a step.
 */
 #include "options/options.h"
 #include "grid/grid.h"
 
-/* Points on the fullest rank over their mean from which on to look for other cuts: one look costs some hundredth of a
+/* Points on the fullest rank over their mean from which on to look for other splits: one look costs some hundredth of a
    step's work on the points (scripts/bench.py balance). */
 #define BALANCE 1.05
-/* What a point beside a cut costs, in points; from which excess of the fuller side on a cut has a step. */
+/* What a point beside a split costs, in points; from which excess of the fuller side on a split has a step. */
 #define BESIDE_CUT 0.25
 #define STEP_FROM  1.02
 
@@ -38,7 +38,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
   grid->balance = BALANCE;
   PetscCall(MpmOptionsReal(&block, "balance", "-",
-                           "the points are shared out anew when the fullest rank holds so many times their mean",
+                           "the points are redistributed when the fullest rank holds so many times their mean",
                            ((MpmRange){1., PETSC_INFINITY, PETSC_FALSE}), MPM_OPTIONAL, &grid->balance, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a],
@@ -59,7 +59,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
 PetscErrorCode MpmGridDestroy(MpmGrid *grid)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(grid->cuts));
+  PetscCall(PetscFree(grid->splits));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -73,28 +73,29 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
   }
 }
 
-static inline PetscBool IsBelow(const MpmCut *cut, const PetscInt node[])
+static inline PetscBool IsBelow(const MpmSplit *split, const PetscInt node[])
 {
-  return (PetscBool)(node[cut->axis] < cut->node || (node[cut->axis] == cut->node && node[cut->row_axis] < cut->row));
+  return (PetscBool)(node[split->axis] < split->node ||
+                     (node[split->axis] == split->node && node[split->row_axis] < split->row));
 }
 
 /*
-  The part below a cut goes to the lower half of its ranks. Cuts stand in preorder: right behind one those of the part
+  The part below a split goes to the lower half of its ranks. Splits stand in preorder: right behind one those of the part
   below, then those above, one less than there are ranks in each.
 */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
 {
-  const MpmCut *cut   = grid->cuts;
-  PetscMPIInt   first = 0, ranks = grid->size;
+  const MpmSplit *split = grid->splits;
+  PetscMPIInt     first = 0, ranks = grid->size;
 
   while (ranks > 1) {
     const PetscMPIInt below = ranks / 2;
 
-    if (IsBelow(cut, node)) {
-      cut++;
+    if (IsBelow(split, node)) {
+      split++;
       ranks = below;
     } else {
-      cut += below;
+      split += below;
       first += below;
       ranks -= below;
     }
@@ -102,7 +103,7 @@ PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
   return first;
 }
 
-static PetscInt BoxOwners(const MpmCut *cut, PetscMPIInt first, PetscMPIInt ranks, const PetscInt lower[],
+static PetscInt BoxOwners(const MpmSplit *split, PetscMPIInt first, PetscMPIInt ranks, const PetscInt lower[],
                           const PetscInt upper[], PetscMPIInt owner[])
 {
   const PetscMPIInt below = ranks / 2;
@@ -112,26 +113,27 @@ static PetscInt BoxOwners(const MpmCut *cut, PetscMPIInt first, PetscMPIInt rank
     owner[0] = first;
     return 1;
   }
-  if (IsBelow(cut, lower)) count += BoxOwners(cut + 1, first, below, lower, upper, owner);
-  if (!IsBelow(cut, upper)) count += BoxOwners(cut + below, first + below, ranks - below, lower, upper, owner + count);
+  if (IsBelow(split, lower)) count += BoxOwners(split + 1, first, below, lower, upper, owner);
+  if (!IsBelow(split, upper))
+    count += BoxOwners(split + below, first + below, ranks - below, lower, upper, owner + count);
   return count;
 }
 
 PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[])
 {
-  return BoxOwners(grid->cuts, 0, grid->size, lower, upper, owner);
+  return BoxOwners(grid->splits, 0, grid->size, lower, upper, owner);
 }
 
 /* ---- partition ---- */
 
-/* A part of the lattice that is yet to be cut: a box of cells, upper ones excluded, but for what steps take from it. */
+/* A part of the lattice that is yet to be split: a box of cells, upper ones excluded, but for what steps take from it. */
 typedef struct {
   PetscMPIInt ranks;
-  PetscInt    cut; /* into the grid's cuts */
+  PetscInt    split; /* into the grid's splits */
   PetscInt    lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscInt    histogram[MPM_MAX_DIM]; /* where its points per layer of cells start, on each axis */
-  PetscInt    rows;                   /* where the points per row of the layer at its cut start; -1: no step */
-  PetscInt64  total, below;           /* points in it; below the cut */
+  PetscInt    rows;                   /* where the points per row of the layer at its split start; -1: no step */
+  PetscInt64  total, below;           /* points in it; below the split */
 } Part;
 
 /* The box of all cells with points. */
@@ -206,14 +208,14 @@ static PetscReal FullerSide(const Part *part, PetscInt64 below)
   Chooses the plane at which the fuller side has fewest points for a rank; what lies beside the plane counts as well, for
   it is what ranks have to tell each other.
 */
-static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
+static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmSplit *split)
 {
   PetscReal best = PETSC_MAX_REAL;
 
   part->total = 0;
   for (PetscInt i = 0; i < part->upper[0] - part->lower[0]; i++) part->total += histogram[part->histogram[0] + i];
   part->below = part->total;
-  *cut        = (MpmCut){0, part->upper[0], 0, 0}; /* in a single cell there is nothing to share */
+  *split      = (MpmSplit){0, part->upper[0], 0, 0}; /* in a single cell there is nothing to share */
   for (PetscInt a = 0; a < dim; a++) {
     const PetscInt64 *layer = &histogram[part->histogram[a]];
     PetscInt64        sum   = 0;
@@ -226,7 +228,7 @@ static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], 
       if (cost >= best) continue;
       best        = cost;
       part->below = sum;
-      *cut        = (MpmCut){a, part->lower[a] + i, a, 0};
+      *split      = (MpmSplit){a, part->lower[a] + i, a, 0};
     }
   }
 }
@@ -235,7 +237,7 @@ static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], 
   Where the plane leaves one side too full: the layer that the middle of the points lies in, on the axis on which it holds
   fewest. Rows are those of the longest other axis. PETSC_FALSE where the plane will do.
 */
-static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmCut *cut)
+static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmSplit *split)
 {
   const PetscReal target = (PetscReal)part->total * (part->ranks / 2) / part->ranks;
   PetscInt64      fewest = PETSC_INT_MAX;
@@ -252,21 +254,21 @@ static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogra
     part->below = sum;
     for (PetscInt b = 0; b < dim; b++)
       if (b != a && part->upper[b] - part->lower[b] > part->upper[other] - part->lower[other]) other = b;
-    *cut = (MpmCut){a, part->lower[a] + i, other, part->lower[other]};
+    *split = (MpmSplit){a, part->lower[a] + i, other, part->lower[other]};
   }
   return PETSC_TRUE;
 }
 
-/* Points per row of the layers that cuts pass through; NULL where there are none. */
+/* Points per row of the layers that splits pass through; NULL where there are none. */
 static PetscErrorCode RowHistograms(const MpmGrid *grid, const Placed *points, PetscInt part_count, Part parts[],
-                                    const MpmCut cuts[], PetscInt64 **histogram)
+                                    const MpmSplit splits[], PetscInt64 **histogram)
 {
   PetscInt size = 0;
 
   PetscFunctionBeginUser;
   *histogram = NULL;
   for (PetscInt k = 0; k < part_count; k++) {
-    const PetscInt a = cuts[parts[k].cut].row_axis;
+    const PetscInt a = splits[parts[k].split].row_axis;
 
     if (parts[k].rows < 0) continue;
     parts[k].rows = size;
@@ -275,34 +277,35 @@ static PetscErrorCode RowHistograms(const MpmGrid *grid, const Placed *points, P
   if (!size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1(size, histogram));
   for (PetscInt p = 0; p < points->count; p++) {
-    const Part   *part = points->part[p] < 0 ? NULL : &parts[points->part[p]];
-    const MpmCut *cut  = part ? &cuts[part->cut] : NULL;
-    PetscInt      cell[MPM_MAX_DIM];
+    const Part     *part  = points->part[p] < 0 ? NULL : &parts[points->part[p]];
+    const MpmSplit *split = part ? &splits[part->split] : NULL;
+    PetscInt        cell[MPM_MAX_DIM];
 
     if (!part || part->rows < 0) continue;
     MpmGridFindCell(grid, &points->x[p * grid->dim], cell);
-    if (cell[cut->axis] == cut->node) (*histogram)[part->rows + cell[cut->row_axis] - part->lower[cut->row_axis]]++;
+    if (cell[split->axis] == split->node)
+      (*histogram)[part->rows + cell[split->row_axis] - part->lower[split->row_axis]]++;
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Chooses the row at which the layer is divided. */
-static void ChooseRow(Part *part, const PetscInt64 histogram[], MpmCut *cut)
+static void ChooseRow(Part *part, const PetscInt64 histogram[], MpmSplit *split)
 {
-  const PetscInt lower = part->lower[cut->row_axis], upper = part->upper[cut->row_axis];
+  const PetscInt lower = part->lower[split->row_axis], upper = part->upper[split->row_axis];
   PetscInt64     sum = part->below;
 
   for (PetscInt i = lower; i < upper; i++) {
     sum += histogram[part->rows + i - lower];
     if (FullerSide(part, sum) >= FullerSide(part, part->below)) continue;
     part->below = sum;
-    cut->row    = i + 1;
+    split->row  = i + 1;
   }
 }
 
-/* The two sides of a cut that more than one rank shares become parts of the next level; returns how many there are. */
-static PetscInt Divide(const Part *part, const MpmCut *cut, Part next[], PetscInt index[2], PetscInt first)
+/* The two sides of a split that more than one rank shares become parts of the next level; returns how many there are. */
+static PetscInt Divide(const Part *part, const MpmSplit *split, Part next[], PetscInt index[2], PetscInt first)
 {
   const PetscMPIInt below = part->ranks / 2, ranks[2] = {below, part->ranks - below};
   PetscInt          made = 0;
@@ -312,9 +315,9 @@ static PetscInt Divide(const Part *part, const MpmCut *cut, Part next[], PetscIn
     if (ranks[side] == 1) continue;
     next[made]       = *part;
     next[made].ranks = ranks[side];
-    next[made].cut   = part->cut + (side ? below : 1);
-    if (side) next[made].lower[cut->axis] = PetscMin(cut->node, part->upper[cut->axis] - 1);
-    else next[made].upper[cut->axis] = PetscMin(cut->node + (part->rows >= 0), part->upper[cut->axis]);
+    next[made].split = part->split + (side ? below : 1);
+    if (side) next[made].lower[split->axis] = PetscMin(split->node, part->upper[split->axis] - 1);
+    else next[made].upper[split->axis] = PetscMin(split->node + (part->rows >= 0), part->upper[split->axis]);
     made++;
   }
   return made;
@@ -328,8 +331,9 @@ static PetscInt64 FullestRank(const Part *part)
   return PetscMax(below, part->ranks - part->ranks / 2 == 1 ? part->total - part->below : 0);
 }
 
-/* All cuts, level by level; `most` becomes the points on the fullest rank. */
-static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscReal x[], MpmCut cuts[], PetscInt64 *most)
+/* All splits, level by level; `most` becomes the points on the fullest rank. */
+static PetscErrorCode SplitAll(const MpmGrid *grid, PetscInt count, const PetscReal x[], MpmSplit splits[],
+                               PetscInt64 *most)
 {
   Part    *parts, *next;
   PetscInt part_count = 1, (*index)[2];
@@ -346,18 +350,18 @@ static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscRea
 
     PetscCall(Histograms(grid, &points, part_count, parts, &histogram));
     for (PetscInt k = 0; k < part_count; k++) {
-      MpmCut *cut = &cuts[parts[k].cut];
+      MpmSplit *split = &splits[parts[k].split];
 
-      ChoosePlane(grid->dim, &parts[k], histogram, cut);
-      parts[k].rows = ChooseLayer(grid->dim, &parts[k], histogram, cut) ? 0 : -1;
+      ChoosePlane(grid->dim, &parts[k], histogram, split);
+      parts[k].rows = ChooseLayer(grid->dim, &parts[k], histogram, split) ? 0 : -1;
     }
-    PetscCall(RowHistograms(grid, &points, part_count, parts, cuts, &row_histogram));
+    PetscCall(RowHistograms(grid, &points, part_count, parts, splits, &row_histogram));
     for (PetscInt k = 0; k < part_count; k++) {
-      MpmCut *cut = &cuts[parts[k].cut];
+      MpmSplit *split = &splits[parts[k].split];
 
-      if (parts[k].rows >= 0) ChooseRow(&parts[k], row_histogram, cut);
+      if (parts[k].rows >= 0) ChooseRow(&parts[k], row_histogram, split);
       *most = PetscMax(*most, FullestRank(&parts[k]));
-      made += Divide(&parts[k], cut, &next[made], index[k], made);
+      made += Divide(&parts[k], split, &next[made], index[k], made);
     }
     PetscCall(PetscFree(histogram));
     PetscCall(PetscFree(row_histogram));
@@ -366,7 +370,7 @@ static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscRea
 
       if (points.part[p] < 0) continue;
       MpmGridFindCell(grid, &x[p * grid->dim], cell);
-      points.part[p] = index[points.part[p]][!IsBelow(&cuts[parts[points.part[p]].cut], cell)];
+      points.part[p] = index[points.part[p]][!IsBelow(&splits[parts[points.part[p]].split], cell)];
     }
     PetscCall(PetscArraycpy(parts, next, made));
     part_count = made;
@@ -379,46 +383,46 @@ static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscRea
 PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken)
 {
   PetscInt64 most = 0;
-  MpmCut    *cuts;
+  MpmSplit  *splits;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(grid->size, &cuts));
-  if (grid->size > 1) PetscCall(CutAll(grid, count, x, cuts, &most));
-  *taken = (PetscBool)(!grid->cuts || (PetscReal)most <= worth);
+  PetscCall(PetscCalloc1(grid->size, &splits));
+  if (grid->size > 1) PetscCall(SplitAll(grid, count, x, splits, &most));
+  *taken = (PetscBool)(!grid->splits || (PetscReal)most <= worth);
   if (*taken) {
-    PetscCall(PetscFree(grid->cuts));
-    grid->cuts = cuts;
-  } else PetscCall(PetscFree(cuts));
+    PetscCall(PetscFree(grid->splits));
+    grid->splits = splits;
+  } else PetscCall(PetscFree(splits));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the partition as numbers ---- */
 
-PetscErrorCode MpmGridGetCut(const MpmGrid *grid, PetscInt *count, PetscInt **numbers)
+PetscErrorCode MpmGridGetPartition(const MpmGrid *grid, PetscInt *count, PetscInt **numbers)
 {
   PetscFunctionBeginUser;
   *count = 4 * (grid->size - 1);
   PetscCall(PetscMalloc1(*count, numbers));
   for (PetscInt k = 0; k < grid->size - 1; k++) {
-    const MpmCut *cut = &grid->cuts[k];
+    const MpmSplit *split = &grid->splits[k];
 
-    (*numbers)[4 * k]     = cut->axis;
-    (*numbers)[4 * k + 1] = cut->node;
-    (*numbers)[4 * k + 2] = cut->row_axis;
-    (*numbers)[4 * k + 3] = cut->row;
+    (*numbers)[4 * k]     = split->axis;
+    (*numbers)[4 * k + 1] = split->node;
+    (*numbers)[4 * k + 2] = split->row_axis;
+    (*numbers)[4 * k + 3] = split->row;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGridSetCut(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set)
+PetscErrorCode MpmGridSetPartition(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set)
 {
   PetscFunctionBeginUser;
   *set = (PetscBool)(count == 4 * (grid->size - 1));
   if (!*set) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(grid->cuts));
-  PetscCall(PetscMalloc1(grid->size, &grid->cuts));
+  PetscCall(PetscFree(grid->splits));
+  PetscCall(PetscMalloc1(grid->size, &grid->splits));
   for (PetscInt k = 0; k < grid->size - 1; k++) {
-    grid->cuts[k] = (MpmCut){
+    grid->splits[k] = (MpmSplit){
       .axis = numbers[4 * k], .node = numbers[4 * k + 1], .row_axis = numbers[4 * k + 2], .row = numbers[4 * k + 3]};
   }
   PetscFunctionReturn(PETSC_SUCCESS);

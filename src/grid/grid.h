@@ -12,15 +12,15 @@ typedef struct MpmOptions MpmOptions;
 
 /*
   A plane between nodes: those of the lattice with a smaller index on the axis are below it. Of the layer of nodes right
-  above it, those below `row` on another axis are below the cut, too.
+  above it, those below `row` on another axis are below the split, too.
 */
 typedef struct {
   PetscInt axis, node;
   PetscInt row_axis, row;
-} MpmCut;
+} MpmSplit;
 
 /*
-  The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested cuts, which
+  The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested splits, which
   follow the points.
 */
 typedef struct MpmGrid {
@@ -30,24 +30,24 @@ typedef struct MpmGrid {
   PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
   PetscInt    cells[MPM_MAX_DIM]; /* 1 on unused axes */
   PetscInt    nodes[MPM_MAX_DIM]; /* 1 on unused axes */
-  PetscReal   balance;            /* when to look for other cuts: points on the fullest rank over their mean */
-  MpmCut     *cuts;               /* size - 1 of them; NULL before the first partition */
+  PetscReal   balance;            /* when to look for other splits: points on the fullest rank over their mean */
+  MpmSplit   *splits;             /* size - 1 of them; NULL before the first partition */
 } MpmGrid;
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim);
 PetscErrorCode MpmGridDestroy(MpmGrid *grid);
 /*
-  Cuts the lattice anew for these points (dim coordinates each). The cuts are taken when they are the first ones, or when
+  A new partition of the lattice for these points (dim coordinates each). The splits are taken when they are the first ones, or when
   the fullest rank would hold at most `worth` points.
 */
 PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken);
-/* The cuts as numbers (free them), and back where they are for as many ranks as there are. */
-PetscErrorCode MpmGridGetCut(const MpmGrid *grid, PetscInt *count, PetscInt **numbers);
-PetscErrorCode MpmGridSetCut(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set);
+/* The splits as numbers (free them), and back where they are for as many ranks as there are. */
+PetscErrorCode MpmGridGetPartition(const MpmGrid *grid, PetscInt *count, PetscInt **numbers);
+PetscErrorCode MpmGridSetPartition(MpmGrid *grid, PetscInt count, const PetscInt numbers[], PetscBool *set);
 /* The rank that owns a node, given its index on each axis; any node has an owner. */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
 /*
-  The ranks that own nodes of a box, both corners included, ascending, and few others beside steps in the cuts; returns
+  The ranks that own nodes of a box, both corners included, ascending, and few others beside steps in the splits; returns
   how many. Room for grid->size.
 */
 PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
@@ -60,7 +60,7 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
   Shape functions: one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and
   3D.
 
-  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: hat, 2, 3), evaluated at the point
+  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: linear basis functions, 2, 3), evaluated at the point
   or averaged over the point's domain [x - l, x + l]. Averages are taken knot interval by knot interval, so that they
   are exact for any l, keep a partition of unity to rounding, and need no case distinction on l/h.
 */
@@ -69,8 +69,8 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
   MpmShapeType - the shape functions, by the names that the option -mpm_shape takes
 E*/
 typedef enum {
-  MPM_SHAPE_LINEAR,        /* hat at the point */
-  MPM_SHAPE_GIMP,          /* hat averaged over the point's domain (contiguous-particle GIMP) */
+  MPM_SHAPE_LINEAR,        /* linear basis functions at the point */
+  MPM_SHAPE_GIMP,          /* the same averaged over the point's domain (contiguous-particle GIMP) */
   MPM_SHAPE_BSPLINE2,      /* quadratic B-spline at the point */
   MPM_SHAPE_BSPLINE3,      /* cubic B-spline at the point */
   MPM_SHAPE_GIMP_BSPLINE2, /* quadratic B-spline averaged over the point's domain */
@@ -79,24 +79,24 @@ typedef enum {
 extern const char *const MpmShapeTypes[];
 
 /*E
-  MpmEdgeType - how B-splines end at an edge, by the names that the option -mpm_shape_edge takes; hats (linear, gimp)
-  have nothing beyond an edge
+  MpmEdgeType - how B-splines end at an edge, by the names that the option -mpm_shape_edge takes; linear basis
+  functions (linear, gimp) have nothing beyond an edge
 E*/
 typedef enum {
   MPM_EDGE_LINEAR, /* coefficients beyond extend the others linearly: no second derivative there */
-  MPM_EDGE_OPEN    /* the knot next to the edge is left out: polynomials of the spline's degree up to the edge */
+  MPM_EDGE_OPEN /* not-a-knot: the knot next to the edge is left out: polynomials of the spline's degree up to the edge */
 } MpmEdgeType;
 extern const char *const MpmEdgeTypes[];
 
 /* Does the shape average over the point's domain, so that domains must be followed? */
 PetscBool MpmShapeHasDomain(MpmShapeType type);
-/* Degree of the grid's spline: 1 for hats, under GIMP too. */
+/* Degree of the grid's spline: 1 for linear basis functions, under GIMP too. */
 PetscInt MpmShapeDegree(MpmShapeType type);
 
 /* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);
 
-/* What an edge of a spline of this degree is where so many cells lie between it and the next: open edges need more of
+/* What an edge of a spline of this degree is where so many cells lie between it and the next: not-a-knot ends need more of
    them than the degree. */
 MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells);
 /* What the k-th node from an edge inwards (0: on it) gets of the coefficient of the node on it (beyond 0) or of the one
@@ -117,7 +117,7 @@ typedef struct {
 + type        - the shape
 . edge        - how splines end at the edges
 . xi          - the point, (x - lower)/h: node i stands at xi = i
-. half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has cut it
+. half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has clipped it
                 so that the domain stays between the edges
 . edge_lower  - first node of the axis, or of the wall that bounds the material
 - edge_upper  - last node

@@ -1,5 +1,5 @@
 /*
-  One-dimensional shape functions of material points; include/mpmshape.h says what they are.
+  One-dimensional shape functions of material points; grid/grid.h says what they are.
 
   With B the cardinal B-spline of degree p centred at a node and [x - l, x + l] the point's domain,
 
@@ -155,7 +155,7 @@ static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, Pets
 }
 
 /*
-  An open edge has the coefficients of the nodes one beyond it and on it from the edge's value and the p nodes after it:
+  A not-a-knot end has the coefficients of the nodes one beyond it and on it from the edge's value and the p nodes after it:
   the two that make the (p + 1)-th difference over the nodes from the one beyond vanish, which removes the knot next to
   the edge, and give the edge node the spline's value there. By p - 2, then beyond and on.
 */
@@ -165,7 +165,7 @@ static const PetscReal open_edge[2][2][4] = {
 };
 
 /*
-  Gives `outer`, what the node beyond an edge has, and with an open edge what the edge's node has, to the edge's node,
+  Gives `outer`, what the node beyond an edge has, and at a not-a-knot end what the edge's node has, to the edge's node,
   at[0], and those after it, at[step], ...
 */
 static inline void FoldEdge(PetscInt degree, MpmEdgeType edge, PetscInt step, PetscReal outer, PetscReal at[])

@@ -2,7 +2,7 @@
   MpmHistory - the CSV file with one row a step.
 
   Create writes the header, Append one row, Destroy closes. Each row is flushed: what a killed run had reached can be
-  read. Mark tells how much there is, Continue goes on from there in a later run.
+  read. Mark tells how much there is, Continue appends there in a later run.
 */
 #include <errno.h>
 #include <math.h>
@@ -32,7 +32,7 @@ static void PlaceAdvance(MpmHistoryPlace *place, const char *text, size_t length
   place->length += (PetscInt64)length;
 }
 
-/* Writes a line and counts it; the stream remembers a failure. */
+/* Writes a line and counts it; the stream keeps a failure. */
 static PetscErrorCode WriteLine(MpmHistory history, MpmTextFile *line)
 {
   PetscFunctionBeginUser;
@@ -50,7 +50,7 @@ static PetscErrorCode HeaderText(PetscInt columns, const char *const names[], Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Flushes; returns 0 or errno. A failure of an earlier print is remembered by the stream. */
+/* Flushes; returns 0 or errno. A failure of an earlier print is kept by the stream. */
 static int HistoryFlush(FILE *file)
 {
   errno = 0;

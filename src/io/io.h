@@ -39,7 +39,7 @@ typedef struct {
 /* Where a state goes, and what stands beside the rows of its points. */
 typedef struct {
   const char         *path, *group;
-  PetscBool           append;     /* to the file, which exists; otherwise it is made anew */
+  PetscBool           append;     /* to the file, which exists; otherwise a new one is made */
   PetscInt64          head;       /* bytes before HDF5's own in a new file: 0 or a power of two from 512 */
   PetscInt64          collective; /* bytes from which on all ranks write together */
   PetscInt            attribute_count;
@@ -128,14 +128,14 @@ PetscErrorCode MpmOutputSetSlab(MpmOutput output, PetscInt64 bytes);
 PetscErrorCode MpmOutputDestroy(MpmOutput *output);
 
 /*
-  A mark: what a results file was at some time, so that it can become just that again whatever has been appended to it
-  since, and even where a killed run has left it inconsistent (mark.c). It holds every byte of the file but the points'
+  A mark: what a results file was at some time, to which it can be rolled back whatever has been appended since,
+  even where a killed run has left it inconsistent (rollback.c). The mark holds every byte of the file but the points'
   numbers, which stand still once they are written. Rank 0 holds it; empty for a file that does not exist.
 */
 PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark);
 /*
   Without `apply` nothing is done but to look whether it could be. `why` is NULL, or the reason for which the file cannot
-  become what it was (static text); `there`: is there a file?
+  be rolled back (static text); `there`: is there a file?
 */
 PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool apply,
                              PetscBool *there, const char **why);
@@ -187,7 +187,7 @@ PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *vers
   The files of checkpoints: <prefix>_checkpoint.h5 is the newest, older ones that are kept carry the number of their step.
 
   A checkpoint is an HDF5 file behind a head of 512 bytes of text, which says what it is, how long, and the hash of every
-  byte: nothing of the file is trusted, and HDF5 does not see it, before that hash has been made anew.
+  byte: nothing of the file is trusted, and HDF5 does not see it, before that hash has been computed again.
 */
 
 #define MPM_CHECKPOINT_FORMAT 2

@@ -144,7 +144,7 @@ static PetscErrorCode WriteIndices(MpmOutput output, PetscBool grid)
 }
 
 /*
-  The state goes into one of the two indices, on rank 0; then the files are written anew. The points come last: some
+  The state goes into one of the two indices, on rank 0; then the files are rewritten. The points come last: some
   programs read the last collection of a file, and no other.
 */
 static PetscErrorCode WriteIndex(MpmOutput output, MpmXdmfState *state, MpmTextFile *index)
@@ -215,7 +215,7 @@ PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal tim
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- going on with files that exist ---- */
+/* ---- continuing files that exist ---- */
 
 PetscBool MpmOutputStarted(MpmOutput output)
 {

@@ -1,9 +1,9 @@
 /*
-  Marks: how a results file becomes again what it was.
+  Marks: how a results file is rolled back.
 
   A run that is killed while it appends to an HDF5 file may leave it inconsistent, and what is inconsistent is the part
   that states written long ago share: the list of groups. The points' numbers themselves are written once and never
-  again. So a mark holds the file's length and all of its bytes but those numbers, and to return to it is to put these
+  again. So a mark holds the file's length and all of its bytes but those numbers, and to roll back to it is to put these
   bytes back and to cut the file to that length: what then stands on the disk is the old file, byte for byte.
 
   A mark in memory: the number of pieces, the file's length, a hash of some of the points' numbers (it tells another

@@ -91,7 +91,7 @@ static PetscErrorCode Agree(Writer *writer, PetscBool worked)
 /* ---- rows to blocks ---- */
 
 /*
-  Rows go by ascending id: row[i] is the number of ids below id[i], over all ranks. Ids are dealt to the ranks in blocks
+  Rows go by ascending id: row[i] is the number of ids below id[i], over all ranks. Ids are distributed over the ranks in blocks
   for that, whatever holes there are between them; `largest` is the largest of all, 0 where there is none.
 */
 static PetscErrorCode NumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[], PetscInt row[], PetscInt *largest)

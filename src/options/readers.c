@@ -1,5 +1,5 @@
 /*
-  The typed readers of mpmoptions.h.
+  The typed readers of options.h.
 
   A reader states what an option means in an ItemSpec; ItemRead() makes the line of -help, the entry in the record and
   the complaint about a missing option out of it, so that the three cannot disagree. Then the reader parses what was

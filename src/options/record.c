@@ -1,7 +1,7 @@
 /*
   The record of options in force: what is known to the program, what nobody knows, and how to run the same thing again.
 
-  Order of calls: MpmRecordCreate(), the readers of mpmoptions.h, MpmOptionsCheckUnknown(), MpmOptionsWriteYAML(),
+  Order of calls: MpmRecordCreate(), the readers of options.h, MpmOptionsCheckUnknown(), MpmOptionsWriteYAML(),
   MpmRecordDestroy().
 */
 #include "options/options.h"

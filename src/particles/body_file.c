@@ -1,7 +1,7 @@
 /*
   Points that a body reads from a file.
 
-    file           HDF5 or CSV, see pointfile.c
+    file           HDF5 or CSV, see point_table.c
     step           of a file with /points: a number, or latest
     file_material  only the points whose `material` is this number
 
@@ -186,7 +186,7 @@ PetscInt MpmImportedCount(MpmImported imported)
 
 /* ---- into the particles ---- */
 
-/* The row's history, at rest where the file does not have it; true when the file has all of it. */
+/* The row's history, that of no strain where the file does not have it; true when the file has all of it. */
 static PetscBool TakeState(const MpmImported imported, const MpmMaterial *material, PetscInt dim, PetscInt row,
                            PetscReal state[])
 {
@@ -240,14 +240,14 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
 
   if (!imported->quantity[STRESS].value) return 0;
   for (PetscInt c = 0; c < size; c++) stress[c] = imported->quantity[STRESS].value[6 * row + c];
-  if (initial->remembers ? has_state : has_F) return 0;
+  if (initial->stateful ? has_state : has_F) return 0;
   J = MpmDeterminant(dim, F);
-  for (PetscInt c = 0; initial->remembers && c < size; c++) stress[c] *= J; /* history holds the Kirchhoff stress */
+  for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] *= J; /* history holds the Kirchhoff stress */
   answer = MpmInitialFind(initial, state, stress, found, own);
   if (answer == 2) return 2;
   for (PetscInt k = 0; k < initial->material->state_size; k++) state[k] = own[k];
-  for (PetscInt c = 0; initial->remembers && c < size; c++) stress[c] /= J;
-  if (initial->remembers) return answer;
+  for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] /= J;
+  if (initial->stateful) return answer;
   if (MpmStretchFind(dim)(found, U)) return 2;
   for (PetscInt k = 0; k < dim * dim; k++) F[k] = found[k];
   points->volume0[p] /= MpmDeterminant(dim, F);

@@ -8,7 +8,7 @@
 
   so that steps of the surface and neighbours with other domains count by the width that they share with p.
 
-  The horizontal plane is cut into the grid's columns of cells and each column goes to one rank, whatever part of it
+  The horizontal plane is divided into the grid's columns of cells and each column goes to one rank, whatever part of it
   which rank holds. There, boxes of the same width stand in piles, sorted from above with running sums: a point asks each
   pile once, by bisection.
 */

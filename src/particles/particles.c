@@ -7,7 +7,7 @@
 */
 #include "particles/particles.h"
 
-/* Other cuts are taken when the fullest rank then holds this much less. */
+/* Another partition is taken when the fullest rank then holds this much less. */
 #define BALANCE_GAIN 1.02
 
 /* Every field of the swarm is registered here: what is listed travels with its point and stands in checkpoints. */
@@ -286,7 +286,7 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
 
   PetscFunctionBeginUser;
   *moved = PETSC_FALSE;
-  if (grid->size == 1 && grid->cuts) PetscFunctionReturn(PETSC_SUCCESS);
+  if (grid->size == 1 && grid->splits) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   most = (PetscReal)count;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, grid->comm));
@@ -304,7 +304,7 @@ PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, co
   PetscInt  count, most;
 
   PetscFunctionBeginUser;
-  if (!grid->cuts) PetscCall(MpmParticlesRebalance(particles, grid, PETSC_TRUE, &moved));
+  if (!grid->splits) PetscCall(MpmParticlesRebalance(particles, grid, PETSC_TRUE, &moved));
   PetscCall(MpmParticlesMigrate(particles, grid));
   if (!particles->lost[0]) PetscCall(MpmParticlesRebalance(particles, grid, PETSC_FALSE, &moved));
   if (!particles->lost[0] && moved) PetscCall(MpmParticlesMigrate(particles, grid));

@@ -1,5 +1,5 @@
 /*
-  The stand-in for all materials in the balance of k0 (src/k0.c): whatever the strain, the stress that it adds keeps the
+  The auxiliary law in place of all materials in the balance of k0 (k0_balance.c): whatever the strain, the stress that it adds keeps the
   ratio k0 of the horizontal stresses to the vertical one.
 
     e = sym(F_{n+1} - F_n),   sigma = sigma_n + M (m (m.e) + e_shear + r e),   m = 1 up the vertical axis, k0 across it

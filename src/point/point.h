@@ -100,7 +100,7 @@ PetscErrorCode MpmPluginsLoad(const MpmOptions *options);
 /* ---- stress_inversion.c ---- */
 
 /*
-  States of one material with a wanted stress. Where the law's stress follows from its history alone (`remembers`), F
+  States of one material with a wanted stress. Where the law's stress follows from its state alone (`stateful`), F
   stays the identity and all six components are met; otherwise F carries the stress, in plane strain without the
   component across the plane.
 */
@@ -109,7 +109,7 @@ typedef struct {
   MpmKernelSet       kernel;
   MpmFunction        law[MPM_FORM_COUNT];
   PetscInt           dim, model_dim; /* of the kernel, and of the model */
-  PetscBool          remembers;
+  PetscBool          stateful;
 } MpmInitial;
 
 #define MPM_INITIAL_STATE 64 /* most values of a history in 3D */

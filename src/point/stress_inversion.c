@@ -2,7 +2,7 @@
   Initial states: deformation and history that give a wanted stress, for any law.
 
   With a symmetric dF = I + H the law's Kirchhoff stress tau(H) is brought to its goal by Newton's method, with the law's
-  own tangent from dual numbers: as many equations as H has components. A law that remembers its stress in its history
+  own tangent from dual numbers: as many equations as H has components. A law whose state determines its stress
   (elastic strains as state variables) keeps F = I, so that volume and domain stay those of the body, and tau = sigma;
   it is evaluated in 3D even in plane strain, so that the component across the plane is met too. Any other law keeps F =
   I + H, and tau = J sigma.
@@ -85,7 +85,7 @@ static int Evaluate(const MpmInitial *initial, const PetscReal state_n[], const 
 
     response->tau[s] = small ? P[a * n + b] : 0.;
     for (PetscInt c = 0; c < n && !small; c++) response->tau[s] += P[a * n + c] * dF[b * n + c];
-    response->goal[s] = initial->remembers || small ? sigma[s] : J * sigma[s];
+    response->goal[s] = initial->stateful || small ? sigma[s] : J * sigma[s];
     for (PetscInt t = 0; t < count; t++) {
       const PetscInt k = Pairs(initial)[t][0], l = Pairs(initial)[t][1];
       PetscReal      slope = 0., dJ = 0.;
@@ -98,7 +98,7 @@ static int Evaluate(const MpmInitial *initial, const PetscReal state_n[], const 
         if (!small && i == b) slope += P[a * n + j];
         dJ += cofactor[column];
       }
-      response->slope[s][t] = slope - (initial->remembers || small ? 0. : dJ * sigma[s]);
+      response->slope[s][t] = slope - (initial->stateful || small ? 0. : dJ * sigma[s]);
     }
   }
   return 0;
@@ -141,7 +141,7 @@ static int SolveSmall(PetscInt n, PetscReal A[SYM_MAX][SYM_MAX], const PetscReal
 }
 
 /*
-  h with tau(h) at its goal. Returns 0; or 1 and the elastic guess, that of the tangent at rest, where Newton does not
+  h with tau(h) at its goal. Returns 0; or 1 and the elastic guess, that of the initial tangent, where Newton does not
   get there.
 */
 static int FindGradient(const MpmInitial *initial, const PetscReal state_n[], const PetscReal sigma[], PetscReal h[])
@@ -232,14 +232,14 @@ static PetscErrorCode FindWhetherItRemembers(MpmInitial *initial)
   PetscReal      *state, *after, *again, F[9], one[SYM_MAX], two[SYM_MAX], J;
 
   PetscFunctionBeginUser;
-  initial->remembers = PETSC_FALSE;
+  initial->stateful = PETSC_FALSE;
   if (!initial->material->state_size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc3((2 * initial->material->state_size), &state, (2 * initial->material->state_size), &after,
                          (2 * initial->material->state_size), &again));
   MpmMaterialStateAtRest(initial->material, initial->dim, state);
   if (!Take(initial, state, h, after, F, one) && !Take(initial, after, rest, again, F, two)) {
-    J                  = (1. + little) * (1. + little) * (1. + little);
-    initial->remembers = (PetscBool)(PetscAbsReal(two[0] - J * one[0]) <= 1e-9 * PetscAbsReal(one[0]));
+    J                 = (1. + little) * (1. + little) * (1. + little);
+    initial->stateful = (PetscBool)(PetscAbsReal(two[0] - J * one[0]) <= 1e-9 * PetscAbsReal(one[0]));
   }
   PetscCall(PetscFree3(state, after, again));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -255,7 +255,7 @@ PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmIn
              "law %s has too many history values for an initial stress", material->info.name);
   PetscCall(UseDimension(3, initial));
   PetscCall(FindWhetherItRemembers(initial));
-  if (!initial->remembers) PetscCall(UseDimension(dim, initial));
+  if (!initial->stateful) PetscCall(UseDimension(dim, initial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,8 +278,8 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
   if (Take(initial, before, h, after, full, reached)) return 2;
   CopyState(initial->material, initial->dim, dim, after, state);
   for (PetscInt s = 0; s < size; s++)
-    stress[s] = reached[s] * (initial->remembers ? MpmDeterminant(initial->dim, full) : 1.);
-  if (initial->remembers) Identity(dim, F);
+    stress[s] = reached[s] * (initial->stateful ? MpmDeterminant(initial->dim, full) : 1.);
+  if (initial->stateful) Identity(dim, F);
   else
     for (PetscInt k = 0; k < dim * dim; k++) F[k] = full[k];
   return moved;

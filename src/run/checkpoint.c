@@ -2,7 +2,7 @@
   Checkpoints: when they are written, and what stands in them.
 
   One group /points: every field of the particles, rows by id, with the rank that held each point and its place there,
-  so that as many ranks can go on from just the same state; the model's numbers as attributes (scalars.c); and as bytes
+  so that as many ranks can restart from just the same state; the model's numbers as attributes (run_state.c); and as bytes
   the options that define the scene, the partition, and where the result files stood.
 */
 #include <ctype.h>
@@ -128,7 +128,7 @@ PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *option
 
 /* ---- writing ---- */
 
-/* What goes beside the points, and the files' places. */
+/* Metadata, and the files' places. */
 typedef struct {
   MpmTextFile scene, partition, results, index, grid_index, history;
   PetscInt    count;
@@ -173,7 +173,7 @@ static PetscErrorCode BesideSetUp(MpmModel model, Beside *beside)
   PetscFunctionBeginUser;
   memset(beside, 0, sizeof(*beside));
   PetscCall(MpmCheckpointScene(model, PETSC_FALSE, &beside->scene));
-  PetscCall(MpmGridGetCut(&model->disc.grid, &count, &numbers));
+  PetscCall(MpmGridGetPartition(&model->disc.grid, &count, &numbers));
   for (PetscInt k = 0; k < count; k++)
     PetscCall(MpmTextFileAppend(&beside->partition, "%" PetscInt_FMT "\n", numbers[k]));
   PetscCall(PetscFree(numbers));

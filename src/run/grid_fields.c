@@ -131,7 +131,7 @@ static PetscErrorCode FillNodal(const void *ctx, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Mass of the points at the local nodes, kg: a node with little hardly touches the material. */
+/* Mass of the points at the local nodes, kg: a small-cut node has little. */
 static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscReal mass[])
 {
   const MpmSpace *space = &model->disc.space;
@@ -235,7 +235,7 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
 
   Notes:
   After a step the nodes are those that it was solved on, and their fields what it has left there: the increment of the
-  displacement (m), the internal minus the external force (N; the reaction where the node is held, what Newton has left
+  displacement (m), the internal minus the external force (N; the reaction where the node is constrained, what Newton has left
   elsewhere) and the external force (N). In the initial state, and after a step that failed, there is none of these: they
   are zero. `mass` is the points' (kg), `held` the sum of 1, 2, 4 where the displacement along x, y, z is prescribed,
   `rank` the rank that owns the node. Further unknowns follow by name.

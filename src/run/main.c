@@ -6,7 +6,9 @@
 #include <unistd.h>
 #include "options/options.h"
 #include "options/scene_file.h"
-#include "run/run.h"
+#include "run/manual.h"
+#include "run/signals.h"
+#include "talus/talus.h"
 
 /* What the handler knows of the current error. */
 typedef struct {

@@ -1,7 +1,7 @@
 /*
-  What a run says on the terminal: a header, one line a step with the time to go, and why steps were cut.
+  What a run says on the terminal: a header, one line a step with the estimated time left, and why steps were cut.
 
-  The time to go follows recent speed: wall time and progress are summed with a memory of some twenty steps.
+  The estimated time left follows recent speed: wall time and progress are summed with a memory of some twenty steps.
 */
 #include <stdarg.h>
 #include "run/run.h"
@@ -31,7 +31,7 @@ static PetscErrorCode PrintTitles(MpmModel model)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscPrintf(model->comm, "%7s %14s %10s %6s %6s %4s %6s %11s\n", "step", "time", "dt", "newton", "linear",
-                        "cuts", "done", "time to go"));
+                        "cuts", "done", "time left"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,7 +48,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   PetscCall(PetscFree(title));
   PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
                         model->scene.physics.name, grid->dim, MpmShapeTypes[model->scene.shape],
-                        model->scene.edge == MPM_EDGE_OPEN ? " with open edges" : "",
+                        model->scene.edge == MPM_EDGE_OPEN ? " with not-a-knot ends" : "",
                         MpmJacobianTypes[model->solver.jacobian_type], model->solver.name,
                         model->solver.why ? " (" : "", model->solver.why ? model->solver.why : "",
                         model->solver.why ? ")" : "", model->size, model->size > 1 ? "s" : ""));

@@ -1,8 +1,8 @@
 /*
-  Going on from a checkpoint, on any number of ranks.
+  Restarting from a checkpoint, on any number of ranks.
 
   On as many ranks as before every point goes back to its rank and its place there, and the partition is as it was: sums
-  are made in the same order. On another number the points are dealt anew and stand by their ids.
+  are made in the same order. On another number the points are redistributed and stand by their ids.
 */
 #include <stdlib.h>
 #include <strings.h>
@@ -220,7 +220,7 @@ PetscErrorCode MpmRestartOpen(MpmModel model)
 
 /* ---- points ---- */
 
-/* The cuts as they were; `same`: as many ranks as then. */
+/* The partition as it was; `same`: as many ranks as then. */
 static PetscErrorCode RestorePartition(MpmModel model, PetscBool *same)
 {
   const char *text  = model->results->checkpoint.restart->partition.data;
@@ -231,7 +231,7 @@ static PetscErrorCode RestorePartition(MpmModel model, PetscBool *same)
   for (const char *c = text; *c; c++) count += *c == '\n';
   PetscCall(PetscMalloc1(count, &numbers));
   for (PetscInt k = 0; k < count; k++, text = end) numbers[k] = (PetscInt)strtoll(text, &end, 10);
-  PetscCall(MpmGridSetCut(&model->disc.grid, count, numbers, same));
+  PetscCall(MpmGridSetPartition(&model->disc.grid, count, numbers, same));
   PetscCall(PetscFree(numbers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

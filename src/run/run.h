@@ -12,7 +12,7 @@ typedef struct MpmOptions MpmOptions;
 
 /* ---- checkpoint.c, restart.c, run_state.c ---- */
 
-/* A checkpoint that a run goes on from (restart.c). */
+/* The checkpoint that a run restarts from (restart.c). */
 typedef struct _p_MpmRestart *MpmRestart;
 
 /* When checkpoints are written, and the one that the run has started from. */
@@ -52,7 +52,7 @@ PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop);
 PetscErrorCode MpmCheckpointDestroy(MpmCheckpoint *checkpoint);
 
 /*
-  Going on, in this order: Open finds the checkpoint and checks it against the scene, ReadPoints fills the particles in
+  Restarting, in this order: Open finds the checkpoint and checks it against the scene, ReadPoints fills the particles in
   place of the bodies, Apply sets the model's numbers once the solver is chosen, Results takes up the result files.
 */
 PetscErrorCode MpmRestartOpen(MpmModel model);

@@ -1,6 +1,6 @@
 /*
-  What keeps the discrete problem sound: the ghost penalty against small cuts (ghost.c) and F-bar against volumetric
-  locking (mean.c), and how `auto` chooses.
+  What keeps the discrete problem sound: the ghost penalty against small cuts (ghost_penalty.c) and F-bar against volumetric
+  locking (cell_mean.c), and how `auto` chooses.
 
   Volumetric locking: where material hardly changes its volume, or flows plastically so that its volume follows from its
   shear, a low-order grid has more such conditions than unknowns that could meet them, and resists what the material does

@@ -48,7 +48,7 @@ static PetscBool HasColor(const Seeds *seeds, PetscInt node, const PetscInt colo
   return PETSC_TRUE;
 }
 
-/* The seeds of component c: one at every node of the colour that is not held there. */
+/* The seeds of component c: one at every node of the colour that is not constrained there. */
 static void PlantSeeds(const Seeds *seeds, const PetscInt color[], PetscInt c)
 {
   const PetscInt bs = seeds->sum->layout->block;

@@ -1,6 +1,6 @@
 /*
   The Jacobian as a PETSc shell: products from the points, and the diagonal and point-block diagonal that smoothers and
-  simple preconditioners ask for. Held unknowns keep the row `diagonal` times identity.
+  simple preconditioners ask for. Constrained unknowns keep the row `diagonal` times identity.
 */
 #include "terms/action.h"
 #include "terms/discretization.h"
@@ -13,7 +13,7 @@ typedef struct {
   PetscReal *inverse; /* of the diagonal blocks of owned nodes, column-major as PETSc wants them */
 } Matfree;
 
-/* Local values of a vector, as components along the axes; held unknowns are zero. */
+/* Local values of a vector, as components along the axes; constrained unknowns are zero. */
 static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
 {
   const MpmSpace    *space = &free->solver->disc->space;

@@ -65,7 +65,7 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
 }
 
 /*
-  f = internal - external force; on held unknowns, diagonal * (u - value). Where a point has no answer f becomes
+  f = internal - external force; on constrained unknowns, diagonal * (u - value). Where a point has no answer f becomes
   infinite and SNES backs off. The tangents' kernel gives the fluxes too: where a Jacobian at the same place is sure to
   follow, its sums are made in the same pass.
 */
@@ -215,7 +215,7 @@ static PetscReal Contact(const MpmSolver *solver)
 }
 
 /*
-  Relative to the residual of a step in which nothing moves, whatever the first guess; and a floor: a residual as small
+  Relative to the residual at zero displacement, whatever the first guess; and a floor: a residual as small
   as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the last from the differences of
   nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node. A boundary's penalty adds what
   it makes of the rounding of places.

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  The order of unknowns for the PC type `band` (band.c), and where the matrix's entries go in it.
+  The order of unknowns for the PC type `band` (pc_band.c), and where the matrix's entries go in it.
 */
 #include "talus/compat.h"
 #include <petscksp.h>

@@ -1,5 +1,5 @@
 /*
-  The order for band Cholesky (band.c): fronts that walk through the rank's nodes from those that touch a border, or from
+  The order for band Cholesky (pc_band.c): fronts that walk through the rank's nodes from those that touch a border, or from
   an end. A node is a block of the matrix.
 
   The walk is breadth-first, and another one goes back from its last front: the difference of the two distances grows

@@ -160,7 +160,7 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
 
 /*
   What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Small ones may be narrow enough
-  for the band solver (band.c), which finds out by itself; not where the user names a package. Of MUMPS' scalings for
+  for the band solver (pc_band.c), which finds out by itself; not where the user names a package. Of MUMPS' scalings for
   symmetric matrices that by the diagonal costs least. In 2D, below this size, quasi-dense minimum degree (QAMD) beats
   nested dissection, and the last front is too small to be shared out by ScaLAPACK.
 */
@@ -261,7 +261,7 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solver, vectors and matrix for a new pattern. GAMG of PETSc 3.18 cannot be reset to another size: all are made anew. */
+/* Solver, vectors and matrix for a new pattern. GAMG of PETSc 3.18 cannot be reset to another size: all are made again. */
 static PetscErrorCode CreateObjects(MpmSolver *solver)
 {
   PetscFunctionBeginUser;
@@ -335,7 +335,7 @@ static void RigidMode(PetscInt dim, PetscInt k, const PetscReal x[], PetscScalar
 }
 
 /*
-  Rigid body modes for multigrid. Held unknowns do not move, so the modes are zero there; what is left is made
+  Rigid body modes for multigrid. Constrained unknowns do not move, so the modes are zero there; what is left is made
   orthonormal.
 */
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
@@ -386,7 +386,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
 
 /*
   After a linear solve has failed: a factorisation that failed must not be used again, and GAMG cannot be reset, so the
-  solver is made anew; with GMRES where CG met an indefinite Jacobian.
+  solver is made again; with GMRES where CG met an indefinite Jacobian.
 */
 PetscErrorCode MpmSolverRenew(MpmSolver *solver)
 {

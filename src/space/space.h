@@ -5,14 +5,14 @@
 #include "particles/particles.h"
 
 #define MPM_GHOST_FACTOR 1e-2 /* of the ghost penalty; */
-#define MPM_GHOST_REST   3e-7 /* where nothing is to move, with iterative solvers; */
+#define MPM_GHOST_REST   3e-7 /* in a geostatic stage, with iterative solvers; */
 #define MPM_GHOST_SPARSE 1e-1 /* where points are sparse; */
 #define MPM_GHOST_RESCUE 1e-1 /* and where a run would give up with less */
 
 /* ---- space.c, active_nodes.c ---- */
 
 /*
-  A wall: the plane of a Dirichlet condition on the component along its axis. Domains are cut there and splines end
+  A wall: the plane of a Dirichlet condition on the component along its axis. Domains are clipped there and splines end
   there.
 */
 typedef struct {
@@ -112,13 +112,13 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /*
-  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, cut at walls and at the
-  grid's edges. The cut is not remembered. PETSC_FALSE where the point has no stretch.
+  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, clipped at walls and at the
+  grid's edges. The clipping is not kept. PETSC_FALSE where the point has no stretch.
 */
 PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt point, PetscReal half[]);
 /* Room for `count` boxes more, without points, behind the others. */
 PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes);
-/* Numbers the nodes that the groups touch and builds the scatter (nodes.c). */
+/* Numbers the nodes that the groups touch and builds the scatter (active_nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
 /* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */
 PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal local[]);
@@ -151,7 +151,7 @@ typedef struct MpmSum {
   const double      *physics_parameter;
   PetscInt           state_size;
   PetscReal          dt;
-  PetscBool          rest;  /* nothing moves: stresses are those of the step's start */
+  PetscBool          rest;  /* no motion: stresses are those of the step's start */
   const MpmTrial    *trial; /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
@@ -169,7 +169,7 @@ static inline MpmCell MpmUnitGroups(const MpmSum *sum, PetscInt unit)
 }
 
 /*
-  Values of the points, and their gradients by x where `gradient` is not NULL, at the owned nodes (project.c). Point p has
+  Values of the points, and their gradients by x where `gradient` is not NULL, at the owned nodes (point_to_node.c). Point p has
   `components` values from value[p*stride] and components * dim derivatives from gradient[p*stride].
 */
 PetscErrorCode MpmProjectToNodes(const MpmSum *sum, PetscInt components, PetscInt stride, const PetscReal value[],

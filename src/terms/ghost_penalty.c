@@ -1,7 +1,7 @@
 /*
-  Ghost penalty: a cure for nodes that the material hardly touches.
+  Ghost penalty: a cure for small-cut nodes, those that only a sliver of the material touches.
 
-  The grid's field is a spline of degree p, hats (p = 1) under GIMP too, and a polynomial on each piece between knots: the
+  The grid's field is a spline of degree p, linear basis functions (p = 1) under GIMP too, and a polynomial on each piece between knots: the
   grid's cells, or for even p the cells around nodes. Pieces that a point's domain touches are material; one with a
   neighbour in the grid that is none is an edge piece. On every face F between two material pieces, one of them at least
   an edge piece or made of a material with sparse points, the step's increment u gets the energy
@@ -136,7 +136,7 @@ static PetscInt FirstNode(PetscInt degree)
 }
 
 /*
-  The pieces that a group's points may touch: those whose nodes are all in its box, and what an edge has cut from it.
+  The pieces that a group's points may touch: those whose nodes are all in its box, and what an edge has taken from it.
 */
 static void GroupPieces(const MpmGroup *group, const MpmRules *rules, const PetscReal x[], PetscInt lower[],
                         PetscInt count[])

@@ -19,7 +19,7 @@ typedef struct {
   PetscInt   vertex_count;
   PetscReal *vertices, penalty, motion[MPM_MAX_DIM];
   PetscBool  stick, bilateral;
-  MpmRegion  region; /* of the points concerned, at the start */
+  MpmRegion  region; /* of the contact candidates, at the start */
   MpmRamp    ramp;
 } MpmBoundary;
 

@@ -77,7 +77,7 @@ static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *poin
 
 PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles)
 {
-  PetscInt  count[3] = {0, 0, 0}; /* points concerned, behind the boundary, at it */
+  PetscInt  count[3] = {0, 0, 0}; /* contact candidates, behind the boundary, at it */
   MpmPoints points;
 
   PetscFunctionBeginUser;
@@ -97,14 +97,14 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
   MpmCheckInput(!count[1],
                 "-mpm_boundary_%s_type: %" PetscInt_FMT
                 " points lie behind it at the start; turn its normal or side, or "
-                "choose the points concerned",
+                "choose the contact candidates with its points_region",
                 boundary->name, count[1]);
   MpmCheckInput(!boundary->bilateral || count[2],
                 "-mpm_boundary_%s_contact bilateral: no point lies at it at the start", boundary->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is the point concerned in this step, and where does its face stand? */
+/* Is the point a contact candidate of this step, and where does its face stand? */
 static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                PetscReal margin, MpmContact *contact, PetscBool *candidate)
 {
@@ -457,7 +457,7 @@ const MpmTerm MpmTermContact = {
 
 /* ---- the converged step ---- */
 
-/* What has slipped is remembered while a point touches. */
+/* The slip is kept while a point touches. */
 static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const Answer answers[],
                                 MpmParticles *particles)
 {

@@ -1,5 +1,5 @@
 /*
-  Boundaries that do not follow the grid: surfaces that hold the material by a penalty (contact.c). Here they are read
+  Boundaries that do not follow the grid: surfaces that hold the material by a penalty (rigid_contact.c). Here they are read
   and measured.
 
     type      plane     point, normal (towards the material)
@@ -11,7 +11,7 @@
     friction  frictionless (default) or stick
     penalty   times Young's modulus over the smallest cell size: pressure by depth
     motion    displacement of the surface in total, times ramp
-    points    a region: only what is in it at the start is concerned
+    points    a region: the points in it at the start are the contact candidates
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -99,7 +99,7 @@ static PetscErrorCode ReadGeometry(const MpmOptions *block, MpmBoundary *boundar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Which points are concerned. */
+/* Which points are contact candidates. */
 static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary)
 {

@@ -284,7 +284,7 @@ static PetscErrorCode ListCoordinates(const MpmPattern *pattern, const MpmSpace 
   PetscCall(MatSetPreallocationCOO(mat, count, i, j));
   PetscCall(PetscFree2(i, j));
   PetscCall(MatHasOperation(mat, MATOP_GET_DIAGONAL_BLOCK, &has));
-  if (has) { /* MPIAIJ makes it anew and forgets its blocks, which point-block preconditioners need */
+  if (has) { /* MPIAIJ makes that matrix again and forgets its blocks, which point-block preconditioners need */
     PetscCall(MatGetDiagonalBlock(mat, &diagonal));
     PetscCall(MatSetBlockSize(diagonal, bs));
   }

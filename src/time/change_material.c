@@ -3,7 +3,7 @@
 
   Strength, hardening and the like change where the law and its elasticity stay: F and history are kept, and the next
   step's return does the rest (strength reduction). Otherwise the Cauchy stress is kept: F and history of the new law
-  that give it are searched (initial.c); history variables that both laws know by name are carried over. Volume and
+  that give it are searched (stress_inversion.c); history variables that both laws know by name are carried over. Volume and
   domain stay, mass goes with the density.
 */
 #include "time/time.h"
@@ -14,7 +14,7 @@ static PetscBool SameElasticity(const MpmMaterial *one, const MpmMaterial *other
                      one->penalty == other->penalty);
 }
 
-/* History variables of `to` from those of `from` with the same name and kind; others as at rest. */
+/* History variables of `to` from those of `from` with the same name and kind; others as without strain. */
 static void CarryState(const MpmMaterial *from, const MpmMaterial *to, PetscInt dim, const PetscReal old[],
                        PetscReal state[])
 {
@@ -27,7 +27,7 @@ static void CarryState(const MpmMaterial *from, const MpmMaterial *to, PetscInt 
     for (size_t w = 0; w < from->info.state_count; w++) {
       const MpmStateVariable *source = &from->info.states[w];
 
-      /* elastic strains belong to the stress, which is searched anew */
+      /* elastic strains belong to the stress, which is searched again */
       if (!strcmp(source->name, variable->name) && source->kind == MPM_STATE_SCALAR &&
           variable->kind == MPM_STATE_SCALAR)
         state[0] = old[first];

@@ -1,9 +1,9 @@
 /*
-  A geostatic stage: the state of stress under which the ground is at rest in the very shape in which it was drawn.
+  A geostatic stage: the state of stress in equilibrium in the very shape in which the ground was drawn.
 
   Start. `gravity`: no stress, and the loads grow in the stage's steps. `k0`: the vertical stress is the weight above
-  (overburden.c), the horizontal ones k0 times that, and the loads act in full at once (k0.c); history, and F where a law
-  needs it, follow from the stress (initial.c).
+  (overburden.c), the horizontal ones k0 times that, and the loads act in full at once (k0_balance.c); history, and F where a law
+  needs it, follow from the stress (stress_inversion.c).
 
   Equilibrium. The sums over points depend on where the points stand over the grid, so that equilibrium must be found in
   the shape that the next stage starts from: a step is solved, its stress and history are kept, and the points are put
@@ -24,7 +24,7 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
   rest->n = points->count;
   PetscCall(PetscMalloc4((rest->n * dim), &rest->x, rest->n, &rest->volume, (rest->n * dim), &rest->domain,
                          (rest->n * dim * dim), &rest->F));
-  PetscCall(PetscCalloc1(model->scene.materials.count, &rest->remembers));
+  PetscCall(PetscCalloc1(model->scene.materials.count, &rest->stateful));
   for (PetscInt k = 0; k < 2 * MPM_MAX_DIM; k++) reach[k] = PETSC_NINFINITY;
   for (PetscInt p = 0; p < rest->n; p++) {
     const PetscReal *F = &points->F[p * dim * dim];
@@ -48,7 +48,7 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
     MpmInitial initial;
 
     PetscCall(MpmInitialCreate(&model->scene.materials.at[m], dim, &initial));
-    rest->remembers[m] = initial.remembers;
+    rest->stateful[m] = initial.stateful;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -58,7 +58,7 @@ static PetscErrorCode RestDestroy(MpmRest *rest)
   PetscFunctionBeginUser;
   PetscCall(PetscFree4(rest->x, rest->volume, rest->domain, rest->F));
   PetscCall(PetscFree(rest->start));
-  PetscCall(PetscFree(rest->remembers));
+  PetscCall(PetscFree(rest->stateful));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,7 +81,7 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
       points.x[p * dim + a] = rest->x[p * dim + a];
     }
     largest[0] = PetscMax(largest[0], PetscSqrtReal(distance));
-    if (rest->remembers[points.material[p]]) {
+    if (rest->stateful[points.material[p]]) {
       const PetscReal J = MpmDeterminant(dim, F) / MpmDeterminant(dim, &rest->F[p * dim * dim]);
 
       for (PetscInt k = 0; k < dim * dim; k++) F[k] = rest->F[p * dim * dim + k];
@@ -102,7 +102,7 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *hopeless)
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *retryable)
 {
   MpmPoints points;
 
@@ -113,8 +113,8 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
   PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
   model->state.load_scale = scale;
   model->state.dt_last    = 0.;
-  PetscCall(
-    MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why, hopeless));
+  PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
+                    retryable));
   if (!*why) PetscCall(PutBack(model, rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -141,14 +141,14 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Steps until the points stay where they are; `solved` counts those under the full loads. */
+/* Steps until the points are in equilibrium; `solved` counts those under the full loads. */
 static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *solved, const char **why)
 {
   const MpmGeostatic *geostatic = &model->scene.stages[model->state.stage].geostatic;
   PetscReal           part      = geostatic->method == MPM_GEOSTATIC_K0 ? 1. : 0.; /* of the loads that act */
   PetscReal           grow = PetscMin(model->state.dt_nominal / (model->state.time_end - model->state.time_start), 1.);
   PetscInt            newton = 0, linear = 0;
-  PetscBool           hopeless, again;
+  PetscBool           retryable, again;
 
   PetscFunctionBeginUser;
   *solved           = 0;
@@ -163,12 +163,12 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
       *why = model->solver.lost;
       break;
     }
-    PetscCall(MpmRestSettle(model, rest, next, why, &hopeless));
+    PetscCall(MpmRestSettle(model, rest, next, why, &retryable));
     newton += model->solver.newton;
     linear += model->solver.linear;
     if (*why) {
       again = PETSC_FALSE;
-      if (!hopeless) PetscCall(TryAgain(model, part, &grow, *why, &again));
+      if (retryable) PetscCall(TryAgain(model, part, &grow, *why, &again));
       if (!again) break;
       continue;
     }
@@ -193,8 +193,9 @@ static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt so
   if (rest->outside)
     PetscCall(
       PetscSNPrintf(outside, sizeof(outside), ", at %" PetscInt64_FMT " points by the yield surface", rest->outside));
-  PetscCall(MpmMonitorLine(&model->monitor, "geostatic: at rest after %" PetscInt_FMT " iteration%s, to %.3g m%s%s",
-                           solved, solved > 1 ? "s" : "", (double)rest->moved, corrected, outside));
+  PetscCall(MpmMonitorLine(&model->monitor,
+                           "geostatic: in equilibrium after %" PetscInt_FMT " iteration%s, to %.3g m%s%s", solved,
+                           solved > 1 ? "s" : "", (double)rest->moved, corrected, outside));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,12 +2,12 @@
   The stress of k0, which a geostatic stage starts from: the vertical stress is the weight above (overburden.c), the
   horizontal ones k0 times that.
 
-  On level ground this is to be the stress at rest, to rounding. But it need not be in balance over the grid: splines sum
+  On level ground this is to be the geostatic stress, to rounding. But it need not be in balance over the grid: splines sum
   it to forces that are not quite the weights, least of all where layers differ in their points a cell, and so do points
   that leave gaps. And what a material does to balance it would spoil the ratio. So a stress is looked for that has both:
   of all in balance, with the ratio k0 and any shear, the one nearest to that of the weight above, in the sum of volume
   times the square of the difference. That is equilibrium of a linear law whose stress keeps the ratio whatever the strain
-  (kernels/k0.c): one linear solve, and others that remove what was put in to keep the matrix regular. The points do not
+  (k0_law.c): one linear solve, and others that remove what was put in to keep the matrix regular. The points do not
   move in them. Ground that is not level has no such stress of use: there the materials find the balance.
 */
 #include "time/time.h"
@@ -20,7 +20,7 @@
    much distance. */
 #define BALANCE_SHEAR    0.06
 #define BALANCE_DISTANCE 0.5
-/* The stand-in's modulus, in largest stresses, and the part of it that keeps the matrix regular: for a direct solver, and
+/* The auxiliary law's modulus, in largest stresses, and the part of it that keeps the matrix regular: for a direct solver, and
    for others, which take fewer iterations and more solves with it. */
 #define BALANCE_MODULUS      1e3
 #define BALANCE_REGULAR      1e-8
@@ -174,10 +174,10 @@ typedef struct {
   MpmModel model;
   MpmModel second; /* shares the points and the scene with the model, but for materials, discretization and solver */
   MpmRest *rest;
-  MpmMaterial *standins; /* one for each material */
+  MpmMaterial *auxiliaries; /* one for each material */
   PetscReal    k0;
   PetscInt     axis;   /* vertical one */
-  PetscReal   *stress; /* Cauchy, `stress_size` components a point; the points' history for the stand-in */
+  PetscReal   *stress; /* Cauchy, `stress_size` components a point; the points' history for the auxiliary law */
   PetscReal   *F, *volume0;
   PetscReal    change; /* largest of the last solve, Pa */
   PetscBool    level;  /* is it a stress of level ground? */
@@ -189,26 +189,26 @@ static PetscErrorCode BalanceCreate(Balance *balance)
   const PetscInt dim   = model->disc.grid.dim;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc3(model->scene.materials.count, &balance->standins, (balance->rest->n * dim * dim), &balance->F,
-                         balance->rest->n, &balance->volume0));
+  PetscCall(PetscMalloc3(model->scene.materials.count, &balance->auxiliaries, (balance->rest->n * dim * dim),
+                         &balance->F, balance->rest->n, &balance->volume0));
   for (PetscInt m = 0; m < model->scene.materials.count; m++) {
-    MpmMaterial *standin = &balance->standins[m];
+    MpmMaterial *auxiliary = &balance->auxiliaries[m];
 
-    *standin            = model->scene.materials.at[m];
-    standin->state_size = 0; /* that a step would write */
-    standin->table      = NULL;
+    *auxiliary            = model->scene.materials.at[m];
+    auxiliary->state_size = 0; /* that a step would write */
+    auxiliary->table      = NULL;
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-      PetscCheck(MpmLawFind("k0_law", dim, (MpmForm)form, &standin->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+      PetscCheck(MpmLawFind("k0_law", dim, (MpmForm)form, &auxiliary->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
                  "law k0 is not compiled");
-      standin->law[form] = standin->info.law;
+      auxiliary->law[form] = auxiliary->info.law;
     }
-    PetscCall(PetscMalloc1(standin->info.parameter_count, &standin->parameter));
-    standin->stiffness = standin->penalty = BALANCE_MODULUS * balance->rest->largest;
-    PetscCall(
-      PetscArraycpy(standin->parameter,
-                    ((const PetscReal[]){standin->density, standin->stiffness, balance->k0, (PetscReal)balance->axis,
-                                         model->solver.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
-                    standin->info.parameter_count));
+    PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));
+    auxiliary->stiffness = auxiliary->penalty = BALANCE_MODULUS * balance->rest->largest;
+    PetscCall(PetscArraycpy(
+      auxiliary->parameter,
+      ((const PetscReal[]){auxiliary->density, auxiliary->stiffness, balance->k0, (PetscReal)balance->axis,
+                           model->solver.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
+      auxiliary->info.parameter_count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -222,11 +222,11 @@ static PetscErrorCode SecondCreate(Balance *balance)
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&second));
   *second                    = *model;
-  second->scene.materials.at = balance->standins;
+  second->scene.materials.at = balance->auxiliaries;
   second->disc               = (MpmDiscretization){.grid = model->disc.grid, .layout = model->disc.layout};
   second->disc.ghost         = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
   second->disc.diagonal =
-    balance->standins[0].stiffness * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
+    balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
   PetscCall(MpmDiscretizationSetUp(&second->disc, &second->scene.materials, &second->scene.boundaries,
                                    second->scene.physics.parameters, second->state.particles.stress_size));
   PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
@@ -257,13 +257,13 @@ static PetscErrorCode BalanceDestroy(Balance *balance)
 {
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < balance->model->scene.materials.count; m++)
-    PetscCall(PetscFree(balance->standins[m].parameter));
-  PetscCall(PetscFree3(balance->standins, balance->F, balance->volume0));
+    PetscCall(PetscFree(balance->auxiliaries[m].parameter));
+  PetscCall(PetscFree3(balance->auxiliaries, balance->F, balance->volume0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  The shape in which the stand-in gives the forces that the material will give: the volume as it stands, but for
+  The shape in which the auxiliary law gives the forces that the material will give: the volume as it stands, but for
   small-strain laws the initial one and F, which follow from the stress.
 */
 static PetscErrorCode TakeShape(Balance *balance)
@@ -322,7 +322,7 @@ static PetscErrorCode TakeStress(Balance *balance)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One solve, with the stand-ins as materials; without a solution the stress stays. */
+/* One solve, with the auxiliary law as every material; without a solution the stress stays. */
 static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
 {
   MpmModel            model  = balance->second;
@@ -397,7 +397,7 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
   PetscCall(PetscFree(stress));
   PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) { /* a law without history has its own stress across the plane */
-    if (size == 4 && !rest->remembers[points.material[p]]) rest->start[4 * p + 2] = points.stress[4 * p + 2];
+    if (size == 4 && !rest->stateful[points.material[p]]) rest->start[4 * p + 2] = points.stress[4 * p + 2];
   }
   PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -18,7 +18,7 @@ typedef struct {
 
 typedef enum { MPM_GEOSTATIC_NONE, MPM_GEOSTATIC_GRAVITY, MPM_GEOSTATIC_K0 } MpmGeostaticMethod;
 
-/* The search for a state of stress in which nothing moves. */
+/* The search for a geostatic state: stress in equilibrium without displacement. */
 typedef struct {
   MpmGeostaticMethod method;
   PetscReal          k0;
@@ -67,7 +67,7 @@ typedef struct {
   begin      space, conditions and loads for a step to `time`, dt later; `again`: the points have not moved since the last
              call, the space stands; `why` is NULL, or the reason for which there is no such step
   predict    where the solution starts
-  solve      `why` is NULL, or the reason of the failure; `hopeless`: a shorter step would not help
+  solve      `why` is NULL, or the reason of the failure; `retryable`: a shorter step may help
   accept     what was found becomes the state
   roll_back
   error      estimate of the step's error in time; NULL where there is none
@@ -76,7 +76,7 @@ typedef struct {
   const char *name;
   PetscErrorCode (*begin)(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
   PetscErrorCode (*predict)(MpmModel model);
-  PetscErrorCode (*solve)(MpmModel model, const char **why, PetscBool *hopeless);
+  PetscErrorCode (*solve)(MpmModel model, const char **why, PetscBool *retryable);
   PetscErrorCode (*accept)(MpmModel model);
   PetscErrorCode (*roll_back)(MpmModel model);
   PetscErrorCode (*error)(MpmModel model, PetscReal *estimate);

@@ -24,7 +24,7 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 #define PREDICTED_CHANGE 0.9
 
 /*
-  The increment that the last two steps let expect, at the nodes: loads and motions go on much as before from step to
+  The increment extrapolated from the last two steps, at the nodes: loads and motions go on much as before from step to
   step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
 */
 static PetscErrorCode Predict(MpmModel model, PetscReal u[])
@@ -49,7 +49,8 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The start of Newton: nothing moves, or all goes on as before; totals stay, held unknowns take their values. */
+/* The start of Newton: zero, or the increment extrapolated from the last steps; totals stay, prescribed unknowns
+   take their values. */
 static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
 {
   const PetscInt n = model->disc.space.owned * model->disc.layout.block;
@@ -253,7 +254,7 @@ static PetscErrorCode FindTrial(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The converged step becomes the state; reactions are what the held nodes lack in balance. */
+/* The converged step becomes the state; reactions are the residual at the constrained nodes. */
 static PetscErrorCode Commit(MpmModel model)
 {
   const PetscInt bs  = model->disc.layout.block;
@@ -306,7 +307,7 @@ static PetscErrorCode FindReference(MpmModel model)
   PetscReal motion;
 
   PetscFunctionBeginUser;
-  PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &motion)); /* held nodes may move */
+  PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &motion)); /* constrained nodes may move */
   model->disc.sum.rest = (PetscBool)(motion == 0. && !model->disc.layout.means);
   PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
   model->disc.sum.rest = PETSC_FALSE;
@@ -347,7 +348,7 @@ static PetscErrorCode PredictStep(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *hopeless)
+static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *retryable)
 {
   SNESConvergedReason reason;
 
@@ -355,16 +356,16 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *hop
   *why = NULL;
   PetscCall(Solve(model, &reason));
   if (reason < 0) {
-    *hopeless = PETSC_FALSE;
-    *why      = ReasonText(reason);
-    PetscCall(MpmHeldExplain(model, why, hopeless));
+    *retryable = PETSC_TRUE;
+    *why       = ReasonText(reason);
+    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
     if (*why == ReasonText(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  *hopeless = PETSC_TRUE;
+  *retryable = PETSC_FALSE;
   PetscCall(MpmStabilityCheck(&model->solver, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  *hopeless = PETSC_FALSE;
+  *retryable = PETSC_TRUE;
   PetscCall(FindLost(model, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

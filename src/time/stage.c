@@ -85,11 +85,11 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
   model->state.predict = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials.count; m++)
     if (model->scene.materials.at[m].state_size) model->state.predict = PETSC_FALSE;
-  PetscCall(
-    MpmOptionsBool(&block, "predict",
-                   "start each step from what the last two let expect; the default is true where no material has "
-                   "history",
-                   &model->state.predict, NULL));
+  PetscCall(MpmOptionsBool(
+    &block, "predict",
+    "start each step from the increment extrapolated from the last two; the default is true where no material has "
+    "history",
+    &model->state.predict, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -302,7 +302,7 @@ static PetscErrorCode CheckGravity(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In a geostatic stage nothing moves, and the engine must know the stress of every law. */
+/* A geostatic stage is a state of equilibrium, and the engine must know the stress of every law. */
 static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
@@ -312,7 +312,7 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
   for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
     for (PetscInt k = 0; k < model->scene.bcs.at[b].component_count; k++)
       MpmCheckInput(!stage->bcs[b] || model->scene.bcs.at[b].value[k] == 0.,
-                    "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, where nothing moves",
+                    "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
                     model->scene.bcs.names[b], (double)model->scene.bcs.at[b].value[k], stage->name);
   }
   if (stage->geostatic.method == MPM_GEOSTATIC_K0) PetscCall(CheckGravity(model, stage));
@@ -331,8 +331,8 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
   PetscCall(PetscSNPrintf(time_prefix, sizeof(time_prefix), "mpm_stage_%s_time_", stage->name));
-  PetscCall(MpmOptionsWord(&block, "type", "load: steps in time; geostatic: a state of stress in which nothing moves",
-                           types, MPM_OPTIONAL, &type, NULL));
+  PetscCall(MpmOptionsWord(&block, "type", "load: steps in time; geostatic: a state of stress in equilibrium", types,
+                           MPM_OPTIONAL, &type, NULL));
   if (type || MpmOptionsHelp()) PetscCall(ReadGeostatic(options, stage->name, &stage->geostatic));
   stage->time = *scene;
   if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
@@ -607,7 +607,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
     PetscCall(MpmMaterialsChange(model, stage));
     if (stage->reset) PetscCall(ResetDisplacement(model));
     if (model->solver.jacobian)
-      PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be held */
+      PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */
   }
   PetscCall(Activate(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,16 +4,16 @@
 #include "time/time.h"
 
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
-                       PetscBool *hopeless)
+                       PetscBool *retryable)
 {
   const MpmIntegrator *integrator = model->state.integrator;
 
   PetscFunctionBeginUser;
-  *hopeless = PETSC_TRUE;
+  *retryable = PETSC_FALSE;
   PetscCall(integrator->begin(model, time, dt, again, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(integrator->predict(model));
-  PetscCall(integrator->solve(model, why, hopeless));
+  PetscCall(integrator->solve(model, why, retryable));
   PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -55,7 +55,7 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   PetscReal      next;
-  PetscBool      hopeless, again = PETSC_FALSE;
+  PetscBool      retryable, again = PETSC_FALSE;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
@@ -66,9 +66,9 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.cuts = 0;
   for (;;) {
     next = MpmNextTime(model, model->state.dt_wanted, dt);
-    PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
+    PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
     if (!*why) break;
-    if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
+    if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
     if (!again) {
       if (!model->state.ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);

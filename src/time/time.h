@@ -11,10 +11,10 @@
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
 /*
   One step from model->time to `time`, dt later; `again` as above. `why` is NULL when it converged, otherwise the
-  reason (static text); `hopeless`: a shorter step would not help.
+  reason (static text); `retryable`: a shorter step may help.
 */
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
-                       PetscBool *hopeless);
+                       PetscBool *retryable);
 /*
   Stages (stage.c): their names, and the conditions and loads that only they name; then, when the scene is known, the
   rest.
@@ -28,10 +28,10 @@ PetscBool MpmStagesAreGeostatic(const MpmModel model);
 /* Once the points are there: finds those that carry loads, and puts those aside that later stages add. */
 PetscErrorCode MpmStagesSelect(MpmModel model);
 /*
-  After a failed step (unconstrained.c): where nothing holds the material, or a piece of it, `why` says so; `hopeless` where the
+  After a failed step (unconstrained.c): where nothing holds the material, or a piece of it, `why` says so; not `retryable` where the
   loads push along such a motion and no boundary may catch it.
 */
-PetscErrorCode MpmHeldExplain(MpmModel model, const char **why, PetscBool *hopeless);
+PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
@@ -48,14 +48,14 @@ typedef struct {
   PetscReal *F;                   /* before the step under way */
   PetscReal *start;               /* the stress that k0 gave, or NULL */
   PetscReal  height;
-  PetscBool *remembers; /* per material */
-  PetscReal  moved;     /* largest displacement of the last step */
+  PetscBool *stateful; /* per material */
+  PetscReal  moved;    /* largest displacement of the last step */
   PetscReal  correction, largest;
   PetscInt64 outside; /* points that the yield surface moved */
 } MpmRest;
 
 /* One step under `scale` times the loads; stress and history stay, and the points go back to where they were. */
-PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *hopeless);
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *retryable);
 /* Gives all points the stage's stress of k0, and F and history with it (k0_balance.c). */
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
 /* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */

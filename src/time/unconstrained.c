@@ -3,7 +3,7 @@
   make the Jacobian singular, and whatever Newton's method then says is not the reason.
 
   A piece is a set of active nodes that points connect. With c its centre, R its radius and m_k(x) its rigid motions
-  (translations; rotations about c, over R), each held displacement q . u = g gives a row r_k = q . m_k(x). Motions in the
+  (translations; rotations about c, over R), each prescribed displacement q . u = g gives a row r_k = q . m_k(x). Motions in the
   null space of M = sum r r^T are free. A boundary holds along its normal what touches it, and all of it with stick.
   A free translation along which the loads have a resultant leaves no equilibrium, however short the step.
 */
@@ -321,7 +321,7 @@ static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freed
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHeldExplain(MpmModel model, const char **why, PetscBool *hopeless)
+PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable)
 {
   Pieces   pieces;
   Freedom  freedom;
@@ -347,8 +347,8 @@ PetscErrorCode MpmHeldExplain(MpmModel model, const char **why, PetscBool *hopel
     PetscCall(Describe(&pieces, worst, &freedom, &text));
     PetscCall(MpmTextAppend(&text, " (%s)", *why));
     PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
-    *why      = model->solver.lost;
-    *hopeless = (PetscBool)(*hopeless || (freedom.pushed && !model->scene.boundaries.count));
+    *why       = model->solver.lost;
+    *retryable = (PetscBool)(*retryable && !(freedom.pushed && !model->scene.boundaries.count));
     PetscCall(PetscFree(text));
   }
   PetscCall(PetscFree(pieces.of));

@@ -3,8 +3,8 @@
 
 A folder of src/ includes and uses only the folders before it (LAYERS); include/ stands below all of them; the kernels of
 materials/ and physics/ include only talus/point and use nothing of the engine. What a file includes is read from its
-text, what it uses from the symbols of its object file beside the program. One line a failure: the file, and what is
-wrong. The same reading of a copy with faults put in must find each of them.
+text, what it uses from the symbols of its object file beside the program. What a header declares is defined in its
+folder. One line a failure: the file, and what is wrong. The same reading of a copy with faults put in must find each of them.
 """
 import re
 import shutil
@@ -34,6 +34,7 @@ SYMBOL = re.compile(r"^(?:[0-9a-f]+)? +(\w) (\w+)$", re.MULTILINE)
 QUOTED = re.compile(r"""/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'""", re.DOTALL)
 BODY = re.compile(r"^(?P<head>(?:[A-Za-z_][^\n]*\n(?:[ \t][^\n]*\n)*))\{\n.*?^\}", re.MULTILINE | re.DOTALL)
 STRUCT = re.compile(r"^(?:typedef )?struct(?: \w+)? \{\n(.*?)^\}", re.MULTILINE | re.DOTALL)
+DECLARED = re.compile(r"^(?!static)\w[\w *]*?\b(Mpm\w+)\(", re.MULTILINE)
 
 Fault = namedtuple("Fault", "kind path text")  # kind `wide`: no fault, but worth a line
 
@@ -186,10 +187,21 @@ def check_symbols(objects):
                 yield Fault("symbol", source, f"uses {name} of {home[name]}")
 
 
+def check_homes(sources, objects):
+    """What a header declares is defined in its folder."""
+    home = {name: source for source, (defined, _) in objects.items() for name in defined}
+    for path, text in sources.plain.items():
+        if path.startswith("src/") and path.endswith(".h"):
+            for name in DECLARED.findall(text):
+                if name in home and layer(home[name]) != layer(path):
+                    yield Fault("home", path, f"declares {name}, which {home[name]} defines")
+
+
 def find_faults(sources, objects):
     for check in (check_includes, check_shares, check_sizes):
         yield from check(sources)
     yield from check_symbols(objects)
+    yield from check_homes(sources, objects)
 
 
 def plant(folder, objects):
@@ -213,6 +225,7 @@ def plant(folder, objects):
     add("src/bc/node_frames.c", "\nstatic int Long(void)\n{\n" + "  ;\n" * FUNCTION_LINES + "  return 0;\n}\n")
     add("src/bc/bc.h", "\ntypedef struct {\n" + "  int a, *b;\n" * (STRUCT_MEMBERS // 2 + 1) + "} Large;\n")
     add("src/base/monitor.c", "\n" * FILE_LINES)
+    add("src/grid/grid.h", "\nvoid MpmStageBegin(int stage);\n")
     objects = {source: (set(defined), set(used)) for source, (defined, used) in objects.items()}
     objects["src/bc/dirichlet.c"][1].add("MpmStageBegin")
     objects["physics/solid.c"][1].add("MpmRealText")
@@ -220,7 +233,7 @@ def plant(folder, objects):
                      ("circle", "src/io/hdf5_rows.h"), ("share", "src/run/planted.h"),
                      ("arguments", "src/bc/dirichlet.c"), ("function", "src/bc/node_frames.c"),
                      ("struct", "src/bc/bc.h"), ("file", "src/base/monitor.c"), ("symbol", "src/bc/dirichlet.c"),
-                     ("symbol", "physics/solid.c"))
+                     ("symbol", "physics/solid.c"), ("home", "src/grid/grid.h"))
 
 
 def main():
@@ -232,7 +245,7 @@ def main():
         faults = list(find_faults(sources, objects))
         for fault in faults:
             print(f"{fault.path}: {fault.text}")
-        for kind in ("include", "circle", "symbol", "share", "function", "arguments", "struct", "file"):
+        for kind in ("include", "circle", "symbol", "home", "share", "function", "arguments", "struct", "file"):
             test.check(f"{kind}_faults", sum(fault.kind == kind for fault in faults), upper=0)
 
         folder = test.folder()

@@ -52,7 +52,7 @@ def check_lines(test):
         run = test.run(example("bar_elastic"), mpm_time_step=step, mpm_grid_cells="1,8", mpm_output_every=0)
         lines = [match.groups() for match in map(LINE.fullmatch, run.output.splitlines()) if match]
         test.check("lines", len(lines), count, count)
-        test.check("titles", run.output.count("time to go"), (count + 49) // 50, (count + 49) // 50)
+        test.check("titles", run.output.count("time left"), (count + 49) // 50, (count + 49) // 50)
         test.check("done", float(lines[-1][4]), 100.0, 100.0)
         test.check("to_go", lines[-1][5] == "0:00:00", 1, 1)
     run = test.run(example("collapse"), mpm_time_step=0.5, mpm_stabilization_ghost="off", mpm_output_every=0)

@@ -115,8 +115,8 @@ def jobs(test, reference):
 def gave_up(test):
     """A run that gives up leaves a checkpoint, from which it goes on with better options."""
     folder = test.folder()
-    hopeless = {"mpm_time_step": 0.1, "snes_max_it": 4, "mpm_time_step_min": 0.09}
-    status, _ = Background(test.program, folder, example(SCENE), **hopeless).wait()
+    unsolvable = {"mpm_time_step": 0.1, "snes_max_it": 4, "mpm_time_step_min": 0.09}
+    status, _ = Background(test.program, folder, example(SCENE), **unsolvable).wait()
     test.check("gave_up_status", status, 3, 3)
     test.check("gave_up_reason", int("limit" in summary(folder)["status"]), 1, 1)
     steps = summary(folder)["steps"]

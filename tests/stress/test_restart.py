@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs that are killed without warning go on from their last checkpoint and end as if nothing had happened.
+"""Runs that are killed without warning restart from their last checkpoint and end as if nothing had happened.
 
 Each run on two ranks is killed at a random time, and continued on 1 to 4 ranks; points and history must be those of a run
 that nobody disturbed. The scenes have plastic history, and steps that are cut. Checkpoints that are damaged, cut short, of
@@ -140,7 +140,7 @@ def latest(test, folder, newest, older, bytes_of, options):
 
 
 def inconsistent_results(test):
-    """A results file in which every list of groups is garbage, as an interrupted write may leave it, becomes whole again."""
+    """A results file in which every list of groups is garbage, as an interrupted write may leave it, is rolled back."""
     options = {"mpm_time_step": 0.1, "mpm_checkpoint_every": 3}
     reference, folder = test.folder(), test.folder()
     for place in (reference, folder):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that the material hardly touches: a block whose edge stands 1e-14 to 1e-3 of a cell beyond a row of nodes.
+"""Small-cut nodes: a block whose edge stands 1e-14 to 1e-3 of a cell beyond a row of nodes.
 
 The nodes under the block carry it there: they move by that part of a cell in the first step and are held from then on,
 while the block, without stress until then, takes its load. With `linear` the outermost row of points, not the edge of

@@ -82,7 +82,7 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
 }
 
 /*
-  Random values at the nodes, the same for any number of ranks: amplitude[c] times a number in [-1, 1]. Held unknowns take their values, or
+  Random values at the nodes, the same for any number of ranks: amplitude[c] times a number in [-1, 1]. Constrained unknowns take their values, or
   zero where `x` is a direction.
 */
 static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const PetscReal amplitude[], PetscBool direction,
@@ -315,7 +315,7 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
 static inline PetscErrorCode SceneRun(MpmModel model)
 {
   const PetscInt steps = (PetscInt)PetscFloorReal(model->state.time_end / model->state.dt_nominal + 0.5);
-  PetscBool      moved, hopeless;
+  PetscBool      moved, retryable;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < steps; k++) {
@@ -324,7 +324,7 @@ static inline PetscErrorCode SceneRun(MpmModel model)
 
     PetscCall(MpmParticlesRebalance(&model->state.particles, &model->disc.grid, PETSC_FALSE, &moved));
     PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
-    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &hopeless));
+    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &retryable));
     PetscCheck(!why, PETSC_COMM_SELF, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", k, why);
     model->state.time = next;
     model->state.step++;

@@ -322,7 +322,7 @@ START_TEST(inflow)
   }
   SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 0.01)), "away from the series by %g", (double)worst);
-  /* one more step: what enters through the held nodes is what the points gain */
+  /* one more step: what enters through the constrained nodes is what the points gain */
   model->state.time_end = model->state.dt_nominal;
   model->state.time     = 0.;
   SCENE_CALL(SceneRun(model));

@@ -50,7 +50,7 @@ static PetscReal Power(PetscInt node, PetscInt power)
   return PetscPowRealInt(0.2 * ((PetscReal)node - 6.), power);
 }
 
-/* The coefficient of a node on one axis in a spline whose coefficients are those powers; the one of an open edge's node
+/* The coefficient of a node on one axis in a spline whose coefficients are those powers; the one of the node at a not-a-knot end
    is the spline's value. */
 static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {

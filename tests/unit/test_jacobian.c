@@ -255,7 +255,7 @@ static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plast
   ck_assert_msg(verdict->dense <= 1e-14, "%s: local and dense Jacobian differ by %g", name, (double)verdict->dense);
   ck_assert_msg(verdict->fd <= 1e-7, "%s: local and finite-difference Jacobian differ by %g", name,
                 (double)verdict->fd);
-  /* the local Jacobian leaves out the columns of held unknowns */
+  /* the point-by-point Jacobian leaves out the columns of constrained unknowns */
   ck_assert_msg(held || verdict->petsc <= 1e-4, "%s: local Jacobian and PETSc's colouring and differences differ by %g",
                 name, (double)verdict->petsc);
   for (int k = 0; k < 2; k++) {

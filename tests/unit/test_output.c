@@ -1,7 +1,7 @@
 /*
   What a run leaves behind: points as HDF5 and XDMF, history as CSV, summary as JSON. Ranks: 1 2 4
 
-  Ids are dealt to the ranks at random, with rank 1 left empty; every value of a row can be computed from its id, so
+  Ids are distributed over the ranks at random, with rank 1 left empty; every value of a row can be computed from its id, so
   that the file alone shows whether each row arrived where it belongs.
 */
 #include <math.h>
@@ -325,7 +325,7 @@ START_TEST(test_single_precision)
 }
 END_TEST
 
-/* A row of cells along x, dealt like points: nodes 2i and 2i + 1 lie below and above each other. */
+/* A row of cells along x, distributed like points: nodes 2i and 2i + 1 lie below and above each other. */
 static PetscErrorCode WriteGrid(MpmOutput output, PetscInt step, PetscInt columns)
 {
   PetscInt      *id, *cell_id, *corners, nodes = 0, cells = 0;

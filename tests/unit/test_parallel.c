@@ -239,7 +239,7 @@ static PetscErrorCode Visit(MpmParticles *particles, const MpmGrid *grid, Task t
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points of all fields, dealt to the ranks like cards. */
+/* Points of all fields, distributed over the ranks in turn. */
 static PetscErrorCode Deal(MpmGrid *grid, MpmParticles *particles)
 {
   PetscInt  count = 0, unused;

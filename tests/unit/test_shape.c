@@ -268,7 +268,7 @@ START_TEST(shifted_edge)
 }
 END_TEST
 
-/* ------------------------------------------------------------------------------------------------------- open edges */
+/* ------------------------------------------------------------------------------------------------------- not-a-knot ends */
 
 /* Coefficients of x^power on the cardinal B-splines of degree p: means of products of a node's inner knots. */
 static PetscReal Blossom(PetscInt p, PetscInt power, PetscReal node)
@@ -331,7 +331,7 @@ START_TEST(open_edges)
 }
 END_TEST
 
-/* Away from the edges, and between edges that are too near each other, an open edge changes nothing; nor do hats know it. */
+/* Away from the edges, and between edges that are too near each other, a not-a-knot end changes nothing; nor do linear basis functions have it. */
 START_TEST(where_open_edges_end)
 {
   for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
@@ -422,7 +422,7 @@ START_TEST(against_quadrature)
         CHECK_POINT(fabs(Weight(&s, node) - w) < 1e-7, "type %d at %.17g, l %.17g of %d: node %d has %.9g, not %.9g",
                     type, xi, l, (int)cells, (int)node, Weight(&s, node), w);
         CHECK_POINT(fabs(Gradient(&s, node) - g) < 3e-4, "type %d at %.17g: gradient", (int)type,
-                    xi); /* the hat's slope jumps: half a panel */
+                    xi); /* the linear basis function's slope jumps: half a panel */
       }
     }
   }
@@ -445,7 +445,7 @@ static void CheckGradients(void)
 
       if (type == MPM_SHAPE_LINEAR && fabs(xi - round(xi)) <= 2. * eps) continue;
       for (PetscInt node = 0; node <= 6; node++) {
-        /* averaging the hat leaves a second derivative up to 1/l, which jumps */
+        /* averaging linear basis functions leaves a second derivative up to 1/l, which jumps */
         ck_assert_double_eq_tol((Weight(&b, node) - Weight(&a, node)) / (2. * eps), Gradient(&s, node),
                                 1e-9 + eps * (2. + 1. / l));
       }

@@ -58,7 +58,7 @@ def splines(test):
 
 
 def open_edges(test):
-    """The same with open edges and a firm ghost penalty: second order from the coarsest grids on, and errors far below
+    """The same with not-a-knot ends and a firm ghost penalty: second order from the coarsest grids on, and errors far below
     those of GIMP, whose steps take as many iterations."""
     gimp = read_table(EXAMPLES / "bar_elastic" / "reference.csv")
     gimp = dict(zip(gimp["cells"].astype(int), gimp["error"]))

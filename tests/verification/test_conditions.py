@@ -212,7 +212,7 @@ def free_sides(test):
 
 
 def stick(test):
-    """What sticks remembers its slip: one step or four, and a plane that carries a block along."""
+    """What sticks keeps its slip: one step or four, and a plane that carries a block along."""
     weight = {"mpm_loads": "push", "mpm_load_push_type": "force", "mpm_load_push_region": "all",
               "mpm_load_push_value": "1e4,-2e4"}
     far = []

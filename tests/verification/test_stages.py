@@ -219,7 +219,7 @@ def write_csv(path, state):
 
 
 def imported(test, name):
-    """A run's points are another run's start: nothing moves; with the stress alone, F and history are found anew."""
+    """A run's points are another run's start: equilibrium; with the stress alone, F and history are searched again."""
     run = test.run(FOLDER / "slope.yaml", mpm_quiet=None, **law(name))
     last = run.results.state("last")
     folder = test.folder()

@@ -3,7 +3,7 @@
   The pointwise engine: what a constitutive law and a physics see of one material point.
 
   A kernel is written once, in `Scalar`, and compiled for several scalar types. CMake compiles every file of materials/
-  and src/kernels/ once for each instance, an instance being a pair of
+  and physics/ once for each instance, an instance being a pair of
 
     MPM_DIM          2 (plane strain) or 3
     MPM_DIRECTIONS   number of derivative directions that a Scalar carries: 0 (plain double), 1 (one direction, for

@@ -134,13 +134,13 @@ typedef struct {
   const double      *state_n;           /* history at the step's start */
   const double      *F_n;               /* deformation gradient at the step's start, row-major, dim x dim */
   const double      *value_n;           /* values at the step's start of the fields with a rate, in field order */
-  const double      *stress_n;          /* Cauchy stress there, where nothing moves and the law is not asked; or NULL */
-  double             volume0;           /* initial volume, m3 (2D: m2 per metre of thickness) */
-  double             dt;                /* s */
-  unsigned           traits;            /* of the law, MpmLawTrait */
-  const MpmFunction *law;               /* the material's law, by MpmForm */
-  const MpmLawTable *table;             /* of the point's material */
-  double            *state;             /* history at the step's end */
+  const double      *stress_n; /* Cauchy stress there, in a stage without motion, where the law is not asked; or NULL */
+  double             volume0;  /* initial volume, m3 (2D: m2 per metre of thickness) */
+  double             dt;       /* s */
+  unsigned           traits;   /* of the law, MpmLawTrait */
+  const MpmFunction *law;      /* the material's law, by MpmForm */
+  const MpmLawTable *table;    /* of the point's material */
+  double            *state;    /* history at the step's end */
   double            *F;
   double            *stress; /* Cauchy, Pa */
 } MpmKernelPoint;
