@@ -152,9 +152,7 @@ static PetscErrorCode ItemRefuseForm(const Item *item, const ItemSpec *spec, con
 
 /* ---- ranges and lists ---- */
 
-#define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
-
-static void RangeText(MpmRange range, char text[MPM_RANGE_TEXT])
+void MpmRangeText(MpmRange range, char text[MPM_RANGE_TEXT])
 {
   const PetscBool below = range.lower > PETSC_NINFINITY ? PETSC_TRUE : PETSC_FALSE,
                   above = range.upper < PETSC_INFINITY ? PETSC_TRUE : PETSC_FALSE;
@@ -168,7 +166,7 @@ static void RangeText(MpmRange range, char text[MPM_RANGE_TEXT])
   else if (above) snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? "<" : "<=", upper);
 }
 
-static PetscBool RangeHolds(MpmRange range, PetscReal value)
+PetscBool MpmRangeHolds(MpmRange range, PetscReal value)
 {
   const PetscBool infinite = (value <= PETSC_NINFINITY || value >= PETSC_INFINITY) ? PETSC_TRUE : PETSC_FALSE;
 
@@ -297,12 +295,12 @@ PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, cons
   Item      item;
 
   PetscFunctionBegin;
-  RangeText(range, interval);
+  MpmRangeText(range, interval);
   ListText(count, interval, accepts);
   for (PetscInt i = 0; i < count && need == MPM_OPTIONAL; i++) {
     MpmRealText(values[i], number);
     PetscCall(MpmTextAppend(&fallback, "%s%s", i ? "," : "", number));
-    if (!RangeHolds(range, values[i])) lasting = PETSC_FALSE;
+    if (!MpmRangeHolds(range, values[i])) lasting = PETSC_FALSE;
   }
   const ItemSpec spec = {name, help, unit, accepts, fallback, need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
   PetscCall(ItemRead(options, &spec, &item));
@@ -315,7 +313,7 @@ PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, cons
 
       if (!MpmParseReal(parts[i], &value))
         PetscCall(ItemRefuseForm(&item, &spec, count == 1 ? "not a number" : "not a list of numbers"));
-      if (!RangeHolds(range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
+      if (!MpmRangeHolds(range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
       values[i] = value;
     }
     PetscCall(MpmNamesDestroy(part_count, &parts));
