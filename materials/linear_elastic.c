@@ -10,12 +10,12 @@
 
   Source: Timoshenko and Goodier (1970), Theory of Elasticity, 3rd edition, McGraw-Hill, chapter 1.
 */
-#include "talus/point/elasticity.h" /* brings law.h, and with it tensor.h and dual.h */
+#include "talus/point/elasticity.h" /* brings law.h, and with it tensor.h, dual.h and real.h */
 
 /* The options -mpm_material_<name>_<parameter>, in the order in which the kernel finds the numbers in
    point->parameter. Every law has `density`. ELASTIC_PARAMETERS is density, E, nu; further rows look like
-   {"yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "what it is", NULL}: name, unit, default, required, range, open
-   range, help, choices. */
+   {MPM_NUMBER, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "what it is", NULL}: kind, name, unit, default, required,
+   range, open range, help, choices. */
 static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 
 /* The state of a point, in the order in which the kernel finds it in point->state_n. A law with history
@@ -24,8 +24,9 @@ static const MpmStateVariable states[] = MPM_NO_STATE;
 
 /*
   The law, written once. Scalar is a double or a dual number that carries derivatives, so all that depends on dF goes
-  through Scalar...(), Tensor...() and Sym...() functions, and the tangent follows of itself. Branches test
-  ScalarValue(). A law with history reads point->state_n and writes point->state, if that is not NULL.
+  through Scalar...(), Tensor...() and Sym...() functions, and the tangent follows of itself. Parameters and history are
+  Reals, doubles but for the form that differentiates by them. Branches test ScalarValue() and RealValue(). A law with
+  history reads point->state_n and writes point->state, if that is not NULL.
 */
 MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
@@ -39,6 +40,6 @@ MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Te
 }
 
 /* Name (that of this file, and the option's value), traits, one line for -help, tables, check of parameters against
-   each other (NULL: none), modulus that scales tolerances, kernel. */
+   each other (NULL: none), stiffness at a state, kernel. */
 MPM_LAW(linear_elastic, MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN, "linear elasticity at small strain", parameters,
         states, NULL, ElasticStiffness, MpmMaterialEvaluate_linear_elastic)

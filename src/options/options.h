@@ -31,6 +31,11 @@ typedef struct {
 #define MPM_RANGE_POSITIVE     ((MpmRange){0., PETSC_INFINITY, PETSC_TRUE})
 #define MPM_RANGE_NON_NEGATIVE ((MpmRange){0., PETSC_INFINITY, PETSC_FALSE})
 
+/* A range as -help and messages have it: "in (-1, 0.5)", "> 0"; empty where all numbers are accepted. */
+#define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
+void      MpmRangeText(MpmRange range, char text[MPM_RANGE_TEXT]);
+PetscBool MpmRangeHolds(MpmRange range, PetscReal value);
+
 typedef enum { MPM_OPTIONAL, MPM_REQUIRED } MpmNeed;
 
 /* Is this run only for -help? Then values are not to be relied on, and what follows from them must be skipped. */

@@ -154,9 +154,7 @@ static PetscErrorCode ItemRefuseForm(const Item *item, const ItemSpec *spec, con
 
 /* ---- ranges and lists ---- */
 
-#define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
-
-static void RangeText(MpmRange range, char text[MPM_RANGE_TEXT])
+void MpmRangeText(MpmRange range, char text[MPM_RANGE_TEXT])
 {
   const PetscBool below = range.lower > PETSC_NINFINITY ? PETSC_TRUE : PETSC_FALSE,
                   above = range.upper < PETSC_INFINITY ? PETSC_TRUE : PETSC_FALSE;
@@ -170,7 +168,7 @@ static void RangeText(MpmRange range, char text[MPM_RANGE_TEXT])
   else if (above) snprintf(text, MPM_RANGE_TEXT, "%s %s", range.open ? "<" : "<=", upper);
 }
 
-static PetscBool RangeHolds(MpmRange range, PetscReal value)
+PetscBool MpmRangeHolds(MpmRange range, PetscReal value)
 {
   const PetscBool infinite = (value <= PETSC_NINFINITY || value >= PETSC_INFINITY) ? PETSC_TRUE : PETSC_FALSE;
 
@@ -269,12 +267,12 @@ PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOpt
   Item      item;
 
   PetscFunctionBegin;
-  RangeText(option->range, interval);
+  MpmRangeText(option->range, interval);
   ListText(count, interval, accepts);
   for (PetscInt i = 0; i < count && option->need == MPM_OPTIONAL; i++) {
     MpmRealText(values[i], number);
     PetscCall(MpmTextAppend(&fallback, "%s%s", i ? "," : "", number));
-    if (!RangeHolds(option->range, values[i])) lasting = PETSC_FALSE;
+    if (!MpmRangeHolds(option->range, values[i])) lasting = PETSC_FALSE;
   }
   const ItemSpec spec = {option->name, option->help, option->unit, accepts,
                          fallback,     option->need, lasting,      set ? PETSC_TRUE : PETSC_FALSE};
@@ -288,7 +286,7 @@ PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOpt
 
       if (!MpmParseReal(parts[i], &value))
         PetscCall(ItemRefuseForm(&item, &spec, count == 1 ? "not a number" : "not a list of numbers"));
-      if (!RangeHolds(option->range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
+      if (!MpmRangeHolds(option->range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
       values[i] = value;
     }
     PetscCall(MpmNamesDestroy(part_count, &parts));

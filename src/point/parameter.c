@@ -55,12 +55,12 @@ static PetscErrorCode TakeLine(PetscBool table, long long line, char *text, Numb
 
 static PetscErrorCode TakeFile(PetscBool table, const char path[], Numbers *numbers)
 {
-  FILE  *file = fopen(path, "r");
+  FILE  *file;
   char  *text = NULL;
   size_t size = 0;
 
   PetscFunctionBeginUser;
-  errno = 0;
+  file = fopen(path, "r");
   for (long long line = 1; file && !numbers->message[0] && getline(&text, &size, file) >= 0; line++)
     PetscCall(TakeLine(table, line, text, numbers));
   if (!file || (ferror(file) && !numbers->message[0]))
@@ -107,14 +107,19 @@ static PetscErrorCode ShareNumbers(MPI_Comm comm, Numbers *numbers)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Says in `message` what the numbers of a parameter must not be. */
+static MpmRange Range(const MpmParameter *parameter)
+{
+  return (MpmRange){parameter->lower, parameter->upper, parameter->open ? PETSC_TRUE : PETSC_FALSE};
+}
+
+/* What is wrong with the numbers of a parameter goes into their message. */
 static void CheckNumbers(const MpmParameter *parameter, Numbers *numbers)
 {
   const PetscInt columns = parameter->kind == MPM_TABLE ? 2 : 1;
-  char           lower[MPM_NUMBER_TEXT], upper[MPM_NUMBER_TEXT];
+  char           range[MPM_RANGE_TEXT];
 
-  if (numbers->message[0]) return;
-  if (!numbers->count) snprintf(numbers->message, MESSAGE_LENGTH, "holds no numbers");
+  MpmRangeText(Range(parameter), range);
+  if (!numbers->count && !numbers->message[0]) snprintf(numbers->message, MESSAGE_LENGTH, "holds no numbers");
   for (PetscInt k = 0; k < numbers->count && !numbers->message[0]; k += columns) {
     const double   *row = &numbers->value[k], y = row[columns - 1];
     const long long number = k / columns + 1;
@@ -122,14 +127,9 @@ static void CheckNumbers(const MpmParameter *parameter, Numbers *numbers)
     if (columns == 2 && k && !(row[0] > row[-2]))
       snprintf(numbers->message, MESSAGE_LENGTH, "row %lld: x must grow from row to row, %g follows %g", number, row[0],
                row[-2]);
-    else if (!isfinite(row[0]) || !isfinite(y) ||
-             (parameter->open ? y <= parameter->lower || y >= parameter->upper
-                              : y < parameter->lower || y > parameter->upper)) {
-      MpmRealText(parameter->lower, lower);
-      MpmRealText(parameter->upper, upper);
-      snprintf(numbers->message, MESSAGE_LENGTH, "%s %lld: %g must lie in %c%s, %s%c", columns == 2 ? "row" : "number",
-               number, y, parameter->open ? '(' : '[', lower, upper, parameter->open ? ')' : ']');
-    }
+    else if (!MpmRangeHolds(Range(parameter), y))
+      snprintf(numbers->message, MESSAGE_LENGTH, "%s %lld: %g must %s %s", columns == 2 ? "row" : "number", number, y,
+               strncmp(range, "in ", 3) ? "be" : "lie", range);
   }
 }
 
@@ -143,7 +143,7 @@ static PetscErrorCode ReadNumbers(const MpmOptions *block, const MpmParameter *p
 
   PetscFunctionBeginUser;
   PetscCall(MpmTextAppend(&help, "%s (%s), %s", parameter->help, parameter->unit,
-                          is_table ? "x:y pairs or a file of them" : "a file of numbers"));
+                          is_table ? "x:y pairs or the name of a file" : "the name of a file"));
   PetscCall(
     MpmOptionsText(block, parameter->name, help, NULL, parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, &text));
   PetscCall(PetscFree(help));
@@ -185,14 +185,12 @@ static PetscErrorCode ReadWord(const MpmOptions *block, const MpmParameter *para
 PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *parameter, double *value,
                                 MpmLawTable *table)
 {
-  const MpmRange range = {parameter->lower, parameter->upper, parameter->open ? PETSC_TRUE : PETSC_FALSE};
-
   PetscFunctionBeginUser;
   *value = parameter->kind == MPM_NUMBER || parameter->kind == MPM_WORD ? parameter->fallback : 0.;
   *table = (MpmLawTable){0, NULL};
   if (parameter->kind == MPM_WORD) PetscCall(ReadWord(block, parameter, value));
   else if (parameter->kind == MPM_NUMBER)
-    PetscCall(MpmOptionsReal(block, parameter->name, parameter->unit, parameter->help, range,
+    PetscCall(MpmOptionsReal(block, parameter->name, parameter->unit, parameter->help, Range(parameter),
                              parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, value, NULL));
   else PetscCall(ReadNumbers(block, parameter, table));
   PetscFunctionReturn(PETSC_SUCCESS);
