@@ -39,12 +39,12 @@ enum { COHESION = ELASTIC_COUNT, FRICTION, DILATION, FIT, VOLUME_CORRECTION };
 
 static const MpmParameter parameters[] = {
   ELASTIC_PARAMETERS,
-  {"cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL},
-  {"friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL},
-  {"dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL},
-  {"fit", "", 0., 0, 0., 2., 0, "where the cone meets Mohr-Coulomb", "compression|extension|plane_strain"},
-  {"volume_correction", "", 1., 0, 0., 1., 0, "return volume gained at the apex before compression meets resistance",
-   "off|on"}};
+  {MPM_NUMBER, "cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL},
+  {MPM_NUMBER, "friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL},
+  {MPM_NUMBER, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL},
+  {MPM_WORD, "fit", "", 0., 0, 0., 2., 0, "where the cone meets Mohr-Coulomb", "compression|extension|plane_strain"},
+  {MPM_WORD, "volume_correction", "", 1., 0, 0., 1., 0,
+   "return volume gained at the apex before compression meets resistance", "off|on"}};
 
 enum { STATE_B = 0, STATE_V = MPM_SYM };
 
@@ -53,22 +53,22 @@ static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STAT
 
 /* Slope eta and cohesion factor xi of the cone for an angle in degrees and a value of `fit` */
 typedef struct {
-  double eta, xi;
+  Real eta, xi;
 } Cone;
 
-MPM_FN Cone ConeFromAngle(double degrees, double fit)
+MPM_FN Cone ConeFromAngle(Real degrees, Real fit)
 {
-  const double angle = degrees * 3.14159265358979323846 / 180.;
-  Cone         cone;
+  const Real angle = degrees * 3.14159265358979323846 / 180.;
+  Cone       cone;
 
-  if (fit < 1.5) {
-    const double scale = 6. / (sqrt(3.) * (3. + (fit < 0.5 ? -sin(angle) : sin(angle))));
+  if (RealValue(fit) < 1.5) {
+    const Real scale = 6. / (sqrt(3.) * (3. + (RealValue(fit) < 0.5 ? -RealSin(angle) : RealSin(angle))));
 
-    cone.eta = scale * sin(angle);
-    cone.xi  = scale * cos(angle);
+    cone.eta = scale * RealSin(angle);
+    cone.xi  = scale * RealCos(angle);
   } else {
-    cone.xi  = 3. / sqrt(9. + 12. * tan(angle) * tan(angle));
-    cone.eta = cone.xi * tan(angle);
+    cone.xi  = 3. / RealSqrt(9. + 12. * RealTan(angle) * RealTan(angle));
+    cone.eta = cone.xi * RealTan(angle);
   }
   return cone;
 }
@@ -76,17 +76,17 @@ MPM_FN Cone ConeFromAngle(double degrees, double fit)
 /* The yield condition in elastic strains, |dev e| + slope tr(e) - size <= 0, and tr(e) gained per |dev e| lost in
    plastic flow */
 typedef struct {
-  double slope; /* sqrt(2) eta K/(2 mu) */
-  double size;  /* sqrt(2) xi c/(2 mu) */
-  double flow;  /* sqrt(2) eta_bar */
+  Real slope; /* sqrt(2) eta K/(2 mu) */
+  Real size;  /* sqrt(2) xi c/(2 mu) */
+  Real flow;  /* sqrt(2) eta_bar */
 } StrainCone;
 
-MPM_FN StrainCone StrainConeFromParameters(const double *parameter, Lame lame)
+MPM_FN StrainCone StrainConeFromParameters(const Real *parameter, Lame lame)
 {
-  const Cone   yield = ConeFromAngle(parameter[FRICTION], parameter[FIT]);
-  const Cone   flow  = ConeFromAngle(parameter[DILATION], parameter[FIT]);
-  const double bulk  = lame.lambda + 2. / 3. * lame.mu;
-  StrainCone   cone;
+  const Cone yield = ConeFromAngle(parameter[FRICTION], parameter[FIT]);
+  const Cone flow  = ConeFromAngle(parameter[DILATION], parameter[FIT]);
+  const Real bulk  = lame.lambda + 2. / 3. * lame.mu;
+  StrainCone cone;
 
   cone.slope = yield.eta * bulk / (sqrt(2.) * lame.mu);
   cone.size  = yield.xi * parameter[COHESION] / (sqrt(2.) * lame.mu);
@@ -102,11 +102,11 @@ MPM_FN Regime ReturnMap(const StrainCone *cone, Sym *e)
   const Sym    dev         = SymDev(e);
   const Scalar trace       = SymTrace(e);
   const double norm        = SymNormValue(&dev);
-  const double excess      = norm + cone->slope * ScalarValue(trace) - cone->size;
-  const double denominator = 1. + cone->slope * cone->flow;
+  const double excess      = norm + RealValue(cone->slope) * ScalarValue(trace) - RealValue(cone->size);
+  const Real   denominator = 1. + cone->slope * cone->flow;
 
   if (!(excess > ELASTIC_STRAIN_NOISE)) return ELASTIC;
-  if (norm * denominator >= excess) {
+  if (norm * RealValue(denominator) >= excess) {
     /* excess > 0 makes the norm positive here */
     const Scalar length  = SymNorm(&dev);
     const Scalar outside = ScalarAdd(length, ScalarShift(ScalarScale(cone->slope, trace), -cone->size));
@@ -124,32 +124,33 @@ MPM_FN Regime ReturnMap(const StrainCone *cone, Sym *e)
 
 MPM_FN int MpmMaterialEvaluate_drucker_prager(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const double    *parameter = point->parameter;
+  const Real      *parameter = point->parameter;
   const Lame       lame      = LameFromParameters(parameter);
   const StrainCone cone      = StrainConeFromParameters(parameter, lame);
-  const double     v_n       = point->state_n[STATE_V];
+  const Real       v_n       = point->state_n[STATE_V];
   Sym              b         = SymPush(dF, &point->state_n[STATE_B]);
-  double           trace_trial;
+  Real             trace_trial;
   Sym              e;
   Regime           regime;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
-  if (v_n != 0.) e = SymShift(&e, ScalarConstant(v_n / 3.));
-  trace_trial = ScalarValue(SymTrace(&e));
+  if (!RealVanishes(v_n)) e = SymShift(&e, ScalarConstant(v_n / 3.));
+  trace_trial = ScalarReal(SymTrace(&e));
   regime      = ReturnMap(&cone, &e);
   *tau        = ElasticStress(lame, &e);
   if (point->state) {
-    const int keep = regime == AT_APEX && parameter[VOLUME_CORRECTION] > 0.5;
+    const int keep = regime == AT_APEX && RealValue(parameter[VOLUME_CORRECTION]) > 0.5;
 
-    if ((regime != ELASTIC || v_n != 0.) && ElasticLeftCauchyGreen(&e, &b)) return 1;
+    if ((regime != ELASTIC || !RealVanishes(v_n)) && ElasticLeftCauchyGreen(&e, &b)) return 1;
     SymStore(&point->state[STATE_B], &b);
-    point->state[STATE_V] = keep ? trace_trial - ScalarValue(SymTrace(&e)) : 0.;
+    point->state[STATE_V] = keep ? trace_trial - ScalarReal(SymTrace(&e)) : 0.;
   }
   return 0;
 }
 
-static int MpmMaterialCheck_drucker_prager(const double *parameter, const char **why)
+static int MpmMaterialCheck_drucker_prager(const double *parameter, const MpmLawTable *table, const char **why)
 {
+  (void)table;
   if (parameter[DILATION] <= parameter[FRICTION]) return 1;
   *why = "dilation must not exceed friction";
   return 0;

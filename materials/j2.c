@@ -23,11 +23,12 @@
 
 enum { YIELD_STRESS = ELASTIC_COUNT, HARDENING };
 
-static const MpmParameter parameters[] = {
-  ELASTIC_PARAMETERS,
-  {"yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1,
-   "initial uniaxial yield stress, bound on sqrt(3 J2) of the Kirchhoff stress", NULL},
-  {"hardening", "Pa", 0., 0, 0., HUGE_VAL, 0, "growth of the yield stress per equivalent plastic strain", NULL}};
+static const MpmParameter parameters[] = {ELASTIC_PARAMETERS,
+                                          {MPM_NUMBER, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1,
+                                           "initial uniaxial yield stress, bound on sqrt(3 J2) of the Kirchhoff stress",
+                                           NULL},
+                                          {MPM_NUMBER, "hardening", "Pa", 0., 0, 0., HUGE_VAL, 0,
+                                           "growth of the yield stress per equivalent plastic strain", NULL}};
 
 enum { STATE_B = 0, STATE_ALPHA = MPM_SYM };
 
@@ -36,21 +37,21 @@ static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STAT
 
 MPM_FN int MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const Lame   lame      = LameFromParameters(point->parameter);
-  const double hardening = point->parameter[HARDENING], alpha_n = point->state_n[STATE_ALPHA];
-  const double radius = sqrt(2. / 3.) * (point->parameter[YIELD_STRESS] + hardening * alpha_n) / (2. * lame.mu);
-  Sym          b      = SymPush(dF, &point->state_n[STATE_B]);
-  double       alpha  = alpha_n;
-  Sym          e, dev;
+  const Lame lame      = LameFromParameters(point->parameter);
+  const Real hardening = point->parameter[HARDENING], alpha_n = point->state_n[STATE_ALPHA];
+  const Real radius = sqrt(2. / 3.) * (point->parameter[YIELD_STRESS] + hardening * alpha_n) / (2. * lame.mu);
+  Sym        b      = SymPush(dF, &point->state_n[STATE_B]);
+  Real       alpha  = alpha_n;
+  Sym        e, dev;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
   dev = SymDev(&e);
-  if (SymNormValue(&dev) > radius + ELASTIC_STRAIN_NOISE) {
+  if (SymNormValue(&dev) > RealValue(radius) + ELASTIC_STRAIN_NOISE) {
     const Scalar norm = SymNorm(&dev); /* of the elastic strain's deviator: positive here */
     const Scalar dg   = ScalarScale(lame.mu / (lame.mu + hardening / 3.), ScalarShift(norm, -radius));
 
     e = SymAxpy(ScalarNeg(ScalarDiv(dg, norm)), &dev, &e);
-    alpha += sqrt(2. / 3.) * ScalarValue(dg);
+    alpha += sqrt(2. / 3.) * ScalarReal(dg);
     if (point->state && ElasticLeftCauchyGreen(&e, &b)) return 1;
   }
   *tau = ElasticStress(lame, &e);

@@ -31,5 +31,27 @@ MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tenso
   return 0;
 }
 
+/* d tau/d ln(stretch) along a principal axis is lambda + 2 mu b; the largest sum of |b| over a row bounds b. */
+static double MpmMaterialStiffness_neo_hookean(const double *parameter, const MpmLawTable *table, const double *state,
+                                               const double *F)
+{
+  const Lame lame    = LameFromValues(parameter);
+  double     largest = 1.;
+
+  (void)table, (void)state;
+  for (int i = 0; F && i < MPM_DIM; i++) {
+    double sum = 0.;
+
+    for (int j = 0; j < MPM_DIM; j++) {
+      double b = 0.;
+
+      for (int k = 0; k < MPM_DIM; k++) b += F[i * MPM_DIM + k] * F[j * MPM_DIM + k];
+      sum += fabs(b);
+    }
+    largest = fmax(largest, sum);
+  }
+  return RealValue(lame.lambda + 2. * largest * lame.mu);
+}
+
 MPM_LAW(neo_hookean, MPM_LAW_SYMMETRIC, "compressible neo-Hookean elasticity", parameters, states, NULL,
-        ElasticStiffness, MpmMaterialEvaluate_neo_hookean)
+        MpmMaterialStiffness_neo_hookean, MpmMaterialEvaluate_neo_hookean)

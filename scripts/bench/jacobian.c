@@ -237,7 +237,8 @@ static void PointOf(const MpmModel model, PetscInt p, MpmKernelPoint *point)
                             .volume0   = model->disc.points.volume0[p],
                             .dt        = model->state.dt_nominal,
                             .traits    = material->info.traits,
-                            .law       = material->law};
+                            .law       = material->law,
+                            .table     = material->table};
 }
 
 /* Some gradient of the step's displacement, of a given size and different from point to point */

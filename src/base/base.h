@@ -11,6 +11,15 @@
 
 #define MPM_MAX_DIM 3
 
+/*
+  Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the
+  same on all ranks.
+*/
+#define MpmCheckInput(condition, ...) \
+  do { \
+    if (PetscUnlikely(!(condition))) SETERRQ(PETSC_COMM_SELF, MPM_ERR_INPUT, __VA_ARGS__); \
+  } while (0)
+
 /* ---- number.c ---- */
 
 /* Room for a number or a range as text. */
@@ -28,6 +37,14 @@ PetscErrorCode MpmTextAppend(char **text, const char format[], ...) PETSC_ATTRIB
 /* `value` fit for a one-line message: control characters become blanks, and a long one is cut short. Free with
    PetscFree(). */
 PetscErrorCode MpmTextQuote(const char value[], char **quoted);
+
+/*
+  Splits at commas, blanks around each part dropped; "" has no parts, "a," has an empty second one. Free with
+  MpmNamesDestroy().
+*/
+PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts);
+
+PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
 
 /* ---- text_buffer.c ---- */
 
@@ -119,13 +136,18 @@ typedef enum {
 } MpmTimer;
 
 /* What the engine tells of itself while it works: messages go to whoever listens, times add up. */
-typedef struct {
+typedef struct MpmMonitor {
   PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: nobody listens */
-  void     *ctx;
-  PetscReal seconds[MPM_TIME_COUNT];
+  void         *ctx;
+  PetscReal     seconds[MPM_TIME_COUNT];
+  PetscLogEvent event[MPM_TIME_COUNT]; /* the same tasks in -log_view */
 } MpmMonitor;
+extern const char *const MpmTimers[]; /* their names */
+/* Nobody listens, no time has passed; the tasks' events are made known to PETSc. */
+PetscErrorCode MpmMonitorCreate(MpmMonitor *monitor);
 /* A note to the step under way, and a line of its own in place of a step's. */
 PetscErrorCode MpmMonitorNote(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
 PetscErrorCode MpmMonitorLine(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
-/* Stops the clock of one task: adds the seconds since `since` to it. */
-void MpmMonitorClock(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since);
+/* A task begins, and ends: the seconds in between are added to its own. `since` is the caller's. */
+PetscErrorCode MpmMonitorBegin(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble *since);
+PetscErrorCode MpmMonitorEnd(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since);

@@ -6,6 +6,8 @@
 
 #define LONGEST_MESSAGE 1024
 
+const char *const MpmTimers[] = {"setup", "transfer", "residual", "jacobian", "solve", "migrate", "output", NULL};
+
 static PetscErrorCode Tell(const MpmMonitor *monitor, PetscBool line, const char format[], va_list arguments)
 {
   char text[LONGEST_MESSAGE];
@@ -39,10 +41,38 @@ PetscErrorCode MpmMonitorLine(const MpmMonitor *monitor, const char format[], ..
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmMonitorClock(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since)
+PetscErrorCode MpmMonitorCreate(MpmMonitor *monitor)
+{
+  static const char *const names[] = {"MpmSetup", "MpmTransfer", "MpmResidual", "MpmJacobian",
+                                      "MpmSolve", "MpmMigrate",  "MpmOutput"};
+  PetscClassId class               = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(monitor, sizeof(*monitor)));
+  for (PetscInt k = 0; k < MPM_TIME_COUNT; k++) { /* one event for all models of a process */
+    PetscCall(PetscLogEventGetId(names[k], &monitor->event[k]));
+    if (monitor->event[k] >= 0) continue;
+    if (!class) PetscCall(PetscClassIdRegister("Talus", &class));
+    PetscCall(PetscLogEventRegister(names[k], class, &monitor->event[k]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMonitorBegin(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble *since)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogEventBegin(monitor->event[timer], 0, 0, 0, 0));
+  PetscCall(PetscTime(since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMonitorEnd(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since)
 {
   PetscLogDouble now;
 
-  (void)PetscTime(&now);
+  PetscFunctionBeginUser;
+  PetscCall(PetscTime(&now));
   monitor->seconds[timer] += now - since;
+  PetscCall(PetscLogEventEnd(monitor->event[timer], 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

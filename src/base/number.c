@@ -1,7 +1,7 @@
 /*
   Numbers from and to text: strict where a user wrote it, round-trip safe where the program writes it.
 */
-#include "options/options.h"
+#include "base/base.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -84,5 +84,35 @@ PetscErrorCode MpmTextQuote(const char value[], char **quoted)
   for (char *c = *quoted; *c; c++) {
     if (iscntrl((unsigned char)*c)) *c = ' ';
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts)
+{
+  PetscInt n = 0, commas = 0;
+
+  PetscFunctionBegin;
+  for (const char *c = text; *c; c++) commas += (*c == ',');
+  PetscCall(PetscCalloc1((size_t)commas + 1, parts));
+  while (isspace((unsigned char)*text)) text++;
+  while (*text || n > 0) {
+    const char *end = text + strcspn(text, ","), *next = *end ? end + 1 : NULL;
+
+    while (isspace((unsigned char)*text) && text < end) text++;
+    while (end > text && isspace((unsigned char)end[-1])) end--;
+    PetscCall(MpmTextAppend(&(*parts)[n++], "%.*s", (int)(end - text), text));
+    if (!next) break;
+    text = next;
+  }
+  *count = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names)
+{
+  PetscFunctionBegin;
+  if (!*names) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < count; i++) PetscCall(PetscFree((*names)[i]));
+  PetscCall(PetscFree(*names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

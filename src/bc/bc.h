@@ -4,7 +4,10 @@
 */
 #include "space/space.h"
 
-/* ---- condition.c, frame.c ---- */
+typedef struct _p_MpmRegion *MpmRegion;
+typedef struct _p_MpmRamp   *MpmRamp;
+
+/* ---- dirichlet.c, node_frames.c ---- */
 
 /* A Dirichlet condition on nodes: on components of their unknowns, or on the displacement along a normal. */
 typedef struct {
@@ -27,7 +30,7 @@ typedef struct {
   MpmCondition *at;
 } MpmConditions;
 
-/* The frame of a node that a condition with a normal holds; rows q_r, of which the first `held` are held (frame.c). */
+/* The frame of a node that a condition with a normal holds; rows q_r, of which the first `held` are held (node_frames.c). */
 typedef struct {
   PetscInt  held, condition[MPM_MAX_DIM]; /* condition: whose equation it is */
   PetscReal value[MPM_MAX_DIM];
@@ -39,7 +42,7 @@ typedef struct {
   The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement are
   its components in the frame.
 */
-typedef struct {
+typedef struct MpmConstraints {
   PetscInt  *condition; /* per local unknown: which condition holds it, or -1 */
   PetscReal *value;     /* the value that it takes */
   PetscBool  any;
@@ -54,9 +57,8 @@ PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
                                     MpmWall walls[]);
-PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
-                                   const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space,
-                                   PetscReal time_n, PetscReal time);
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
+                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
 /*
   Adds the forces of the supports on the body, those that the owned nodes' residual lacks in balance; reaction[b*block + c]

@@ -7,6 +7,8 @@
 
   A reaction is the force of the support on the body, the internal less the external forces at the nodes held.
 */
+#include "options/options.h"
+#include "geometry/geometry.h"
 #include "bc/bc.h"
 
 /* The component of this name in the layout, or -1. */
@@ -240,11 +242,11 @@ static void MakeFrame(PetscInt bc_count, const MpmCondition bcs[], const PetscRe
 }
 
 /* The frames of this step's nodes, and what they hold. */
-static PetscErrorCode SetUpFrames(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
-                                  const MpmGrid *grid, PetscInt bs, const MpmSpace *space, PetscReal time_n,
-                                  PetscReal time)
+static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
+                                  PetscInt bs, const MpmSpace *space, PetscReal time_n, PetscReal time)
 {
-  PetscInt count = 0;
+  const MpmCondition *bcs   = conditions->at;
+  PetscInt            count = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(space->local, &constraints->frame_of));
@@ -253,7 +255,7 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, PetscInt bc_count
 
     constraints->frame_of[i] = -1;
     NodePosition(grid, space, i, x);
-    for (PetscInt b = 0; b < bc_count && constraints->frame_of[i] < 0; b++)
+    for (PetscInt b = 0; b < conditions->count && constraints->frame_of[i] < 0; b++)
       if (bcs[b].active && bcs[b].inclined && MpmRegionContains(bcs[b].region, x)) constraints->frame_of[i] = count++;
   }
   PetscCall(PetscCalloc1(count, &constraints->frames));
@@ -264,7 +266,7 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, PetscInt bc_count
     MpmFrame *frame = &constraints->frames[constraints->frame_of[i]];
 
     NodePosition(grid, space, i, x);
-    MakeFrame(bc_count, bcs, x, grid->dim, time_n, time, frame);
+    MakeFrame(conditions->count, bcs, x, grid->dim, time_n, time, frame);
     for (PetscInt r = 0; r < grid->dim; r++) {
       constraints->condition[i * bs + r] = r < frame->held ? frame->condition[r] : -1;
       constraints->value[i * bs + r]     = r < frame->held ? frame->value[r] : 0.;
@@ -274,12 +276,12 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, PetscInt bc_count
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_count, const MpmCondition bcs[],
-                                   const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space,
-                                   PetscReal time_n, PetscReal time)
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
+                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time)
 {
-  const PetscInt bs       = layout->block;
-  PetscBool      inclined = PETSC_FALSE;
+  const MpmCondition *bcs      = conditions->at;
+  const PetscInt      bs       = layout->block;
+  PetscBool           inclined = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(MpmConstraintsReset(constraints));
@@ -287,7 +289,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_coun
   PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
   PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
   for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = -1;
-  for (PetscInt b = 0; b < bc_count; b++) {
+  for (PetscInt b = 0; b < conditions->count; b++) {
     if (bcs[b].active && bcs[b].inclined) inclined = PETSC_TRUE;
     for (PetscInt i = 0; i < space->local && bcs[b].active && !bcs[b].inclined; i++) {
       PetscReal x[MPM_MAX_DIM];
@@ -303,7 +305,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, PetscInt bc_coun
       }
     }
   }
-  if (inclined) PetscCall(SetUpFrames(constraints, bc_count, bcs, grid, bs, space, time_n, time));
+  if (inclined) PetscCall(SetUpFrames(constraints, conditions, grid, bs, space, time_n, time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

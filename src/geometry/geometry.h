@@ -4,7 +4,9 @@
   bodies).
   MpmRamp   - a piecewise linear factor of time, read from "time:factor" pairs.
 */
-#include "options/options.h"
+#include "base/base.h"
+
+typedef struct MpmOptions MpmOptions;
 
 typedef enum {
   MPM_REGION_ALL,

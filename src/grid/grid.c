@@ -6,6 +6,7 @@
   boxes, of any number of ranks, and follow the points also where a product of cuts per axis could not: along a slope,
   for instance. Where a layer of cells holds too much for that, the cut passes through it with a step.
 */
+#include "options/options.h"
 #include "grid/grid.h"
 
 /* Points on the fullest rank over their mean from which on to look for other cuts: one look costs some hundredth of a
@@ -38,7 +39,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   grid->balance = BALANCE;
   PetscCall(MpmOptionsReal(&block, "balance", "-",
                            "the points are shared out anew when the fullest rank holds so many times their mean",
-                           (MpmRange){1., PETSC_INFINITY, PETSC_FALSE}, MPM_OPTIONAL, &grid->balance, NULL));
+                           ((MpmRange){1., PETSC_INFINITY, PETSC_FALSE}), MPM_OPTIONAL, &grid->balance, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a],
                   "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],
@@ -160,9 +161,16 @@ static PetscErrorCode FindBox(const MpmGrid *grid, PetscInt count, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points per layer of cells, for every part and axis; `part` tells which part each point is in. */
-static PetscErrorCode Histograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt part[],
-                                 PetscInt part_count, Part parts[], PetscInt64 **histogram)
+/* The points while the lattice is divided. */
+typedef struct {
+  PetscInt         count;
+  const PetscReal *x;
+  PetscInt        *part; /* which part each is in; -1: in one that is divided no further */
+} Placed;
+
+/* Points per layer of cells, for every part and axis. */
+static PetscErrorCode Histograms(const MpmGrid *grid, const Placed *points, PetscInt part_count, Part parts[],
+                                 PetscInt64 **histogram)
 {
   PetscInt size = 0;
 
@@ -174,13 +182,13 @@ static PetscErrorCode Histograms(const MpmGrid *grid, PetscInt count, const Pets
     }
   }
   PetscCall(PetscCalloc1(size, histogram));
-  for (PetscInt p = 0; p < count; p++) {
+  for (PetscInt p = 0; p < points->count; p++) {
     PetscInt cell[MPM_MAX_DIM];
 
-    if (part[p] < 0) continue;
-    MpmGridFindCell(grid, &x[p * grid->dim], cell);
+    if (points->part[p] < 0) continue;
+    MpmGridFindCell(grid, &points->x[p * grid->dim], cell);
     for (PetscInt a = 0; a < grid->dim; a++)
-      (*histogram)[parts[part[p]].histogram[a] + cell[a] - parts[part[p]].lower[a]]++;
+      (*histogram)[parts[points->part[p]].histogram[a] + cell[a] - parts[points->part[p]].lower[a]]++;
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -250,8 +258,8 @@ static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogra
 }
 
 /* Points per row of the layers that cuts pass through; NULL where there are none. */
-static PetscErrorCode RowHistograms(const MpmGrid *grid, PetscInt count, const PetscReal x[], const PetscInt in[],
-                                    PetscInt part_count, Part parts[], const MpmCut cuts[], PetscInt64 **histogram)
+static PetscErrorCode RowHistograms(const MpmGrid *grid, const Placed *points, PetscInt part_count, Part parts[],
+                                    const MpmCut cuts[], PetscInt64 **histogram)
 {
   PetscInt size = 0;
 
@@ -266,13 +274,13 @@ static PetscErrorCode RowHistograms(const MpmGrid *grid, PetscInt count, const P
   }
   if (!size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1(size, histogram));
-  for (PetscInt p = 0; p < count; p++) {
-    const Part   *part = in[p] < 0 ? NULL : &parts[in[p]];
+  for (PetscInt p = 0; p < points->count; p++) {
+    const Part   *part = points->part[p] < 0 ? NULL : &parts[points->part[p]];
     const MpmCut *cut  = part ? &cuts[part->cut] : NULL;
     PetscInt      cell[MPM_MAX_DIM];
 
     if (!part || part->rows < 0) continue;
-    MpmGridFindCell(grid, &x[p * grid->dim], cell);
+    MpmGridFindCell(grid, &points->x[p * grid->dim], cell);
     if (cell[cut->axis] == cut->node) (*histogram)[part->rows + cell[cut->row_axis] - part->lower[cut->row_axis]]++;
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *histogram, (PetscMPIInt)size, MPIU_INT64, MPI_SUM, grid->comm));
@@ -324,25 +332,26 @@ static PetscInt64 FullestRank(const Part *part)
 static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscReal x[], MpmCut cuts[], PetscInt64 *most)
 {
   Part    *parts, *next;
-  PetscInt part_count = 1, *part, (*index)[2];
+  PetscInt part_count = 1, (*index)[2];
+  Placed   points     = {.count = count, .x = x};
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3(grid->size, &parts, grid->size, &next, grid->size, &index));
-  PetscCall(PetscCalloc1(count, &part));
+  PetscCall(PetscCalloc1(count, &points.part));
   parts[0] = (Part){.ranks = grid->size};
   PetscCall(FindBox(grid, count, x, &parts[0]));
   while (part_count) {
     PetscInt64 *histogram, *row_histogram;
     PetscInt    made = 0;
 
-    PetscCall(Histograms(grid, count, x, part, part_count, parts, &histogram));
+    PetscCall(Histograms(grid, &points, part_count, parts, &histogram));
     for (PetscInt k = 0; k < part_count; k++) {
       MpmCut *cut = &cuts[parts[k].cut];
 
       ChoosePlane(grid->dim, &parts[k], histogram, cut);
       parts[k].rows = ChooseLayer(grid->dim, &parts[k], histogram, cut) ? 0 : -1;
     }
-    PetscCall(RowHistograms(grid, count, x, part, part_count, parts, cuts, &row_histogram));
+    PetscCall(RowHistograms(grid, &points, part_count, parts, cuts, &row_histogram));
     for (PetscInt k = 0; k < part_count; k++) {
       MpmCut *cut = &cuts[parts[k].cut];
 
@@ -355,14 +364,14 @@ static PetscErrorCode CutAll(const MpmGrid *grid, PetscInt count, const PetscRea
     for (PetscInt p = 0; p < count && made; p++) {
       PetscInt cell[MPM_MAX_DIM];
 
-      if (part[p] < 0) continue;
+      if (points.part[p] < 0) continue;
       MpmGridFindCell(grid, &x[p * grid->dim], cell);
-      part[p] = index[part[p]][!IsBelow(&cuts[parts[part[p]].cut], cell)];
+      points.part[p] = index[points.part[p]][!IsBelow(&cuts[parts[points.part[p]].cut], cell)];
     }
     PetscCall(PetscArraycpy(parts, next, made));
     part_count = made;
   }
-  PetscCall(PetscFree(part));
+  PetscCall(PetscFree(points.part));
   PetscCall(PetscFree3(parts, next, index));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

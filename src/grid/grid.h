@@ -2,7 +2,9 @@
 /*
   The background grid, its partition over the ranks, and the shape functions on one of its axes.
 */
-#include "options/options.h"
+#include "base/base.h"
+
+typedef struct MpmOptions MpmOptions;
 
 #define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
 
@@ -21,7 +23,7 @@ typedef struct {
   The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested cuts, which
   follow the points.
 */
-typedef struct {
+typedef struct MpmGrid {
   MPI_Comm    comm;
   PetscMPIInt rank, size;
   PetscInt    dim;
@@ -101,6 +103,13 @@ MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells);
    beyond it (1), for a spline of degree 2 or 3; k up to the degree. */
 PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond, PetscInt k);
 
+/* The nodes of one axis that a point touches. */
+typedef struct {
+  PetscInt   first, count; /* the first node with a weight, and how many, <= MpmShapeWidth() */
+  PetscReal *weight;
+  PetscReal *gradient; /* derivatives by xi (divide by h for d/dx) */
+} MpmShapeLine;
+
 /*
   MpmShapeEvaluate - weights and gradients on one axis
 
@@ -113,15 +122,12 @@ PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond,
 . edge_lower  - first node of the axis, or of the wall that bounds the material
 - edge_upper  - last node
 
-  Output Parameters:
-+ first    - first node with a weight
-. count    - number of nodes, <= MpmShapeWidth()
-. weight   - weights, count of them
-- gradient - derivatives by xi (divide by h for d/dx), count of them
+  Output Parameter:
+. line - the nodes, and their weights in arrays of the caller's: room for MpmShapeWidth() of them
 
   Nodes beyond the edges do not exist. With MPM_EDGE_LINEAR their coefficients are the linear extension u_{-k} = 2 u_0 -
   u_k. With either type the edge node carries the edge's value exactly, and a linear field has its nodal values as
   coefficients.
 */
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
-                      PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[]);
+                      PetscInt edge_upper, MpmShapeLine *line);

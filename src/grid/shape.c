@@ -187,81 +187,82 @@ static inline void FoldEdge(PetscInt degree, MpmEdgeType edge, PetscInt step, Pe
   the node that takes the linear extension's -1 is the other edge.
 */
 static inline void FoldEdges(PetscInt degree, MpmEdgeType edge, PetscInt edge_lower, PetscInt edge_upper,
-                             PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+                             MpmShapeLine *line)
 {
+  PetscReal     *w = line->weight, *g = line->gradient;
   const PetscInt from  = edge == MPM_EDGE_OPEN ? 0 : 1; /* nodes beyond from which on there is something to do */
-  const PetscInt below = edge_lower - *first;
+  const PetscInt below = edge_lower - line->first;
 
   if (below >= from) {
     const PetscReal w_outer = below ? w[0] : 0., g_outer = below ? g[0] : 0.;
 
-    *first += below;
-    *count -= below;
-    for (PetscInt k = 0; below && k < *count; k++) {
+    line->first += below;
+    line->count -= below;
+    for (PetscInt k = 0; below && k < line->count; k++) {
       w[k] = w[k + 1];
       g[k] = g[k + 1];
     }
-    if (edge == MPM_EDGE_OPEN && *count == degree) {
+    if (edge == MPM_EDGE_OPEN && line->count == degree) {
       w[degree] = g[degree] = 0.;
-      (*count)++;
+      line->count++;
     }
     FoldEdge(degree, edge, 1, w_outer, w);
     FoldEdge(degree, edge, 1, g_outer, g);
   }
-  const PetscInt above = *first + *count - 1 - edge_upper;
+  const PetscInt above = line->first + line->count - 1 - edge_upper;
 
   if (above >= from) {
-    const PetscReal w_outer = above ? w[*count - 1] : 0., g_outer = above ? g[*count - 1] : 0.;
+    const PetscReal w_outer = above ? w[line->count - 1] : 0., g_outer = above ? g[line->count - 1] : 0.;
 
-    *count -= above;
-    if (edge == MPM_EDGE_OPEN && *count == degree) {
+    line->count -= above;
+    if (edge == MPM_EDGE_OPEN && line->count == degree) {
       for (PetscInt k = degree; k > 0; k--) {
         w[k] = w[k - 1];
         g[k] = g[k - 1];
       }
       w[0] = g[0] = 0.;
-      (*first)--;
-      (*count)++;
+      line->first--;
+      line->count++;
     }
-    FoldEdge(degree, edge, -1, w_outer, &w[*count - 1]);
-    FoldEdge(degree, edge, -1, g_outer, &g[*count - 1]);
+    FoldEdge(degree, edge, -1, w_outer, &w[line->count - 1]);
+    FoldEdge(degree, edge, -1, g_outer, &g[line->count - 1]);
   }
 }
 
 /* Drops nodes at the ends that a point does not touch at all: a quadratic spline on its knot has two nodes, not three.
    */
-static inline void TrimEnds(PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+static inline void TrimEnds(MpmShapeLine *line)
 {
-  PetscInt lead = 0;
+  PetscReal *w = line->weight, *g = line->gradient;
+  PetscInt   lead = 0;
 
-  while (*count > 1 && w[*count - 1] == 0. && g[*count - 1] == 0.) (*count)--;
-  while (lead < *count - 1 && w[lead] == 0. && g[lead] == 0.) lead++;
+  while (line->count > 1 && w[line->count - 1] == 0. && g[line->count - 1] == 0.) line->count--;
+  while (lead < line->count - 1 && w[lead] == 0. && g[lead] == 0.) lead++;
   if (lead == 0) return;
-  for (PetscInt k = lead; k < *count; k++) {
+  for (PetscInt k = lead; k < line->count; k++) {
     w[k - lead] = w[k];
     g[k - lead] = g[k];
   }
-  *first += lead;
-  *count -= lead;
+  line->first += lead;
+  line->count -= lead;
 }
 
 /* Inlined with a constant degree, so that each shape gets its own straight-line code. */
 static inline void Evaluate(PetscInt degree, MpmEdgeType edge, PetscReal xi, PetscReal l, PetscInt edge_lower,
-                            PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal w[], PetscReal g[])
+                            PetscInt edge_upper, MpmShapeLine *line)
 {
   const Interval at = Locate(degree, xi, edge_lower, edge_upper);
 
   if (l > MPM_SHAPE_POINT) {
-    *count = AddDomain(degree, at, l, first, w, g);
+    line->count = AddDomain(degree, at, l, &line->first, line->weight, line->gradient);
   } else {
-    *first = at.index - degree / 2;
-    *count = degree + 1;
-    for (PetscInt k = 0; k <= degree; k++) w[k] = g[k] = 0.;
-    AddSegment(degree, at.local, 0., 1., w, g);
+    line->first = at.index - degree / 2;
+    line->count = degree + 1;
+    for (PetscInt k = 0; k <= degree; k++) line->weight[k] = line->gradient[k] = 0.;
+    AddSegment(degree, at.local, 0., 1., line->weight, line->gradient);
   }
-  if (degree > 1)
-    FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, first, count, w, g);
-  TrimEnds(first, count, w, g);
+  if (degree > 1) FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, line);
+  TrimEnds(line);
 }
 
 MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells)
@@ -277,22 +278,22 @@ PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond,
 }
 
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
-                      PetscInt edge_upper, PetscInt *first, PetscInt *count, PetscReal weight[], PetscReal gradient[])
+                      PetscInt edge_upper, MpmShapeLine *line)
 {
   switch (type) {
   case MPM_SHAPE_GIMP:
-    Evaluate(1, edge, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(1, edge, xi, half_length, edge_lower, edge_upper, line);
     break;
   case MPM_SHAPE_BSPLINE2:
-    Evaluate(2, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(2, edge, xi, 0., edge_lower, edge_upper, line);
     break;
   case MPM_SHAPE_BSPLINE3:
-    Evaluate(3, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(3, edge, xi, 0., edge_lower, edge_upper, line);
     break;
   case MPM_SHAPE_GIMP_BSPLINE2:
-    Evaluate(2, edge, xi, half_length, edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(2, edge, xi, half_length, edge_lower, edge_upper, line);
     break;
   default:
-    Evaluate(1, edge, xi, 0., edge_lower, edge_upper, first, count, weight, gradient);
+    Evaluate(1, edge, xi, 0., edge_lower, edge_upper, line);
   }
 }

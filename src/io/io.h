@@ -3,7 +3,7 @@
   What a run leaves behind: points in HDF5 with an XDMF index, the history as CSV, the account of the run as JSON. These
   objects know nothing of the model: they are handed names and arrays.
 */
-#include "options/options.h"
+#include "base/base.h"
 
 typedef struct _p_MpmOutput  *MpmOutput;
 typedef struct _p_MpmHistory *MpmHistory;
@@ -158,10 +158,8 @@ PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt colu
 PetscErrorCode MpmHistoryAppend(MpmHistory history, const PetscReal values[]);
 PetscErrorCode MpmHistoryDestroy(MpmHistory *history);
 
-extern const char *const MpmTimers[];
-
 /* The account of a run; written as <prefix>_summary.json. */
-typedef struct {
+typedef struct MpmSummary {
   const char *status; /* "completed" or the reason */
   PetscInt    dim;
   const char *title, *physics, *shape, *jacobian, *solver;
@@ -213,17 +211,3 @@ PetscErrorCode MpmCheckpointVerify(MPI_Comm comm, const char *path, PetscInt64 c
                                    char text[256], const char **why);
 /* The checkpoints of a prefix, the newest first. Collective; free with MpmNamesDestroy(). */
 PetscErrorCode MpmCheckpointList(MPI_Comm comm, const char *prefix, PetscInt *count, char ***paths);
-
-/* ---- point_table.c ---- */
-
-/*
-  A file of points, HDF5 or CSV, of which each rank has `count` rows. Get gives a quantity's components, row by row, to
-  be freed; NULL where the file has none and the need is optional. All collective.
-*/
-typedef struct _p_MpmPointFile *MpmPointFile;
-PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const char *path, const char *step,
-                                MpmPointFile *file);
-PetscErrorCode MpmPointFileClose(MpmPointFile *file);
-PetscInt       MpmPointFileCount(MpmPointFile file);
-PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
-                               PetscReal **values);

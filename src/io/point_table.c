@@ -11,8 +11,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "options/options.h"
 #include "io/hdf5_rows.h"
 #include "io/io.h"
+#include "io/point_table.h"
 
 #define MESSAGE_LENGTH 512
 

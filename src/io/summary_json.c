@@ -6,8 +6,6 @@
 #include "io/io.h"
 #include "base/base.h"
 
-const char *const MpmTimers[] = {"setup", "transfer", "residual", "jacobian", "solve", "migrate", "output", NULL};
-
 /* Largest resident size of this process so far, bytes. */
 static PetscReal ProcessMemory(void)
 {

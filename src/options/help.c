@@ -2,7 +2,7 @@
   One option of the manual that -help prints, as the readers of options say it of themselves.
 */
 #include <string.h>
-#include "options/options.h"
+#include "options/help.h"
 
 #define HELP_NAME  36  /* columns for an option's name; its text starts behind them */
 #define HELP_WIDTH 118 /* columns of a line */

@@ -6,18 +6,7 @@
   and the record of the options in force. Input errors carry MPM_ERR_INPUT; main() turns them into one line and exit
   status 2.
 */
-#include <stdio.h>
 #include "base/base.h"
-#include "talus/talus.h"
-
-/*
-  Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the
-  same on all ranks.
-*/
-#define MpmCheckInput(condition, ...) \
-  do { \
-    if (PetscUnlikely(!(condition))) SETERRQ(PETSC_COMM_SELF, MPM_ERR_INPUT, __VA_ARGS__); \
-  } while (0)
 
 /* What has been read so far, with the values in force. */
 typedef struct _p_MpmRecord *MpmRecord;
@@ -27,7 +16,7 @@ PetscErrorCode               MpmRecordDestroy(MpmRecord *record);
 /*
   Where a block of options lives: `prefix` without the leading dash, like "mpm_material_beam_". `record` may be NULL.
 */
-typedef struct {
+typedef struct MpmOptions {
   MPI_Comm    comm;
   const char *prefix;
   MpmRecord   record;
@@ -50,21 +39,37 @@ PetscBool MpmOptionsHelp(void);
 /* Prints the heading of a block when -help asks for it. */
 PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title);
 
+/* One option of numbers, as the manual, the check and the record know it. */
+typedef struct {
+  const char *name, *unit, *help;
+  MpmRange    range;        /* of reals */
+  PetscInt    lower, upper; /* of integers */
+  MpmNeed     need;
+} MpmNumberOption;
+
 /*
-  `value` holds the default on entry. `set` (may be NULL) tells whether the option was given. Not-a-number is never
-  accepted.
+  `count` values exactly, comma-separated. `values` holds the default on entry when the need is optional. `set` (may be
+  NULL) tells whether the option was given. Not-a-number is never accepted.
 */
-PetscErrorCode MpmOptionsReal(const MpmOptions *options, const char *name, const char *unit, const char *help,
-                              MpmRange range, MpmNeed need, PetscReal *value, PetscBool *set);
-PetscErrorCode MpmOptionsInt(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
-                             PetscInt upper, MpmNeed need, PetscInt *value, PetscBool *set);
+PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOption *option, PetscInt count,
+                                   PetscReal values[], PetscBool *set);
+PetscErrorCode MpmOptionsReadInts(const MpmOptions *options, const MpmNumberOption *option, PetscInt count,
+                                  PetscInt values[], PetscBool *set);
+/* The same in one line a reading, as PETSc has it; a range written out stands in parentheses. */
+#define MpmOptionsReals(options, name_, unit_, help_, range_, need_, count, values, set) \
+  MpmOptionsReadReals(options, \
+                      &(MpmNumberOption){.name = name_, .unit = unit_, .help = help_, .range = range_, .need = need_}, \
+                      count, values, set)
+#define MpmOptionsInts(options, name_, help_, lower_, upper_, need_, count, values, set) \
+  MpmOptionsReadInts( \
+    options, &(MpmNumberOption){.name = name_, .help = help_, .lower = lower_, .upper = upper_, .need = need_}, count, \
+    values, set)
+#define MpmOptionsReal(options, name_, unit_, help_, range_, need_, value, set) \
+  MpmOptionsReals(options, name_, unit_, help_, range_, need_, 1, value, set)
+#define MpmOptionsInt(options, name_, help_, lower_, upper_, need_, value, set) \
+  MpmOptionsInts(options, name_, help_, lower_, upper_, need_, 1, value, set)
 PetscErrorCode MpmOptionsBool(const MpmOptions *options, const char *name, const char *help, PetscBool *value,
                               PetscBool *set);
-/* `count` values exactly, comma-separated; `values` holds the default on entry when the need is optional. */
-PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, const char *unit, const char *help,
-                               MpmRange range, MpmNeed need, PetscInt count, PetscReal values[], PetscBool *set);
-PetscErrorCode MpmOptionsInts(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
-                              PetscInt upper, MpmNeed need, PetscInt count, PetscInt values[], PetscBool *set);
 /* Any number of reals; free with PetscFree(). */
 PetscErrorCode MpmOptionsRealList(const MpmOptions *options, const char *name, const char *unit, const char *help,
                                   MpmNeed need, PetscInt *count, PetscReal **values);
@@ -79,12 +84,12 @@ PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const
 */
 PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
                                PetscInt *count, char ***names);
-PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
+/* The same for a list of blocks, with its heading: with -help, one that the scene does not give has one block, NAME. */
+PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
+                                PetscInt *count, char ***names);
 /* Is the option -<prefix><name> there? Does not mark it as used. */
 PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has);
 
-/* Is the file a text that can be options, as far as a look tells? Names the line where it is not. */
-PetscErrorCode MpmOptionsCheckFile(MPI_Comm comm, const char option[], const char path[], PetscBool yaml);
 /*
   After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name;
   and so does an option of PETSc's that is not a number where it must be one.
@@ -103,110 +108,3 @@ PetscErrorCode MpmForeignOptionsFind(const char message[], char name[], size_t s
 PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path);
 /* The same as text, appended. Not collective. */
 PetscErrorCode MpmOptionsTextYAML(const MpmOptions *options, MpmTextFile *text);
-
-/* ---- what the readers, their record and other parsers share ---- */
-
-/* What is wrong with a file in YAML, as "line N ...": no YAML, or an option stands in it twice; empty for nothing. */
-PetscErrorCode MpmYAMLCheck(const char path[], char fault[], size_t size);
-
-/*
-  Splits at commas, blanks around each part dropped; "" has no parts, "a," has an empty second one. Free with
-  MpmNamesDestroy().
-*/
-PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts);
-
-/* One option of the manual: its name, and its text in a column of its own. */
-PetscErrorCode MpmHelpEntry(MPI_Comm comm, const char name[], const char text[]);
-
-/* ---- database.c ---- */
-
-/*
-  The options database in force. `name` has no leading dash. PETSc's look-up takes -a_b for -a_1_b when the latter is
-  absent, meant for levels of multigrid, and it would let one body of a scene inherit from another: these go by the
-  exact name (case aside, as PETSc does).
-*/
-PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has);
-/* Lends the value; NULL for an option without one. Marks the option as used. */
-PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given);
-
-/* An option as it stands in the database, which lends both; `value` may be NULL. */
-typedef struct {
-  const char *name, *value;
-} MpmDatabaseOption;
-
-/* All options, sorted by name; free `options` and `text` with PetscFree() after use. Marks none as used. */
-PetscErrorCode MpmDatabaseGet(PetscInt *count, MpmDatabaseOption **options, char **text);
-/* The same without those that begin with mpm_. */
-PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmDatabaseOption **options, char **text);
-PetscErrorCode MpmDatabaseIsOurs(const char name[], PetscBool *ours);
-
-/* An option that a model has taken from the database in force. */
-typedef struct {
-  char       *there; /* its name there */
-  const char *here;  /* and in the model's: the same without the prefix */
-  PetscBool   used;
-} MpmTakenOption;
-
-/* The options of one model. */
-typedef struct {
-  PetscOptions    options; /* NULL: none yet, the database in force is looked at */
-  PetscInt        depth;   /* how often entered */
-  PetscInt        count;
-  MpmTakenOption *taken;
-} MpmDatabase;
-
-/* Copies the options in force that begin with the prefix, without it; all of them where it is NULL. Once only. */
-PetscErrorCode MpmDatabaseTake(MpmDatabase *database, const char prefix[]);
-/* Adds options as they would stand on a command line, files among them. Collective on the model's communicator. */
-PetscErrorCode MpmDatabaseInsert(MpmDatabase *database, MPI_Comm comm, const char text[]);
-/*
-  Between Enter and Leave the model's options are in force; pairs may be nested. Leave marks what has been used since as
-  used in the database that is in force then.
-*/
-PetscErrorCode MpmDatabaseEnter(MpmDatabase *database);
-PetscErrorCode MpmDatabaseLeave(MpmDatabase *database);
-PetscErrorCode MpmDatabaseDestroy(MpmDatabase *database);
-/* A call with the model's options in force, which are left also where it fails. */
-#define MpmDatabaseCall(database, call) \
-  do { \
-    PetscErrorCode database_error; \
-    PetscCall(MpmDatabaseEnter(database)); \
-    database_error = (call); \
-    PetscCall(MpmDatabaseLeave(database)); \
-    PetscCall(database_error); \
-  } while (0)
-
-/* ---- petsc_options.c, unused.c, record.c ---- */
-
-/* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
-PetscErrorCode MpmForeignOptionsCheck(void);
-
-/* Keeps the user's among them for MpmOptionsWarnUnused(), and lets go of them (unused.c). */
-PetscErrorCode MpmForeignOptionsKeep(MpmRecord record);
-PetscErrorCode MpmForeignOptionsForget(MpmRecord record);
-
-/* One option that a reader has asked for. */
-typedef struct {
-  char     *name;
-  char     *value;    /* in force; NULL when there is none that could be read again */
-  PetscBool known;    /* a reader has asked for it, and has not merely looked whether it is there */
-  PetscBool given;    /* by the user */
-  PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
-} MpmRecordEntry;
-
-/* An option of PETSc's that the user gave. */
-typedef struct {
-  char     *name, *value; /* fit for a message; empty where it has none */
-  PetscBool told;         /* that nobody used it */
-} MpmGivenOption;
-
-struct _p_MpmRecord {
-  PetscInt        count, capacity;
-  MpmRecordEntry *entries;
-  PetscInt        foreign_count;
-  MpmGivenOption *foreign; /* unused.c */
-  MpmMoment       moment;  /* up to which they have been looked through */
-};
-
-/* Lends the option's entry, which is made where there is none; it lives until the next call. */
-PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry **entry);

@@ -2,6 +2,7 @@
   PETSc's own options, as far as a slip in them would end in a traceback, or be taken without a word.
 */
 #include "options/options.h"
+#include "options/record.h"
 
 #include <math.h>
 #include <petscksp.h>

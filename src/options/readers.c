@@ -11,7 +11,9 @@
 
   A refusal ends the run, so what was allocated on the way to it is not given back.
 */
+#include "options/help.h"
 #include "options/options.h"
+#include "options/record.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -208,36 +210,6 @@ static void ListText(PetscInt count, const char range[], char text[2 * MPM_RANGE
   else snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values", (long long)count);
 }
 
-PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts)
-{
-  PetscInt n = 0, commas = 0;
-
-  PetscFunctionBegin;
-  for (const char *c = text; *c; c++) commas += (*c == ',');
-  PetscCall(PetscCalloc1((size_t)commas + 1, parts));
-  while (isspace((unsigned char)*text)) text++;
-  while (*text || n > 0) {
-    const char *end = text + strcspn(text, ","), *next = *end ? end + 1 : NULL;
-
-    while (isspace((unsigned char)*text) && text < end) text++;
-    while (end > text && isspace((unsigned char)end[-1])) end--;
-    PetscCall(MpmTextAppend(&(*parts)[n++], "%.*s", (int)(end - text), text));
-    if (!next) break;
-    text = next;
-  }
-  *count = n;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names)
-{
-  PetscFunctionBegin;
-  if (!*names) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < count; i++) PetscCall(PetscFree((*names)[i]));
-  PetscCall(PetscFree(*names));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode CheckCount(const Item *item, const ItemSpec *spec, PetscInt wanted, PetscInt count)
 {
   char text[MPM_RANGE_TEXT];
@@ -287,8 +259,8 @@ PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, const char *unit, const char *help,
-                               MpmRange range, MpmNeed need, PetscInt count, PetscReal values[], PetscBool *set)
+PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOption *option, PetscInt count,
+                                   PetscReal values[], PetscBool *set)
 {
   char      interval[MPM_RANGE_TEXT], accepts[2 * MPM_RANGE_TEXT], number[MPM_NUMBER_TEXT];
   char     *fallback = NULL, **parts;
@@ -297,14 +269,15 @@ PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, cons
   Item      item;
 
   PetscFunctionBegin;
-  RangeText(range, interval);
+  RangeText(option->range, interval);
   ListText(count, interval, accepts);
-  for (PetscInt i = 0; i < count && need == MPM_OPTIONAL; i++) {
+  for (PetscInt i = 0; i < count && option->need == MPM_OPTIONAL; i++) {
     MpmRealText(values[i], number);
     PetscCall(MpmTextAppend(&fallback, "%s%s", i ? "," : "", number));
-    if (!RangeHolds(range, values[i])) lasting = PETSC_FALSE;
+    if (!RangeHolds(option->range, values[i])) lasting = PETSC_FALSE;
   }
-  const ItemSpec spec = {name, help, unit, accepts, fallback, need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
+  const ItemSpec spec = {option->name, option->help, option->unit, accepts,
+                         fallback,     option->need, lasting,      set ? PETSC_TRUE : PETSC_FALSE};
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
     PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
@@ -315,7 +288,7 @@ PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, cons
 
       if (!MpmParseReal(parts[i], &value))
         PetscCall(ItemRefuseForm(&item, &spec, count == 1 ? "not a number" : "not a list of numbers"));
-      if (!RangeHolds(range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
+      if (!RangeHolds(option->range, value)) PetscCall(ItemRefuseRange(&item, &spec, count, interval));
       values[i] = value;
     }
     PetscCall(MpmNamesDestroy(part_count, &parts));
@@ -325,31 +298,25 @@ PetscErrorCode MpmOptionsReals(const MpmOptions *options, const char *name, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOptionsReal(const MpmOptions *options, const char *name, const char *unit, const char *help,
-                              MpmRange range, MpmNeed need, PetscReal *value, PetscBool *set)
+PetscErrorCode MpmOptionsReadInts(const MpmOptions *options, const MpmNumberOption *option, PetscInt count,
+                                  PetscInt values[], PetscBool *set)
 {
-  PetscFunctionBegin;
-  PetscCall(MpmOptionsReals(options, name, unit, help, range, need, 1, value, set));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmOptionsInts(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
-                              PetscInt upper, MpmNeed need, PetscInt count, PetscInt values[], PetscBool *set)
-{
-  char      interval[MPM_RANGE_TEXT], accepts[2 * MPM_RANGE_TEXT];
-  char     *fallback = NULL, **parts;
-  PetscInt  part_count;
-  PetscBool lasting = PETSC_TRUE;
-  Item      item;
+  const PetscInt lower = option->lower, upper = option->upper;
+  char           interval[MPM_RANGE_TEXT], accepts[2 * MPM_RANGE_TEXT];
+  char          *fallback = NULL, **parts;
+  PetscInt       part_count;
+  PetscBool      lasting = PETSC_TRUE;
+  Item           item;
 
   PetscFunctionBegin;
   IntRangeText(lower, upper, interval);
   ListText(count, interval, accepts);
-  for (PetscInt i = 0; i < count && need == MPM_OPTIONAL; i++) {
+  for (PetscInt i = 0; i < count && option->need == MPM_OPTIONAL; i++) {
     PetscCall(MpmTextAppend(&fallback, "%s%lld", i ? "," : "", (long long)values[i]));
     if (values[i] < lower || values[i] > upper) lasting = PETSC_FALSE;
   }
-  const ItemSpec spec = {name, help, "-", accepts, fallback, need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
+  const ItemSpec spec = {option->name, option->help, "-",     accepts,
+                         fallback,     option->need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
     PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
@@ -368,14 +335,6 @@ PetscErrorCode MpmOptionsInts(const MpmOptions *options, const char *name, const
   }
   PetscCall(PetscFree(fallback));
   PetscCall(ItemDestroy(&item, set));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmOptionsInt(const MpmOptions *options, const char *name, const char *help, PetscInt lower,
-                             PetscInt upper, MpmNeed need, PetscInt *value, PetscBool *set)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmOptionsInts(options, name, help, lower, upper, need, 1, value, set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -522,5 +481,18 @@ PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, cons
     if (*count == 0) PetscCall(PetscFree(*names));
   }
   PetscCall(ItemDestroy(&item, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
+                                PetscInt *count, char ***names)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmOptionsHeading(options, list));
+  PetscCall(MpmOptionsNames(options, list, help, need, count, names));
+  if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  *count = 1;
+  PetscCall(PetscMalloc1(1, names));
+  PetscCall(PetscStrallocpy("NAME", *names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

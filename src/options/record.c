@@ -5,6 +5,7 @@
   MpmRecordDestroy().
 */
 #include "options/options.h"
+#include "options/record.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /*
   A look at a scene's text before PETSc reads it, which says little of what is wrong and takes minutes over some files.
 */
-#include "options/options.h"
+#include "options/scene_file.h"
 
 #include <ctype.h>
 #include <stdio.h>

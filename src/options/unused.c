@@ -6,6 +6,7 @@
   its linear solver have asked for all of theirs once they have solved.
 */
 #include "options/options.h"
+#include "options/record.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
   Keys along the way down to a value make the option's name, joined by underscores, upper and lower case alike. So
   `a: {b: 1}` and `a_b: 1` are one option. What a merge key (<<) brings may be overridden; keys with $$ are no options.
 */
-#include "options/options.h"
+#include "options/scene_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,6 +2,9 @@
   Bodies: where the points come from. Points stand on a regular sub-lattice of every cell; a cell that the body's edge
   cuts keeps the points inside.
 */
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "particles/body.h"
 #include "particles/particles.h"
 
 struct _p_MpmBody {

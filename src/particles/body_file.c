@@ -15,7 +15,10 @@
 
   Displacements start at zero.
 */
+#include "options/options.h"
 #include "io/io.h"
+#include "io/point_table.h"
+#include "particles/body.h"
 #include "particles/particles.h"
 
 enum { POSITION, VOLUME, DEFORMATION, HALF_LENGTH, MASS, STRESS, STATES };
@@ -226,8 +229,8 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
 /*
   The row's stress, and F or history that give it where the file does not have them. What MpmInitialFind says.
 */
-static int TakeStress(const MpmImported imported, const MpmInitial *initial, MpmStretch stretch, PetscInt row,
-                      PetscBool has_state, PetscInt p, MpmPoints *points, PetscReal state[])
+static int TakeStress(const MpmImported imported, const MpmInitial *initial, PetscInt row, PetscBool has_state,
+                      PetscInt p, MpmPoints *points, PetscReal state[])
 {
   const PetscInt  dim = initial->model_dim, size = dim == 2 ? 4 : 6;
   const PetscBool has_F  = (PetscBool)(imported->quantity[DEFORMATION].value != NULL);
@@ -245,7 +248,7 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Mpm
   for (PetscInt k = 0; k < initial->material->state_size; k++) state[k] = own[k];
   for (PetscInt c = 0; initial->remembers && c < size; c++) stress[c] /= J;
   if (initial->remembers) return answer;
-  if (stretch(found, U)) return 2;
+  if (MpmStretchFind(dim)(found, U)) return 2;
   for (PetscInt k = 0; k < dim * dim; k++) F[k] = found[k];
   points->volume0[p] /= MpmDeterminant(dim, F);
   for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
@@ -255,10 +258,9 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Mpm
 PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
                                PetscInt state_size, PetscInt first, MpmPoints *points)
 {
-  const MpmStretch stretch = MpmStretchFind(grid->dim);
-  PetscInt64       failed  = 0;
-  PetscReal       *state;
-  MpmInitial       initial;
+  PetscInt64 failed = 0;
+  PetscReal *state;
+  MpmInitial initial;
 
   PetscFunctionBeginUser;
   PetscCall(MpmInitialCreate(material, grid->dim, &initial));
@@ -269,7 +271,7 @@ PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const 
 
     TakeGeometry(imported, grid->dim, material->density, row, p, points);
     has_state = TakeState(imported, material, grid->dim, row, state);
-    if (TakeStress(imported, &initial, stretch, row, has_state, p, points, state) == 2) failed++;
+    if (TakeStress(imported, &initial, row, has_state, p, points, state) == 2) failed++;
     for (PetscInt k = 0; k < state_size; k++) points->state[p * state_size + k] = state[k];
   }
   PetscCall(PetscFree(state));

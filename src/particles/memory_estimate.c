@@ -3,6 +3,8 @@
   would otherwise swap the machine to death.
 */
 #include <unistd.h>
+#include "options/options.h"
+#include "particles/body.h"
 #include "particles/particles.h"
 
 /* Measured with direct and multigrid solvers, from below: most scenes take more. */

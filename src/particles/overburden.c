@@ -12,6 +12,7 @@
   which rank holds. There, boxes of the same width stand in piles, sorted from above with running sums: a point asks each
   pile once, by bisection.
 */
+#include "particles/body.h"
 #include "particles/particles.h"
 
 /* A domain, or the part of it in one column: horizontal extent, centre's height and half height, weight per volume. */

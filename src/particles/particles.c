@@ -26,9 +26,7 @@ static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscI
 /* Fields besides the scene's own, at most. */
 #define OWN_FIELDS 16
 
-PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt rates, PetscBool half_length,
-                                  PetscBool increment, PetscInt extra_count, char *const extra[],
-                                  MpmParticles *particles)
+PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles)
 {
   const PetscInt dim = grid->dim;
   DM             swarm;
@@ -40,7 +38,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   PetscCall(DMSwarmSetType(swarm, DMSWARM_BASIC));
   particles->swarm       = swarm;
   particles->field_count = 0;
-  PetscCall(PetscCalloc1((OWN_FIELDS + extra_count), &particles->fields));
+  PetscCall(PetscCalloc1((OWN_FIELDS + fields->extra_count), &particles->fields));
   PetscCall(Register(particles, "id", 1, PETSC_INT));
   PetscCall(Register(particles, "material", 1, PETSC_INT));
   PetscCall(Register(particles, "position", dim, PETSC_REAL));
@@ -49,18 +47,18 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, PetscInt state_size, PetscInt r
   PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
   PetscCall(Register(particles, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
-  if (half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
-  if (state_size) PetscCall(Register(particles, "state", state_size, PETSC_REAL));
-  if (increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
-  if (rates) PetscCall(Register(particles, "value", rates, PETSC_REAL));
-  for (PetscInt e = 0; e < extra_count; e++) PetscCall(Register(particles, extra[e], 1, PETSC_REAL));
+  if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
+  if (fields->state_size) PetscCall(Register(particles, "state", fields->state_size, PETSC_REAL));
+  if (fields->increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
+  if (fields->rates) PetscCall(Register(particles, "value", fields->rates, PETSC_REAL));
+  for (PetscInt e = 0; e < fields->extra_count; e++) PetscCall(Register(particles, fields->extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
   particles->dim             = dim;
   particles->stress_size     = dim == 2 ? 4 : 6;
-  particles->state_size      = state_size;
-  particles->rates           = rates;
-  particles->has_half_length = half_length;
-  particles->has_increment   = increment;
+  particles->state_size      = fields->state_size;
+  particles->rates           = fields->rates;
+  particles->has_half_length = fields->half_length;
+  particles->has_increment   = fields->increment;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,31 +1,32 @@
 /*
   Points picked in the initial state, by place or by region, each with its share of the whole.
 */
+#include "options/options.h"
+#include "geometry/geometry.h"
 #include "particles/particles.h"
+#include "particles/selection.h"
 
-/* Reads `at` and `nearest`, or a region; exactly one of the two ways. */
-PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, PetscReal at[], PetscInt *nearest,
-                                MpmRegion *region)
+PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, MpmSelection *selection)
 {
   PetscBool has_at, has_region;
   PetscReal tolerance[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHas(block, "region", &has_region));
-  *nearest = 1;
+  selection->nearest = 1;
   PetscCall(MpmOptionsReals(block, "at", "m", "a place in the initial state", MPM_RANGE_ANY, MPM_OPTIONAL, grid->dim,
-                            at, &has_at));
+                            selection->at, &has_at));
   if (has_at || MpmOptionsHelp())
-    PetscCall(
-      MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL, nearest, NULL));
-  else *nearest = 0;
+    PetscCall(MpmOptionsInt(block, "nearest", "how many points next to the place", 1, 1000000, MPM_OPTIONAL,
+                            &selection->nearest, NULL));
+  else selection->nearest = 0;
   if (MpmOptionsHelp()) has_at = (PetscBool) !(has_region = PETSC_TRUE);
   MpmCheckInput(!(has_at && has_region), "-%sat and -%sregion: give one of them, not both", block->prefix,
                 block->prefix);
   MpmCheckInput(has_at || has_region, "-%sat is missing: give a place and the number of nearest points, or a region",
                 block->prefix);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
-  if (has_region) PetscCall(MpmRegionCreate(block, grid->dim, tolerance, region));
+  if (has_region) PetscCall(MpmRegionCreate(block, grid->dim, tolerance, &selection->region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,23 +47,21 @@ static int CompareCandidates(const void *a, const void *b)
 }
 
 /* share = 1/nearest at the nearest points, 0 elsewhere */
-PetscErrorCode MpmSelectNearest(const MpmGrid *grid, const MpmPoints *points, PetscInt64 total, const char *prefix,
-                                const char *name, const PetscReal at[], PetscInt nearest, PetscReal share[])
+static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
+                                   PetscReal share[])
 {
-  const PetscInt dim = grid->dim, mine = PetscMin(nearest, points->count);
+  const PetscInt dim = grid->dim, nearest = selection->nearest, mine = PetscMin(nearest, points->count);
   PetscReal      unit = grid->h[0];
   Candidate     *local, *all;
   PetscMPIInt   *counts, *starts, bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
 
   PetscFunctionBeginUser;
-  MpmCheckInput(nearest <= total, "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points",
-                prefix, name, nearest, total);
   for (PetscInt a = 1; a < dim; a++) unit = PetscMin(unit, grid->h[a]);
   PetscCall(PetscMalloc1(points->count, &local));
   for (PetscInt p = 0; p < points->count; p++) {
     PetscReal d2 = 0.;
 
-    for (PetscInt a = 0; a < dim; a++) d2 += PetscSqr((points->x0[p * dim + a] - at[a]) / unit);
+    for (PetscInt a = 0; a < dim; a++) d2 += PetscSqr((points->x0[p * dim + a] - selection->at[a]) / unit);
     local[p] = (Candidate){(PetscInt64)PetscMin(d2 * 1e9, 9e18), points->id[p], p};
   }
   if (points->count) qsort(local, (size_t)points->count, sizeof(*local), CompareCandidates);
@@ -83,18 +82,34 @@ PetscErrorCode MpmSelectNearest(const MpmGrid *grid, const MpmPoints *points, Pe
 }
 
 /* share = the point's part of the volume of all points in the region */
-PetscErrorCode MpmSelectRegion(const MpmGrid *grid, const MpmPoints *points, const char *prefix, const char *name,
-                               MpmRegion region, PetscReal share[])
+static PetscErrorCode ShareRegion(MpmRegion region, const MpmGrid *grid, const MpmPoints *points, PetscReal share[],
+                                  PetscReal *volume)
 {
-  PetscReal volume = 0.;
-
   PetscFunctionBeginUser;
+  *volume = 0.;
   for (PetscInt p = 0; p < points->count; p++) {
     share[p] = MpmRegionContains(region, &points->x0[p * grid->dim]) ? points->volume0[p] : 0.;
-    volume += share[p];
+    *volume += share[p];
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, grid->comm));
-  MpmCheckInput(volume > 0., "-mpm_%s_%s_region: there is no point in it", prefix, name);
-  for (PetscInt p = 0; p < points->count; p++) share[p] /= volume;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, volume, 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  for (PetscInt p = 0; p<points->count && * volume> 0.; p++) share[p] /= *volume;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
+                                 PetscInt64 total, const char *prefix, const char *name, PetscReal share[])
+{
+  PetscReal volume;
+
+  PetscFunctionBeginUser;
+  if (selection->region) {
+    PetscCall(ShareRegion(selection->region, grid, points, share, &volume));
+    MpmCheckInput(volume > 0., "-mpm_%s_%s_region: there is no point in it", prefix, name);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmCheckInput(selection->nearest <= total,
+                "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points", prefix, name,
+                selection->nearest, total);
+  PetscCall(ShareNearest(selection, grid, points, share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

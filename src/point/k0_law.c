@@ -15,27 +15,29 @@
 enum { DENSITY, MODULUS, RATIO, AXIS, REGULAR };
 
 static const MpmParameter parameters[] = {
-  {"density", "kg/m3", 0., 1, 0., HUGE_VAL, 0, "mass density", NULL},
-  {"modulus", "Pa", 0., 1, 0., HUGE_VAL, 1, "modulus", NULL},
-  {"ratio", "-", 0., 1, 0., HUGE_VAL, 0, "horizontal over vertical stress", NULL},
-  {"axis", "-", 0., 1, 0., 2., 0, "the vertical one", NULL},
-  {"regular", "-", 0., 1, 0., 1., 0, "part of an isotropic stiffness", NULL},
+  {MPM_NUMBER, "density", "kg/m3", 0., 1, 0., HUGE_VAL, 0, "mass density", NULL},
+  {MPM_NUMBER, "modulus", "Pa", 0., 1, 0., HUGE_VAL, 1, "modulus", NULL},
+  {MPM_NUMBER, "ratio", "-", 0., 1, 0., HUGE_VAL, 0, "horizontal over vertical stress", NULL},
+  {MPM_NUMBER, "axis", "-", 0., 1, 0., 2., 0, "the vertical one", NULL},
+  {MPM_NUMBER, "regular", "-", 0., 1, 0., 1., 0, "part of an isotropic stiffness", NULL},
 };
 
 static const MpmStateVariable states[] = {{"stress", MPM_STATE_SYM, 0., "Pa"}};
 
-MPM_FN double Stiffness(const double *parameter)
+MPM_FN double Stiffness(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
 {
+  (void)table, (void)state, (void)F;
   return parameter[MODULUS];
 }
 
 MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const double *parameter = point->parameter;
-  const Sym     sigma_n   = SymLoad(point->state_n);
-  Tensor        H         = *dF;
-  Scalar        along     = ScalarConstant(0.);
-  Sym           e;
+  const Real *parameter = point->parameter;
+  const int   axis      = (int)RealValue(parameter[AXIS]);
+  const Sym   sigma_n   = SymLoad(point->state_n);
+  Tensor      H         = *dF;
+  Scalar      along     = ScalarConstant(0.);
+  Sym         e;
 
   for (int a = 0; a < MPM_DIM; a++) H.a[a * (MPM_DIM + 1)] = ScalarShift(H.a[a * (MPM_DIM + 1)], -1.);
   H = TensorMulArray(&H, point->F_n);
@@ -43,13 +45,13 @@ MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sy
 #if MPM_DIM == 2
   e.a[2] = ScalarConstant(0.);
 #endif
-  for (int a = 0; a < MPM_DIM; a++)
-    ScalarAddScaled(&along, a == (int)parameter[AXIS] ? 1. : parameter[RATIO], &e.a[SymIndex(a, a)]);
+  for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&along, a == axis ? 1. : parameter[RATIO], &e.a[SymIndex(a, a)]);
   *tau = SymScaleBy(parameter[REGULAR] * parameter[MODULUS], &e);
   for (int a = 0; a < 3; a++)
-    ScalarAddScaled(&tau->a[a], parameter[MODULUS] * (a == (int)parameter[AXIS] ? 1. : parameter[RATIO]), &along);
+    ScalarAddScaled(&tau->a[a], parameter[MODULUS] * (a == axis ? 1. : parameter[RATIO]), &along);
   for (int c = 3; c < (MPM_DIM == 2 ? 4 : 6); c++) ScalarAddScaled(&tau->a[c], parameter[MODULUS], &e.a[c]);
   *tau = SymAdd(tau, &sigma_n);
+  if (point->state) SymStore(point->state, tau);
   return 0;
 }
 

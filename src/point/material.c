@@ -2,15 +2,16 @@
   The materials of a scene, and the registry of the constitutive laws that were compiled in: the build scans materials/
   and lists every law's constructor, once per kernel instance, in mpm_laws.h.
 */
+#include "options/options.h"
 #include "point/point.h"
 
-#define MPM_LAW_INSTANCE(name, dim, directions) void MpmMaterialCreate_##name##_##dim##d_##directions(MpmLawInfo *info);
+#define MPM_LAW_INSTANCE(name, dim, instance, form) \
+  void MpmMaterialCreate_##name##_##dim##d_##instance(MpmLawInfo *info);
 #include "mpm_laws.h"
 #undef MPM_LAW_INSTANCE
 
 static const MpmLawInstance laws[] = {
-#define MPM_LAW_INSTANCE(name, dim, directions) \
-  {#name, dim, directions, MpmMaterialCreate_##name##_##dim##d_##directions},
+#define MPM_LAW_INSTANCE(name, dim, instance, form) {#name, dim, form, MpmMaterialCreate_##name##_##dim##d_##instance},
 #include "mpm_laws.h"
 #undef MPM_LAW_INSTANCE
 };
@@ -27,22 +28,16 @@ static const MpmLawInstance *Instance(PetscInt k)
 static const MpmLawInstance *NextLaw(PetscInt *k)
 {
   for (const MpmLawInstance *law = Instance((*k)++); law; law = Instance((*k)++))
-    if (law->dim == 3 && !law->directions) return law;
+    if (law->dim == 3 && law->form == MPM_FORM_RESIDUAL) return law;
   return NULL;
-}
-
-PetscInt MpmFormDirections(MpmForm form, PetscInt dim)
-{
-  return form == MPM_FORM_TANGENT ? dim * dim : form == MPM_FORM_DIRECTION;
 }
 
 PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info)
 {
-  const PetscInt        directions = MpmFormDirections(form, dim);
   const MpmLawInstance *law;
 
   for (PetscInt k = 0; (law = Instance(k)); k++) {
-    if (law->dim == dim && law->directions == directions && !strcmp(law->name, name)) {
+    if (law->dim == dim && law->form == form && !strcmp(law->name, name)) {
       law->create(info);
       return PETSC_TRUE;
     }
@@ -53,30 +48,6 @@ PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *i
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
 {
   return variable->kind == MPM_STATE_SCALAR ? 1 : dim == 2 ? 4 : 6;
-}
-
-/* Reads one parameter; a parameter with choices is a word whose value is its index. */
-static PetscErrorCode ReadParameter(const MpmOptions *block, const MpmParameter *parameter, double *value)
-{
-  const MpmNeed need = parameter->required ? MPM_REQUIRED : MPM_OPTIONAL;
-
-  PetscFunctionBeginUser;
-  *value = parameter->fallback;
-  if (parameter->choices) {
-    char   **words;
-    int      count;
-    PetscInt index = (PetscInt)parameter->fallback;
-
-    PetscCall(PetscStrToArray(parameter->choices, '|', &count, &words));
-    PetscCall(MpmOptionsWord(block, parameter->name, parameter->help, (const char *const *)words, need, &index, NULL));
-    PetscCall(PetscStrToArrayDestroy(count, words));
-    *value = (double)index;
-  } else {
-    const MpmRange range = {parameter->lower, parameter->upper, parameter->open ? PETSC_TRUE : PETSC_FALSE};
-
-    PetscCall(MpmOptionsReal(block, parameter->name, parameter->unit, parameter->help, range, need, value, NULL));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The names of all laws, NULL-terminated; free the array only. */
@@ -108,15 +79,18 @@ static PetscErrorCode PrintLaws(const MpmOptions *block)
 
   PetscFunctionBeginUser;
   while ((law = NextLaw(&k))) {
-    MpmLawInfo info;
-    double     unused;
+    MpmLawInfo  info;
+    MpmLawTable table;
+    double      unused;
 
     law->create(&info);
     if (info.traits & MPM_LAW_INTERNAL) continue;
     PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", info.name, info.summary));
     PetscCall(MpmOptionsHeading(block, title));
-    for (size_t i = 0; i < info.parameter_count; i++)
-      PetscCall(ReadParameter(&unrecorded, &info.parameters[i], &unused));
+    for (size_t i = 0; i < info.parameter_count; i++) {
+      PetscCall(MpmParameterRead(&unrecorded, &info.parameters[i], &unused, &table));
+      PetscCall(PetscFree(table.value));
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,9 +117,10 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   }
   PetscCall(PetscFree(names));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));
+  PetscCall(PetscCalloc1(material->info.parameter_count, &material->table));
   if (!given) PetscCall(PrintLaws(&block));
   for (size_t i = 0; given && i < material->info.parameter_count; i++) {
-    PetscCall(ReadParameter(&block, &material->info.parameters[i], &material->parameter[i]));
+    PetscCall(MpmParameterRead(&block, &material->info.parameters[i], &material->parameter[i], &material->table[i]));
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
@@ -153,10 +128,10 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   if (material->info.check) {
     const char *why = "contradictory parameters";
 
-    MpmCheckInput(MpmOptionsHelp() || material->info.check(material->parameter, &why), "-mpm_material_%s: %s", name,
-                  why);
+    MpmCheckInput(MpmOptionsHelp() || material->info.check(material->parameter, material->table, &why),
+                  "-mpm_material_%s: %s", name, why);
   }
-  material->stiffness = material->info.stiffness(material->parameter);
+  material->stiffness = MpmMaterialStiffness(material, NULL, NULL);
   if (material->penalty == 0.) material->penalty = material->stiffness;
   for (size_t i = 0; i < material->info.state_count; i++)
     material->state_size += MpmStateComponents(&material->info.states[i], dim);
@@ -168,7 +143,24 @@ PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(material->name));
   PetscCall(PetscFree(material->parameter));
+  PetscCall(MpmTablesDestroy(material->info.parameter_count, &material->table));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[])
+{
+  return material->info.stiffness(material->parameter, material->table, state, F);
+}
+
+int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input, const MpmLawInput *direction,
+                           const MpmLawOutput *value, const MpmLawOutput *derivative)
+{
+  const MpmSensitivity sensitivity = (MpmSensitivity)material->law[MPM_FORM_SENSITIVITY];
+  MpmLawInput          full        = *input;
+
+  full.parameter = material->parameter;
+  full.table     = material->table;
+  return sensitivity(&full, direction, value, derivative);
 }
 
 void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[])

@@ -2,8 +2,10 @@
 /*
   Registries of constitutive laws and physics, the layout of a physics' unknowns and inputs, and states with a wanted stress.
 */
-#include "options/options.h"
+#include "base/base.h"
 #include "talus/talus.h"
+
+typedef struct MpmOptions MpmOptions;
 
 #define MPM_MAX_BLOCK  8    /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS 24   /* inputs of a kernel */
@@ -12,15 +14,17 @@
 /* ---- material.c ---- */
 
 /* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
-typedef struct {
-  char       *name;
-  MpmLawInfo  info;
-  double     *parameter;
-  MpmFunction law[MPM_FORM_COUNT];
-  PetscReal   density, stiffness, nu; /* nu: Poisson's ratio, 0 where the law has none */
-  PetscReal   penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
-  PetscReal   spacing; /* most cells from point to point on an axis at the start; 0: unknown */
-  PetscInt    state_size;
+typedef struct MpmMaterial {
+  char        *name;
+  MpmLawInfo   info;
+  double      *parameter;
+  MpmLawTable *table; /* by parameter */
+  MpmFunction  law[MPM_FORM_COUNT];
+  PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
+  PetscReal    stiffness;   /* at rest, Pa */
+  PetscReal    penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+  PetscReal    spacing; /* most cells from point to point on an axis at the start; 0: unknown */
+  PetscInt     state_size;
 } MpmMaterial;
 
 /* Materials, with the names of their blocks. */
@@ -30,16 +34,32 @@ typedef struct {
   MpmMaterial *at;
 } MpmMaterials;
 
-/* The directions of a form. */
-PetscInt MpmFormDirections(MpmForm form, PetscInt dim);
 /* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
 PetscBool      MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
+/* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
+PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
+/*
+  The law's answer and its derivative in a direction of anything that it depends on; `input` without parameters and
+  tables, which are the material's. Non-zero where the law has no answer.
+*/
+int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input, const MpmLawInput *direction,
+                           const MpmLawOutput *value, const MpmLawOutput *derivative);
 /* Components of one history variable. */
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
 /* Initial history of a material, after the tables of its law. */
 void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[]);
+
+/* ---- parameter.c ---- */
+
+/*
+  Reads one parameter of a law into a number, or into a table that MpmTablesDestroy() frees, or PetscFree() its `value`.
+  The other of the two is zero. Collective.
+*/
+PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *parameter, double *value,
+                                MpmLawTable *table);
+PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table);
 
 /* ---- physics.c ---- */
 
@@ -47,7 +67,7 @@ void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal
   The layout that follows from a physics' fields: block size, and which basis function and component each kernel input
   takes.
 */
-typedef struct {
+typedef struct MpmLayout {
   PetscInt  dim, block, inputs, rates;
   PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
   PetscInt  basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */

@@ -6,6 +6,8 @@
   their scene.
 */
 #include <dlfcn.h>
+#include "options/options.h"
+#include "options/record.h"
 #include "point/point.h"
 #include "talus/plugin.h"
 
@@ -44,17 +46,17 @@ const MpmLawInstance *MpmLawRegistered(PetscInt k)
 }
 
 static const MpmLawInstance *FindInstance(PetscInt count, const MpmLawInstance list[], const char *name, PetscInt dim,
-                                          PetscInt directions)
+                                          MpmForm form)
 {
   for (PetscInt k = 0; k < count; k++)
-    if (list[k].dim == dim && list[k].directions == directions && !strcmp(list[k].name, name)) return &list[k];
+    if (list[k].dim == dim && list[k].form == form && !strcmp(list[k].name, name)) return &list[k];
   return NULL;
 }
 
 /* All forms must be there, and the name must be free; `known`: it has been registered before, just so. */
 static PetscErrorCode CheckLaw(PetscInt count, const MpmLawInstance list[], const MpmLawInstance *law, PetscBool *known)
 {
-  const MpmLawInstance *other = FindInstance(registry.law_count, registry.laws, law->name, law->dim, law->directions);
+  const MpmLawInstance *other = FindInstance(registry.law_count, registry.laws, law->name, law->dim, law->form);
   MpmLawInfo            info;
 
   PetscFunctionBegin;
@@ -64,10 +66,8 @@ static PetscErrorCode CheckLaw(PetscInt count, const MpmLawInstance list[], cons
                 law->name);
   for (PetscInt dim = 2; dim <= 3; dim++) {
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-      const PetscInt directions = MpmFormDirections((MpmForm)form, dim);
-
-      MpmCheckInput(FindInstance(count, list, law->name, dim, directions),
-                    "law %s: it is not compiled for %dD with %d directions", law->name, (int)dim, (int)directions);
+      MpmCheckInput(FindInstance(count, list, law->name, dim, (MpmForm)form),
+                    "law %s: it is not compiled for %dD in the form %d", law->name, (int)dim, (int)form);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -42,7 +42,8 @@ static MpmKernelPoint Point(const MpmInitial *initial, const PetscReal identity[
                           .volume0   = 1.,
                           .dt        = 1.,
                           .traits    = initial->material->info.traits,
-                          .law       = initial->law};
+                          .law       = initial->law,
+                          .table     = initial->material->table};
 }
 
 static void Identity(PetscInt dim, PetscReal F[])

@@ -9,6 +9,8 @@
 #include <strings.h>
 #include <time.h>
 #include <unistd.h>
+#include "options/options.h"
+#include "options/record.h"
 #include "io/io.h"
 #include "run/run.h"
 
@@ -285,7 +287,7 @@ PetscErrorCode MpmCheckpointWrite(MpmModel model)
 
   PetscFunctionBeginUser;
   if (checkpoint->step == model->state.step) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s_checkpoint.h5.tmp", model->scene.prefix));
   PetscCall(WriteFile(model, path, &failed));
   if (!failed) {
@@ -299,7 +301,7 @@ PetscErrorCode MpmCheckpointWrite(MpmModel model)
   checkpoint->step            = model->state.step;
   PetscCall(PetscTime(&now));
   checkpoint->since = now;
-  MpmMonitorClock(&model->monitor, MPM_TIME_OUTPUT, since);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,8 @@
 #include <ctype.h>
 #include <signal.h>
 #include <unistd.h>
+#include "options/options.h"
+#include "options/scene_file.h"
 #include "run/run.h"
 
 /* What the handler knows of the current error. */

@@ -1,7 +1,9 @@
 /*
   The manual that -help prints, besides what the readers of options print themselves: an introduction, and what follows.
 */
-#include "run/run.h"
+#include "geometry/geometry.h"
+#include "run/manual.h"
+#include "talus/talus.h"
 
 static const char introduction[] =
   "A scene is a file in YAML (or one option a line). Each of its entries is an option: `mpm: grid: cells: \"60,60\"` "

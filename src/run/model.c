@@ -1,6 +1,10 @@
 /*
   The model: its life, the scene read from options, and what is made of it.
 */
+#include "options/database.h"
+#include "options/options.h"
+#include "terms/sparsity.h"
+#include "terms/terms.h"
 #include "run/run.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
@@ -14,10 +18,14 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   PetscCallMPI(MPI_Comm_size(comm, &(*model)->size));
   PetscCall(MpmRecordCreate(&(*model)->record));
   PetscCall(PetscNew(&(*model)->results));
-  (*model)->solver.disc     = &(*model)->disc;
-  (*model)->solver.monitor  = &(*model)->monitor;
-  (*model)->solver.database = &(*model)->database;
-  (*model)->monitor         = (MpmMonitor){.message = MpmTerminalMessage, .ctx = *model};
+  (*model)->solver.disc    = &(*model)->disc;
+  (*model)->solver.monitor = &(*model)->monitor;
+  PetscCall(MpmDatabaseCreate(&(*model)->database));
+  (*model)->solver.database = (*model)->database;
+  PetscCall(MpmMonitorCreate(&(*model)->monitor));
+  (*model)->monitor.message  = MpmTerminalMessage;
+  (*model)->monitor.ctx      = *model;
+  (*model)->state.integrator = &MpmIntegratorQuasistatic;
   {
     PetscLogDouble now;
 
@@ -33,7 +41,7 @@ PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
 {
   PetscFunctionBeginUser;
   PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
-  PetscCall(MpmDatabaseInsert(&model->database, model->comm, options));
+  PetscCall(MpmDatabaseInsert(model->database, model->comm, options));
   model->caller.own = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -75,7 +83,7 @@ PetscErrorCode MpmModelEnter(MpmModel model)
   PetscFunctionBeginUser;
   PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE,
              "a hook must not set up, step or run its own model");
-  PetscCall(MpmDatabaseEnter(&model->database));
+  PetscCall(MpmDatabaseEnter(model->database));
   model->caller.busy = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,7 +92,7 @@ PetscErrorCode MpmModelLeave(MpmModel model)
 {
   PetscFunctionBeginUser;
   model->caller.busy = PETSC_FALSE;
-  PetscCall(MpmDatabaseLeave(&model->database));
+  PetscCall(MpmDatabaseLeave(model->database));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,12 +107,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
   if (model->state.particles.swarm) PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   PetscCall(MpmSolverDestroy(&model->solver));
-  PetscCall(MpmPatternReset(&model->disc.pattern));
-  PetscCall(MpmSpaceReset(&model->disc.space));
-  PetscCall(MpmConstraintsReset(&model->disc.constraints));
-  PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
-  PetscCall(MpmTrialReset(&model->disc.trial));
-  PetscCall(PetscFree(model->disc.reaction));
+  PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(PetscFree(model->results->history_row));
   PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));
   PetscCall(MpmOutputDestroy(&model->results->output));
@@ -119,8 +122,6 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
     PetscCall(MpmConditionDestroy(&model->scene.bcs.at[k]));
   for (PetscInt k = 0; model->scene.boundaries.at && k < model->scene.boundaries.count; k++)
     PetscCall(MpmBoundaryDestroy(&model->scene.boundaries.at[k]));
-  PetscCall(MpmContactsDestroy(&model->disc.contacts));
-  PetscCall(MpmTermsDestroy(&model->disc.terms));
   for (PetscInt k = 0; model->scene.loads.at && k < model->scene.loads.count; k++)
     PetscCall(MpmLoadDestroy(&model->scene.loads.at[k]));
   for (PetscInt k = 0; model->results->tracks.at && k < model->results->tracks.count; k++)
@@ -152,19 +153,6 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 }
 
 /* ---- the scene ---- */
-
-PetscErrorCode MpmModelReadNames(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
-                                 PetscInt *count, char ***names)
-{
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsHeading(options, list));
-  PetscCall(MpmOptionsNames(options, list, help, need, count, names));
-  if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  *count = 1;
-  PetscCall(PetscMalloc1(1, names));
-  PetscCall(PetscStrallocpy("NAME", *names));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* The physics of that name, and the layout of its unknowns. */
 static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt dim)
@@ -257,8 +245,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmModelReadNames(options, "materials", "names of the material blocks", MPM_REQUIRED,
-                              &model->scene.materials.count, &model->scene.materials.names));
+  PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED,
+                             &model->scene.materials.count, &model->scene.materials.names));
   PetscCall(PetscCalloc1(model->scene.materials.count, &model->scene.materials.at));
   model->solver.symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials.count; m++) {
@@ -269,10 +257,10 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   }
   if (model->scene.physics.field_count > 1) model->solver.symmetric = PETSC_FALSE;
   model->disc.diagonal = stiffest * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
-  PetscCall(MpmModelReadNames(options, "bodies",
-                              "names of the body blocks; bodies must not overlap, and are welded where they share "
-                              "nodes",
-                              MPM_REQUIRED, &model->scene.bodies.count, &model->scene.bodies.names));
+  PetscCall(MpmOptionsBlocks(options, "bodies",
+                             "names of the body blocks; bodies must not overlap, and are welded where they share "
+                             "nodes",
+                             MPM_REQUIRED, &model->scene.bodies.count, &model->scene.bodies.names));
   PetscCall(PetscCalloc1(model->scene.bodies.count, &model->scene.bodies.at));
   for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
     PetscCall(MpmBodyCreate(options, model->scene.bodies.names[b], &model->disc.grid, model->scene.materials.count,
@@ -290,8 +278,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmModelReadNames(options, "boundaries", "names of the boundaries that do not follow the grid",
-                              MPM_OPTIONAL, &model->scene.boundaries.count, &model->scene.boundaries.names));
+  PetscCall(MpmOptionsBlocks(options, "boundaries", "names of the boundaries that do not follow the grid", MPM_OPTIONAL,
+                             &model->scene.boundaries.count, &model->scene.boundaries.names));
   PetscCall(PetscCalloc1(model->scene.boundaries.count, &model->scene.boundaries.at));
   for (PetscInt k = 0; k < model->scene.boundaries.count; k++) {
     for (PetscInt b = 0; b < model->scene.bcs.count && !MpmOptionsHelp(); b++) {
@@ -301,17 +289,16 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries.names[k], &model->disc.grid, &model->scene.boundaries.at[k]));
   }
-  PetscCall(MpmContactsCreate(model->scene.boundaries.count, model->scene.boundaries.at, &model->disc.contacts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmModelReadNames(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs.count,
-                              &model->scene.bcs.names));
-  PetscCall(MpmModelReadNames(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads.count,
-                              &model->scene.loads.names));
+  PetscCall(MpmOptionsBlocks(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs.count,
+                             &model->scene.bcs.names));
+  PetscCall(MpmOptionsBlocks(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads.count,
+                             &model->scene.loads.names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs.count, &model->scene.bcs.at));
   PetscCall(PetscMalloc1((model->scene.bcs.count * 2 * MPM_MAX_BLOCK), &model->scene.walls.at));
@@ -331,8 +318,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->scene.loads.names[l]);
     }
   }
-  PetscCall(MpmModelReadNames(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
-                              &model->results->tracks.count, &model->results->tracks.names));
+  PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
+                             &model->results->tracks.count, &model->results->tracks.names));
   PetscCall(PetscCalloc1(model->results->tracks.count, &model->results->tracks.at));
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
     PetscCall(
@@ -368,8 +355,10 @@ static PetscErrorCode CreateParticles(MpmModel model)
   model->state.particles.has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies.count; b++)
     if (MpmBodyIsImported(model->scene.bodies.at[b])) model->state.particles.has_mass = PETSC_TRUE;
-  PetscCall(MpmParticlesCreate(&model->disc.grid, state_size, model->disc.layout.rates, half_length,
-                               model->state.predict, extra, fields, &model->state.particles));
+  PetscCall(MpmParticlesCreate(
+    &model->disc.grid,
+    &(MpmParticleFields){state_size, model->disc.layout.rates, half_length, model->state.predict, extra, fields},
+    &model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
   if (model->results->checkpoint.restart && !model->scene.stages[0].name) {
@@ -389,26 +378,6 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmStagesSelect(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(MpmStageBegin(model, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What a step's problem consists of, and what of it does not change. */
-static PetscErrorCode CreateDiscretization(MpmModel model)
-{
-  MpmDiscretization *disc = &model->disc;
-
-  PetscFunctionBeginUser;
-  disc->material_count = model->scene.materials.count;
-  disc->sum            = (MpmSum){.grid              = &disc->grid,
-                                  .space             = &disc->space,
-                                  .layout            = &disc->layout,
-                                  .materials         = model->scene.materials.at,
-                                  .points            = &disc->points,
-                                  .physics_parameter = model->scene.physics.parameters,
-                                  .state_size        = model->state.particles.state_size};
-  PetscCall(MpmTermsAdd(&disc->terms, disc->layout.means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
-  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
-  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, &disc->contacts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -433,7 +402,7 @@ static PetscErrorCode TakeOptions(MpmModel model)
 {
   PetscFunctionBeginUser;
   PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
-  if (!model->caller.own) PetscCall(MpmDatabaseTake(&model->database, model->caller.prefix));
+  if (!model->caller.own) PetscCall(MpmDatabaseTake(model->database, model->caller.prefix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -443,7 +412,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   PetscLogDouble   since;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(ReadKind(model, &options));
   PetscCall(MpmGridSetFromOptions(&model->disc.grid, &options, model->disc.layout.dim));
   PetscCall(ReadMaterialsAndBodies(model, &options));
@@ -455,7 +424,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   PetscCall(MpmSolverSetFromOptions(&model->solver, &options));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options));
-  MpmMonitorClock(&model->monitor, MPM_TIME_SETUP, since);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -475,16 +444,17 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscReal        unknowns;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
-  PetscCall(CreateDiscretization(model));
+  PetscCall(MpmDiscretizationSetUp(&model->disc, &model->scene.materials, &model->scene.boundaries,
+                                   model->scene.physics.parameters, model->state.particles.state_size));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));
   PetscCall(MpmRestartApply(model));
   model->caller.set_up = PETSC_TRUE;
-  MpmMonitorClock(&model->monitor, MPM_TIME_SETUP, since);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,7 @@
 /*
   What the model hands to its writers: points, history, summary.
 */
+#include "options/options.h"
 #include "run/run.h"
 
 static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)
@@ -34,11 +35,11 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   PetscCall(MpmFieldsWrite(model));
   if (model->results->output_grid) PetscCall(MpmLatticeWrite(model));
   model->results->output_step = model->state.step;
-  MpmMonitorClock(&model->monitor, MPM_TIME_OUTPUT, since);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -94,7 +95,7 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscLogDouble   since;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   PetscCall(HistoryColumns(model, &model->results->history_columns, &names));
   PetscCall(ResultPath(model, "_history.csv", path, sizeof(path)));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartHistory(model, path, (const char *const *)names));
@@ -106,7 +107,7 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscCall(MpmNamesDestroy(model->results->history_columns, &names));
   PetscCall(ResultPath(model, "_options.yaml", path, sizeof(path)));
   PetscCall(MpmOptionsWriteYAML(&options, path));
-  MpmMonitorClock(&model->monitor, MPM_TIME_OUTPUT, since);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,7 +118,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   row[k++] = (PetscReal)model->state.step;
   row[k++] = model->state.time;
   row[k++] = dt;
@@ -143,7 +144,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], &model->state.particles, &row[k]));
   if (model->scene.stages[0].name) row[k] = (PetscReal)model->state.stage + 1.;
   PetscCall(MpmHistoryAppend(model->results->history, row));
-  MpmMonitorClock(&model->monitor, MPM_TIME_OUTPUT, since);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,29 +2,15 @@
 /*
   The run: reading of scenes, results, progress, checkpoints.
 */
+#include "io/io.h"
+#include "run/manual.h"
+#include "run/signals.h"
+#include "run/tracks.h"
 #include "time/time.h"
 
-/* A set of points that is followed; the field holds each point's share of the mean. */
-typedef struct {
-  char     *name, *share_field;
-  PetscReal at[MPM_MAX_DIM];
-  PetscInt  nearest;
-  MpmRegion region;
-} MpmTrack;
+typedef struct MpmOptions MpmOptions;
 
-PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
-PetscErrorCode MpmTrackDestroy(MpmTrack *track);
-PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
-PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[]);
-
-/* Sets of points that are followed, with the names of their blocks. */
-typedef struct {
-  PetscInt  count;
-  char    **names;
-  MpmTrack *at;
-} MpmTracks;
-
-/* ---- checkpoint.c, restart.c, scalars.c, signals.c ---- */
+/* ---- checkpoint.c, restart.c, run_state.c ---- */
 
 /* A checkpoint that a run goes on from (restart.c). */
 typedef struct _p_MpmRestart *MpmRestart;
@@ -43,7 +29,7 @@ typedef struct {
   MpmRestart  restart; /* NULL: the run starts at the beginning */
 } MpmCheckpoint;
 
-/* The model's numbers by name, as they stand in a checkpoint (scalars.c). */
+/* The model's numbers by name, as they stand in a checkpoint (run_state.c). */
 typedef struct {
   PetscInt     count;
   const char **name;
@@ -77,12 +63,7 @@ PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *c
 PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply);
 PetscErrorCode MpmRestartDestroy(MpmRestart *restart);
 
-/* From Catch to Release, SIGTERM, SIGUSR1 and a first SIGINT only leave a note. */
-PetscErrorCode MpmSignalsCatch(void);
-PetscErrorCode MpmSignalsRelease(void);
-PetscBool      MpmSignalsCaught(void);
-
-/* ---- terminal.c ---- */
+/* ---- progress.c ---- */
 
 /* What the line of a step needs to know of the steps before. */
 typedef struct {
@@ -106,10 +87,10 @@ PetscErrorCode MpmTerminalMessage(void *model, PetscBool line, const char text[]
 #define MPM_DURATION_TEXT 32
 void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
 
-/* The points' fields that the scene asks for (fields.c): do they exist? Into the output. */
+/* The points' fields that the scene asks for (point_fields.c): do they exist? Into the output. */
 PetscErrorCode MpmFieldsCheck(MpmModel model);
 PetscErrorCode MpmFieldsWrite(MpmModel model);
-/* Active nodes and cells into the output (lattice.c). */
+/* Active nodes and cells into the output (grid_fields.c). */
 PetscErrorCode MpmLatticeWrite(MpmModel model);
 struct MpmResults {
   PetscInt      output_every;
@@ -150,12 +131,12 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model);
 PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);
 /*
-  Bodies side by side (overlap.c): points on edges that two of them share are made once; and a scene in which two
+  Bodies side by side (body_overlap.c): points on edges that two of them share are made once; and a scene in which two
   overlap that are there at the same time is refused, once the points are with their ranks.
 */
 PetscErrorCode MpmBodiesShareEdges(MpmModel model);
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
-/* A line of the run's header where bodies share nodes (weld.c). */
+/* A line of the run's header where bodies share nodes (welds.c). */
 PetscErrorCode MpmWeldsPrint(MpmModel model);
 /*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
@@ -164,13 +145,3 @@ PetscErrorCode MpmWeldsPrint(MpmModel model);
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmStabilizationSettle(MpmModel model);
 PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[]);
-
-/* ---- manual.c ---- */
-
-/* How the program is called, in four lines. */
-PetscErrorCode MpmHelpUsage(MPI_Comm comm, FILE *file);
-/* What stands before the options, and behind them. */
-PetscErrorCode MpmHelpBegin(MPI_Comm comm);
-PetscErrorCode MpmHelpEnd(MPI_Comm comm);
-/* PETSc's own options for Newton's method and linear solvers, as PETSc prints them. */
-PetscErrorCode MpmHelpPetsc(MPI_Comm comm);

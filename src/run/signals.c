@@ -7,7 +7,7 @@
 */
 #include <signal.h>
 #include <string.h>
-#include "run/run.h"
+#include "run/signals.h"
 
 static volatile sig_atomic_t caught;
 static struct {

@@ -10,6 +10,8 @@
   component of the displacement is free, as in a column between smooth walls, the volume changes with that component alone,
   nothing can lock, and the mean over a cell would only cost accuracy.
 */
+#include "options/options.h"
+#include "geometry/geometry.h"
 #include "run/run.h"
 
 /* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn. */

@@ -1,68 +1,8 @@
 /*
   The steps of a model: one at a time for who calls the library, and the run of all of them with its results.
 */
+#include "options/options.h"
 #include "run/run.h"
-
-/* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
-static PetscReal NextTime(MpmModel model, PetscReal dt, PetscReal *step)
-{
-  const PetscReal small  = 1e-9 * model->state.dt_nominal;
-  PetscReal       target = model->state.time_end, next;
-
-  if (!model->state.adaptive) {
-    target = model->state.time_start +
-             model->state.dt_nominal *
-               PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.);
-    if (target > model->state.time_end - small) target = model->state.time_end;
-  }
-  next  = model->state.time + dt > target - PetscMax(small, 1e-3 * dt) ? target : model->state.time + dt;
-  *step = next - model->state.time;
-  return next;
-}
-
-/* After an easy step the next one is longer; after a hard one, when adaptive, it stays. */
-static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
-{
-  if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
-  if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
-  return model->solver.newton <= 6 ? PetscMin(wanted * model->state.growth, model->state.dt_max) : wanted;
-}
-
-/* One step, cut as often as needed. `why` tells the reason when it was given up. */
-static PetscErrorCode Advance(MpmModel model, PetscReal *dt, const char **why)
-{
-  PetscReal      next;
-  PetscBool      hopeless, again = PETSC_FALSE;
-  PetscLogDouble since;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
-  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, why));
-  MpmMonitorClock(&model->monitor, MPM_TIME_MIGRATE, since);
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  model->state.cuts = 0;
-  for (;;) {
-    next = NextTime(model, model->state.dt_wanted, dt);
-    PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
-    if (!*why) break;
-    if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
-    again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
-    if (!again) {
-      if (!model->state.ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);
-      PetscCall(MpmStepRaiseGhost(model, *why));
-      model->state.dt_wanted = model->state.dt_nominal;
-      continue;
-    }
-    model->state.dt_wanted = 0.5 * *dt;
-    model->state.cuts++;
-    model->state.cuts_total++;
-    PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", *why, (double)model->state.dt_wanted));
-  }
-  model->state.time = next;
-  model->state.step++;
-  model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* ---- one step ---- */
 
@@ -94,7 +34,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
     PetscCall(MpmGeostaticRun(model, why));
     *dt = model->state.time - model->state.time_start;
-  } else PetscCall(Advance(model, dt, why));
+  } else PetscCall(MpmAdvance(model, dt, why));
   PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   if (!*why && model->caller.after) PetscCall((*model->caller.after)(model, model->caller.after_ctx));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,7 +187,7 @@ PetscErrorCode MpmModelGetTimeStep(MpmModel model, PetscReal *dt)
   PetscFunctionBeginUser;
   PetscCheck(model->caller.set_up, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
   *dt = model->state.dt_wanted;
-  if (!AtStageEnd(model)) (void)NextTime(model, model->state.dt_wanted, dt);
+  if (!AtStageEnd(model)) (void)MpmNextTime(model, model->state.dt_wanted, dt);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,7 +2,9 @@
   Tracks: sets of points whose mean displacement stands in the history. They are picked in the initial state; each point's
   share travels with it in a field of the particles.
 */
-#include "run/run.h"
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "run/tracks.h"
 
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)
 {
@@ -16,7 +18,7 @@ PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const
   PetscCall(PetscStrallocpy(name, &track->name));
   PetscCall(PetscStrallocpy(field, &track->share_field));
   PetscCall(MpmOptionsHeading(&block, "Track"));
-  PetscCall(MpmSelectionRead(&block, grid, track->at, &track->nearest, &track->region));
+  PetscCall(MpmSelectionRead(&block, grid, &track->where));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -25,7 +27,7 @@ PetscErrorCode MpmTrackDestroy(MpmTrack *track)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(track->name));
   PetscCall(PetscFree(track->share_field));
-  PetscCall(MpmRegionDestroy(&track->region));
+  PetscCall(MpmRegionDestroy(&track->where.region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -37,10 +39,7 @@ PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
-  if (track->region) PetscCall(MpmSelectRegion(grid, &points, "track", track->name, track->region, share));
-  else
-    PetscCall(
-      MpmSelectNearest(grid, &points, particles->total, "track", track->name, track->at, track->nearest, share));
+  PetscCall(MpmSelectionShare(&track->where, grid, &points, particles->total, "track", track->name, share));
   PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -9,6 +9,11 @@
   With one node a colour the same code is the dense, column-by-column differentiation; with differences of the plain
   kernel in place of duals it is the finite-difference Jacobian. Both are for tests and benchmarks.
 */
+#include "space/space.h"
+#include "bc/bc.h"
+#include "terms/action.h"
+#include "terms/sparsity.h"
+#include "terms/terms.h"
 #include "solve/solve.h"
 
 typedef struct {

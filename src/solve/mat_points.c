@@ -2,6 +2,8 @@
   The Jacobian as a PETSc shell: products from the points, and the diagonal and point-block diagonal that smoothers and
   simple preconditioners ask for. Held unknowns keep the row `diagonal` times identity.
 */
+#include "terms/action.h"
+#include "terms/discretization.h"
 #include "solve/solve.h"
 
 typedef struct {
@@ -62,7 +64,7 @@ static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
   PetscInt         failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmTermsDiagonal(&solver->disc->terms, &solver->disc->sum, free->action.u, blocks, &failed));
+  PetscCall(MpmTermsDiagonal(solver->disc->terms, &solver->disc->sum, free->action.u, blocks, &failed));
   PetscCall(MpmSpaceAddToOwners(&solver->disc->space, bs * bs, blocks));
   MpmFramesRotateBlocks(&solver->disc->constraints, bs, solver->disc->space.owned, blocks);
   for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
@@ -162,7 +164,7 @@ PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J)
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&free));
   free->solver = solver;
-  PetscCall(MpmActionCreate(&solver->disc->terms, &solver->disc->sum, stored, &free->action));
+  PetscCall(MpmActionCreate(solver->disc->terms, &solver->disc->sum, stored, &free->action));
   PetscCall(PetscMalloc2((solver->disc->space.local * bs), &free->du, (solver->disc->space.local * bs), &free->y));
   PetscCall(MatCreateShell(solver->disc->grid.comm, rows, rows, solver->disc->space.global_count * bs,
                            solver->disc->space.global_count * bs, free, J));

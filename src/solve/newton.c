@@ -1,6 +1,10 @@
 /*
   Newton's parts: residual and Jacobian as SNES calls them, when a step has converged, and the line search.
 */
+#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
+#include "terms/discretization.h"
+#include "terms/sparsity.h"
+#include "terms/terms.h"
 #include "solve/solve.h"
 
 /* Brings the solution vector to the local nodes, ghosts included, as components along the axes. */
@@ -24,25 +28,37 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++) solver->disc->residual[k] = -solver->disc->force[k];
   solver->disc->sum.trial = solver->disc->sum.rest ? NULL : &solver->disc->trial;
-  PetscCall(
-    MpmTermsResidual(&solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
+  PetscCall(MpmTermsResidual(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
   PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
   solver->disc->trial.made = (PetscBool)(solver->disc->sum.trial != NULL);
   if (solver->disc->trial.made) PetscCall(PetscArraycpy(solver->disc->trial.u, solver->disc->u, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same with the Jacobian's sums, in one pass. */
-static PetscErrorCode SumBoth(MpmSolver *solver, PetscInt *failed)
+static PetscErrorCode GetPlace(Vec x, MpmPlace *place)
 {
   PetscFunctionBeginUser;
+  PetscCall(PetscObjectGetId((PetscObject)x, &place->id));
+  PetscCall(PetscObjectStateGet((PetscObject)x, &place->state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsSame(const MpmPlace *a, const MpmPlace *b)
+{
+  return (PetscBool)(a->id == b->id && a->state == b->state);
+}
+
+/* The same with the Jacobian's sums, in one pass. */
+static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  PetscCall(GetPlace(x, &solver->cache.summed));
   for (PetscInt k = 0; k < solver->disc->space.local * solver->disc->layout.block; k++)
     solver->disc->residual[k] = -solver->disc->force[k];
-  solver->cache.overwritten = PETSC_TRUE;
-  solver->disc->trial.made  = PETSC_FALSE;
-  PetscCall(
-    MpmPatternBegin(&solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, solver->jacobian));
-  PetscCall(MpmTermsTangent(&solver->disc->terms, &solver->disc->sum, solver->disc->u, &solver->disc->pattern,
+  solver->cache.assembled  = PETSC_FALSE;
+  solver->disc->trial.made = PETSC_FALSE;
+  PetscCall(MpmPatternBegin(solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, solver->jacobian));
+  PetscCall(MpmTermsTangent(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->pattern,
                             solver->disc->residual, failed));
   PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -60,15 +76,18 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   const PetscScalar *at;
   PetscScalar       *values;
   PetscLogDouble     since;
+  MpmTimer           timer;
   PetscInt           failed;
+  PetscBool          both;
 
   PetscFunctionBeginUser;
   (void)snes;
-  PetscCall(PetscTime(&since));
   PetscCall(MpmGatherSolution(solver, x));
-  solver->cache.made  = (PetscBool)(solver->cache.ahead && solver->jacobian_type == MPM_JACOBIAN_LOCAL);
+  both                = (PetscBool)(solver->cache.ahead && solver->jacobian_type == MPM_JACOBIAN_LOCAL);
   solver->cache.ahead = PETSC_FALSE;
-  if (solver->cache.made) PetscCall(SumBoth(solver, &failed));
+  timer               = both ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL;
+  PetscCall(MpmMonitorBegin(solver->monitor, timer, &since));
+  if (both) PetscCall(SumBoth(solver, x, &failed));
   else PetscCall(MpmSumResidual(solver, &failed));
   MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, solver->disc->residual);
   PetscCall(VecGetArrayRead(x, &at));
@@ -83,7 +102,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->grid.comm));
   if (failed && solver->disc->space.owned) values[0] = PETSC_INFINITY;
   PetscCall(VecRestoreArrayWrite(f, &values));
-  MpmMonitorClock(solver->monitor, solver->cache.made ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL, since);
+  PetscCall(MpmMonitorEnd(solver->monitor, timer, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,23 +141,27 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(solver, x));
-  PetscCall(MpmPatternBegin(&solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, P));
+  PetscCall(MpmPatternBegin(solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, P));
   if (solver->jacobian_type == MPM_JACOBIAN_LOCAL || solver->jacobian_type == MPM_JACOBIAN_MATFREE)
-    PetscCall(MpmTermsTangent(&solver->disc->terms, &solver->disc->sum, solver->disc->u, &solver->disc->pattern, NULL,
-                              &failed));
+    PetscCall(
+      MpmTermsTangent(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->pattern, NULL, &failed));
   else
-    PetscCall(MpmJacobianColoring(&solver->disc->terms, &solver->disc->sum, solver->jacobian_type, solver->disc->u,
-                                  &solver->disc->pattern, &failed));
+    PetscCall(MpmJacobianColoring(solver->disc->terms, &solver->disc->sum, solver->jacobian_type, solver->disc->u,
+                                  solver->disc->pattern, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 {
+  MpmPlace place;
+
   PetscFunctionBeginUser;
-  if (!solver->cache.made) PetscCall(SumJacobian(solver, x, P));
-  solver->cache.made = solver->cache.overwritten = PETSC_FALSE;
+  PetscCall(GetPlace(x, &place));
+  if (!IsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
+  solver->cache.summed.id = 0;
+  solver->cache.assembled = PETSC_TRUE;
   solver->cache.made_count++;
-  PetscCall(MpmPatternEnd(&solver->disc->pattern, &solver->disc->space, solver->disc->diagonal, P));
+  PetscCall(MpmPatternEnd(solver->disc->pattern, &solver->disc->space, solver->disc->diagonal, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
   if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -151,7 +174,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 */
 static PetscBool KeepJacobian(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
 {
-  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged || solver->cache.overwritten)
+  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged || !solver->cache.assembled)
     return PETSC_FALSE;
   return (PetscBool)(fnorm * fnorm <= 0.3 * target * solver->cache.fnorm_last);
 }
@@ -172,10 +195,10 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   solver->cache.fnorm_last = fnorm;
   solver->cache.lagged     = keep;
   if (keep) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(solver->monitor, MPM_TIME_JACOBIAN, &since));
   if (solver->jacobian) PetscCall(AssembleJacobian(solver, x, P));
   if (solver->shell) PetscCall(MpmMatfreeSetState(J, x));
-  MpmMonitorClock(solver->monitor, MPM_TIME_JACOBIAN, since);
+  PetscCall(MpmMonitorEnd(solver->monitor, MPM_TIME_JACOBIAN, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -270,6 +293,8 @@ static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, Pe
 */
 static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 {
+  MpmSolver  *solver = (MpmSolver *)ctx;
+  MpmPlace    tried;
   Vec         X, F, Y, W, G;
   SNES        snes;
   PetscReal   xnorm, fnorm, ynorm, norm = 0., slope = 0., lambda = 1., good = 0., slope_good;
@@ -278,7 +303,7 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 
   PetscFunctionBeginUser;
   PetscCall(SNESLineSearchGetSNES(search, &snes));
-  PetscCall(LookAhead((MpmSolver *)ctx, snes));
+  PetscCall(LookAhead(solver, snes));
   PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
   PetscCall(SNESLineSearchGetNorms(search, &xnorm, &fnorm, &ynorm));
   PetscCall(VecDot(F, Y, &dot));
@@ -307,8 +332,10 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
     }
   }
   PetscCall(VecNorm(Y, NORM_2, &ynorm));
+  PetscCall(GetPlace(W, &tried));
   PetscCall(VecCopy(W, X));
   PetscCall(VecCopy(G, F));
+  if (IsSame(&tried, &solver->cache.summed)) PetscCall(GetPlace(X, &solver->cache.summed)); /* the same values */
   PetscCall(VecNorm(X, NORM_2, &xnorm));
   PetscCall(SNESLineSearchSetLambda(search, lambda));
   PetscCall(SNESLineSearchSetNorms(search, xnorm, norm, ynorm));

@@ -2,38 +2,50 @@
 /*
   Newton's method and the linear solvers under it: presets, the forms of the Jacobian, and what is said of a solution.
 */
-#include "io/io.h"
-#include "terms/terms.h"
+#include "base/base.h"
+#include "talus/talus.h"
+
+typedef struct MpmDiscretization MpmDiscretization;
+typedef struct MpmOptions        MpmOptions;
+typedef struct MpmPattern        MpmPattern;
+typedef struct MpmSum            MpmSum;
+typedef struct MpmTerms          MpmTerms;
 
 /* What a run does at an equilibrium that is not stable. */
 typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
+
+/* A vector's values as they were at some time: PETSc counts every change. */
+typedef struct {
+  PetscObjectId    id; /* 0: none */
+  PetscObjectState state;
+} MpmPlace;
 
 /*
   What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
 */
 typedef struct {
+  MpmPlace  summed;    /* where the Jacobian's sums, which wait in the matrix, were made */
+  PetscBool assembled; /* the matrix holds the Jacobian of the last solve */
   PetscReal reference; /* residual of the step in which nothing moves */
   PetscBool lag;       /* may a Jacobian serve for more than one iteration? */
   PetscBool lagged;    /* has the last one? */
   PetscBool solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
+  PetscBool ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal fnorm_last;
-  PetscBool ahead;           /* a Jacobian at the same place will follow the next residual: both in one pass */
-  PetscBool made;            /* it has been made with the last residual and waits to be assembled */
-  PetscBool overwritten;     /* the matrix no longer holds the Jacobian of the last solve */
   PetscInt  made_count;      /* Jacobians of this solution, */
   PetscInt  made_count_last; /* and of the last one */
 } MpmEvaluations;
 
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
-  MpmDiscretization *disc;
-  MpmMonitor        *monitor;
-  MpmDatabase       *database; /* the model's options: presets go there */
-  MpmJacobianType    jacobian_type;
-  char              *name, *why; /* the preset; why `auto` took it, or NULL */
-  PetscBool          symmetric;
-  char               mat_type[64], vec_type[64];
+  MpmDiscretization  *disc;
+  MpmMonitor         *monitor;
+  struct MpmDatabase *database; /* the model's options: presets go there */
+  MpmJacobianType     jacobian_type;
+  char               *name, *why; /* the preset; why `auto` took it, or NULL */
+  PetscBool           symmetric;
+  char                mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
   PetscBool      indefinite;        /* it has */
   PetscBool      factorises;        /* the preconditioner is a direct solver */
@@ -55,7 +67,7 @@ typedef struct {
 PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, MpmJacobianType type, const PetscReal u[],
                                    MpmPattern *pattern, PetscInt *failed);
 /*
-  The Jacobian of the present step as a shell matrix, with or without tangents kept (matfree.c). It must not
+  The Jacobian of the present step as a shell matrix, with or without tangents kept (mat_points.c). It must not
   outlive the step's space.
 */
 PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);
@@ -72,6 +84,9 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
 /* Settles `auto` for about so many unknowns, and applies the preset. */
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns);
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver);
+/* A solver for another problem, with the same settings and objects of its own. */
+PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *disc, MpmMonitor *monitor,
+                                  MpmSolver *copy);
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver);
 PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
 /* A new solver after a linear solve has failed, with GMRES where CG met an indefinite Jacobian. */

@@ -1,6 +1,11 @@
 /*
   Newton and its linear solver: PETSc's SNES and KSP, set up by presets from options/ that any PETSc option overrides.
 */
+#include "options/options.h"
+#include "options/record.h"
+#include "terms/discretization.h"
+#include "terms/sparsity.h"
+#include "options/database.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
 
@@ -267,7 +272,7 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscCall(VecDestroy(&solver->x));
   PetscCall(VecDestroy(&solver->f));
   if (!solver->matrix_unused)
-    PetscCall(MpmPatternCreateMat(&solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
+    PetscCall(MpmPatternCreateMat(solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
                                   solver->mat_type, &solver->jacobian));
   PetscCall(VecCreate(solver->disc->grid.comm, &solver->x));
   PetscCall(VecSetSizes(solver->x, solver->disc->space.owned * solver->disc->layout.block,
@@ -276,6 +281,21 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscCall(VecSetType(solver->x, solver->vec_type));
   PetscCall(VecSetFromOptions(solver->x));
   PetscCall(VecDuplicate(solver->x, &solver->f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *disc, MpmMonitor *monitor,
+                                  MpmSolver *copy)
+{
+  PetscFunctionBeginUser;
+  *copy          = *solver;
+  copy->disc     = disc;
+  copy->monitor  = monitor;
+  copy->cache    = (MpmEvaluations){.lag = solver->cache.lag};
+  copy->jacobian = copy->shell = NULL;
+  copy->x = copy->f = NULL;
+  copy->name = copy->why = NULL;
+  MpmDatabaseCall(copy->database, CreateSNES(copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -12,6 +12,9 @@
 
   A law with a history flows: at a limit load its tangent has lost definiteness by nature, and nothing is said.
 */
+#include "options/options.h"
+#include "point/point.h"
+#include "terms/discretization.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
 

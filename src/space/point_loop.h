@@ -84,6 +84,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 /* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
 typedef struct {
   PetscReal *values, *force, *storage;
+  PetscBool  weights; /* does the kernel take values, too, not only derivatives? */
   MpmBasis   basis;
 } MpmWorkspace;
 
@@ -93,8 +94,9 @@ static inline PetscErrorCode MpmWorkspaceCreate(const MpmSum *sum, MpmWorkspace 
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((n * (2 * bs + MPM_MAX_DIM + 1)), &work->storage));
-  work->values = work->storage;
-  work->force  = work->values + n * bs;
+  work->weights = MpmLayoutUsesValues(sum->layout);
+  work->values  = work->storage;
+  work->force   = work->values + n * bs;
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) work->basis.basis[b] = work->force + n * (bs + b);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -166,6 +168,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->dt                = sum->dt;
   point->traits            = material->info.traits;
   point->law               = material->law;
+  point->table             = material->table;
   point->state             = NULL;
   point->F                 = NULL;
   point->stress            = NULL;

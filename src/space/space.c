@@ -120,11 +120,12 @@ static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmRules *rules, con
     for (PetscInt a = 0; a < dim; a++) {
       const PetscInt  k  = p * dim + a;
       const PetscReal xi = (points->x[k] - grid->lower[a]) / grid->h[a];
-      PetscReal      *g  = &space->gradient[k * space->width];
+      MpmShapeLine line  = {.weight = &space->weight[k * space->width], .gradient = &space->gradient[k * space->width]};
 
-      MpmShapeEvaluate(rules->shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &space->first[k],
-                       &space->count[k], &space->weight[k * space->width], g);
-      for (PetscInt i = 0; i < space->count[k]; i++) g[i] /= grid->h[a];
+      MpmShapeEvaluate(rules->shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
+      for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
+      space->first[k] = line.first;
+      space->count[k] = line.count;
     }
   }
   PetscCall(PetscFree(half));

@@ -31,7 +31,7 @@ typedef struct {
 /*
   Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side.
 */
-typedef struct {
+typedef struct MpmGroup {
   PetscInt  first[MPM_MAX_DIM];
   PetscInt  count[MPM_MAX_DIM];
   PetscInt  node_count;
@@ -64,7 +64,7 @@ typedef struct {
   touch or that it owns: first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes
   only.
 */
-typedef struct {
+typedef struct MpmSpace {
   PetscInt   dim, width; /* most nodes on an axis */
   PetscInt   point_count;
   PetscInt  *first, *count;     /* dim values a point */
@@ -89,7 +89,7 @@ typedef struct {
 } MpmSpace;
 
 /* What a space is made by, borrowed from the model. */
-typedef struct {
+typedef struct MpmRules {
   const MpmGrid     *grid;
   MpmShapeType       shape;
   MpmEdgeType        edge;
@@ -142,7 +142,7 @@ typedef struct {
 } MpmTrial;
 
 /* All that the loops over points need; borrowed for the length of a step. */
-typedef struct {
+typedef struct MpmSum {
   const MpmGrid     *grid;
   const MpmSpace    *space;
   const MpmLayout   *layout;

@@ -7,6 +7,7 @@
   conjugate to m_bar, summed over the cell, the work f delta m_bar adds f w_p dm_p to the fluxes of each point, and f w_p
   ddm_p to their derivatives: the passes over a cell make m_bar, then fluxes and f, then that.
 */
+#include "terms/cell_mean.h"
 #include "terms/point_term.h"
 
 /* The box that holds the nodes of the groups of a cell. */

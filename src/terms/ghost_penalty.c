@@ -25,6 +25,7 @@
   Sources: Burman (2010), doi:10.1016/j.crma.2010.10.006; for the material point method Coombs (2023),
   doi:10.1016/j.cma.2022.115736.
 */
+#include "terms/sparsity.h"
 #include "terms/terms.h"
 
 /* Cells between points from which on they are sparse; those with less at the start are not looked at. */

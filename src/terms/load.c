@@ -2,6 +2,10 @@
   Loads on the material. They pick their points in the initial state and keep each point's share in a field of the
   particles, so that shares travel with the points.
 */
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "particles/selection.h"
+#include "terms/load.h"
 #include "terms/terms.h"
 
 /*
@@ -25,7 +29,7 @@ static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, Mpm
     lower[a] = grid->lower[a];
     upper[a] = grid->upper[a];
   }
-  PetscCall(MpmRegionGetBounds(load->region, lower, upper));
+  PetscCall(MpmRegionGetBounds(load->where.region, lower, upper));
   for (PetscInt a = 0; a < grid->dim; a++) {
     const PetscReal extent = (upper[a] - lower[a]) / grid->h[a];
 
@@ -57,9 +61,9 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
   PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
   if (load->type == MPM_LOAD_GRAVITY && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrallocpy(field, &load->share_field));
-  PetscCall(MpmSelectionRead(&block, grid, load->at, &load->nearest, &load->region));
+  PetscCall(MpmSelectionRead(&block, grid, &load->where));
   if (load->type == MPM_LOAD_TRACTION || MpmOptionsHelp()) {
-    MpmCheckInput(load->region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
+    MpmCheckInput(load->where.region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
     PetscCall(ReadFace(&block, grid, load));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -70,7 +74,7 @@ PetscErrorCode MpmLoadDestroy(MpmLoad *load)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(load->name));
   PetscCall(PetscFree(load->share_field));
-  PetscCall(MpmRegionDestroy(&load->region));
+  PetscCall(MpmRegionDestroy(&load->where.region));
   PetscCall(MpmRampDestroy(&load->ramp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -99,7 +103,7 @@ static PetscBool FaceSelected(const MpmLoad *load, const FaceRegion *region, Pet
 
   for (PetscInt a = 0; a < dim; a++) x[a] = points->x0[p * dim + a];
   if (region->thin) x[load->face_axis] = FacePosition(load, dim, side, points, p);
-  return MpmRegionContains(load->region, x);
+  return MpmRegionContains(load->where.region, x);
 }
 
 /*
@@ -155,7 +159,7 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
     region.lower[a] = PETSC_NINFINITY;
     region.upper[a] = PETSC_INFINITY;
   }
-  PetscCall(MpmRegionGetBounds(load->region, region.lower, region.upper));
+  PetscCall(MpmRegionGetBounds(load->where.region, region.lower, region.upper));
   region.thin = (PetscBool)(region.upper[axis] - region.lower[axis] <= 4. * slack);
   PetscCall(FindOutermost(load, &region, grid, points, outermost, ends));
   if (!load->face_given) {
@@ -190,8 +194,7 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(DMSwarmGetField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
   if (load->type == MPM_LOAD_TRACTION) PetscCall(SelectFace(load, grid, &points, share));
-  else if (load->region) PetscCall(MpmSelectRegion(grid, &points, "load", load->name, load->region, share));
-  else PetscCall(MpmSelectNearest(grid, &points, particles->total, "load", load->name, load->at, load->nearest, share));
+  else PetscCall(MpmSelectionShare(&load->where, grid, &points, particles->total, "load", load->name, share));
   PetscCall(DMSwarmRestoreField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -209,8 +212,9 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
   const MpmGrid     *grid = rules->grid;
   const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
   const MpmShapeType at_face = rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
-  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
-  PetscInt  lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], first, count, n = 0;
+  PetscReal    line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
+  MpmShapeLine face = {.weight = face_weight, .gradient = unused};
+  PetscInt     lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], n = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
@@ -223,11 +227,11 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
          grid->h[axis];
     MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
     xi = PetscMin(PetscMax(xi, (PetscReal)lower[axis]), (PetscReal)upper[axis]);
-    MpmShapeEvaluate(at_face, rules->edge, xi, 0., lower[axis], upper[axis], &first, &count, face_weight, unused);
+    MpmShapeEvaluate(at_face, rules->edge, xi, 0., lower[axis], upper[axis], &face);
     for (PetscInt i = 0; i < group->count[axis]; i++) {
-      const PetscInt k = group->first[axis] + i - first;
+      const PetscInt k = group->first[axis] + i - face.first;
 
-      line[axis][i] = k >= 0 && k < count ? face_weight[k] : 0.;
+      line[axis][i] = k >= 0 && k < face.count ? face_weight[k] : 0.;
     }
   }
   for (PetscInt k = 0; k < group->count[2]; k++)

@@ -1,13 +1,15 @@
 /*
   The residual of the physics at the points.
 */
+#include "terms/cell_mean.h"
 #include "terms/point_term.h"
 
 /* Residual of one group's points. */
 MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        PetscBool weights, const PetscReal u[], MpmWorkspace *work,
-                                        PetscReal residual[], PetscInt *failed)
+                                        const PetscReal u[], MpmWorkspace *work, PetscReal residual[], PetscInt *failed)
 {
+  const PetscBool weights = work->weights;
+
   MpmSumGather(known, sum, group, u, work->values);
   for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
@@ -46,8 +48,7 @@ PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscR
 PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                  PetscInt *failed)
 {
-  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
-  MpmWorkspace    work;
+  MpmWorkspace work;
 
   PetscFunctionBeginUser;
   (void)ctx;
@@ -55,7 +56,7 @@ PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const Petsc
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group, ResidualGroup, sum, group, weights, u, &work, residual, failed);
+    MPM_DISPATCH(sum->layout, group, ResidualGroup, sum, group, u, &work, residual, failed);
   }
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -19,6 +19,9 @@
 
   Each contact is pointwise, like the kernel, so all forms of the Jacobian take its derivative from here.
 */
+#include "geometry/geometry.h"
+#include "terms/rigid.h"
+#include "terms/sparsity.h"
 #include "terms/terms.h"
 
 #define TOUCH 1e-12 /* of a cell: rounding of a face that stands on the boundary */
@@ -102,9 +105,10 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
 }
 
 /* Is the point concerned in this step, and where does its face stand? */
-static PetscErrorCode Describe(const MpmContacts *contacts, PetscInt b, const MpmRules *rules, const MpmPoints *points,
-                               PetscInt p, PetscReal margin, MpmContact *contact, PetscBool *concerned)
+static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                               PetscReal margin, MpmContact *contact, PetscBool *candidate)
 {
+  const PetscInt     b = contact->boundary, p = contact->point;
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim      = boundary->dim;
   const PetscReal   *half = &points->half_length[p * dim], *F = &points->F[p * dim * dim];
@@ -112,7 +116,7 @@ static PetscErrorCode Describe(const MpmContacts *contacts, PetscInt b, const Mp
   MpmSurface surface;
 
   PetscFunctionBeginUser;
-  *concerned = PETSC_FALSE;
+  *candidate = PETSC_FALSE;
   MpmBoundaryDistance(boundary, contacts->before[b], &points->x[p * dim], &surface);
   for (PetscInt k = 0; k < dim * dim; k++) most += F[k] * F[k]; /* no stretch is larger */
   for (PetscInt a = 0; a < dim; a++) length += half[a] * half[a];
@@ -130,11 +134,9 @@ static PetscErrorCode Describe(const MpmContacts *contacts, PetscInt b, const Mp
     contact->normal[a] = surface.normal[a];
     contact->slip[a]   = 0.;
   }
-  contact->point     = p;
-  contact->boundary  = b;
   contact->stiffness = boundary->penalty * contacts->unit * rules->materials[points->material[p]].penalty *
                        points->volume0[p] / (2. * Reach(dim, half, surface.normal));
-  *concerned = PETSC_TRUE;
+  *candidate = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -151,11 +153,11 @@ static PetscErrorCode List(MpmContacts *contacts, PetscInt b, const MpmRules *ru
   }
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
-      MpmContact contact = {.group = g};
-      PetscBool  concerned;
+      MpmContact contact = {.point = space->order[s], .group = g, .boundary = b};
+      PetscBool  candidate;
 
-      PetscCall(Describe(contacts, b, rules, points, space->order[s], margin, &contact, &concerned));
-      if (!concerned) continue;
+      PetscCall(Describe(contacts, rules, points, margin, &contact, &candidate));
+      if (!candidate) continue;
       if (contacts->count == contacts->capacity) {
         contacts->capacity = 2 * contacts->capacity + 64;
         PetscCall(PetscRealloc((size_t)contacts->capacity * sizeof(MpmContact), &contacts->contact));
@@ -173,8 +175,9 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   const MpmGrid  *grid  = rules->grid;
   const MpmGroup *group = &space->groups[contact->group];
   const PetscInt  p = contact->point, dim = space->dim, last = group->count[a] - 1;
-  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], first, count;
+  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+  MpmShapeLine    face = {.weight = weight, .gradient = unused};
 
   if (!half) {
     for (PetscInt i = 0; i <= last; i++) line[i] = space->weight[(p * dim + a) * space->width + i];
@@ -185,10 +188,10 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
 
   MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
   MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a],
-                   &first, &count, weight, unused);
+                   &face);
   for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
-  for (PetscInt i = 0; i < count; i++) /* rounding may touch a node more than the domain does */
-    line[PetscMin(PetscMax(first + i - group->first[a], 0), last)] += weight[i];
+  for (PetscInt i = 0; i < face.count; i++) /* rounding may touch a node more than the domain does */
+    line[PetscMin(PetscMax(face.first + i - group->first[a], 0), last)] += weight[i];
 }
 
 static PetscErrorCode Weights(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,

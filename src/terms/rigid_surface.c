@@ -13,6 +13,9 @@
     motion    displacement of the surface in total, times ramp
     points    a region: only what is in it at the start is concerned
 */
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "terms/rigid.h"
 #include "terms/terms.h"
 
 #include <math.h>

@@ -4,19 +4,25 @@
   A row's columns lie in a window of (2w - 1)^dim nodes around it, w being the most nodes that a point touches on an
   axis: a table over that window gives the place of any entry without a search. Rows whose columns all belong to this
   rank are written where they stand in PETSc's AIJ storage. Others are kept in a buffer: owned ones are copied, rows of
-  ghosts go to their owners through the matrix's stash.
+  ghosts go to their owners through the matrix's stash. Matrices of other types than PETSc's own on the host (those of GPUs,
+  hypre's) are given all rows, ghosts' too, as one list of coordinates and values.
 */
+#include "bc/bc.h"
+#include "terms/sparsity.h"
 #include "terms/terms.h"
 
-PetscErrorCode MpmPatternReset(MpmPattern *pattern)
+PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
 {
+  MpmPattern *pattern = *handle;
+
   PetscFunctionBeginUser;
+  if (!pattern) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(pattern->row));
   PetscCall(PetscFree(pattern->column));
   PetscCall(PetscFree(pattern->slot));
   PetscCall(PetscFree(pattern->value));
   PetscCall(PetscFree(pattern->buffer));
-  PetscCall(PetscMemzero(pattern, sizeof(*pattern)));
+  PetscCall(PetscFree(*handle));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -196,16 +202,17 @@ static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
+PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_Comm comm, PetscInt block,
                                PetscBool *changed)
 {
-  MpmPattern old      = *pattern;
-  Neighbours found    = {NULL};
-  MpmLists   received = {0};
-  Foreign    foreign  = {NULL, NULL};
+  MpmPattern *old      = *handle, *pattern;
+  Neighbours  found    = {NULL};
+  MpmLists    received = {0};
+  Foreign     foreign  = {NULL, NULL};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMemzero(pattern, sizeof(*pattern)));
+  PetscCall(PetscNew(handle));
+  pattern         = *handle;
   pattern->block  = block;
   pattern->dim    = space->dim;
   pattern->reach  = space->reach;
@@ -225,22 +232,66 @@ PetscErrorCode MpmPatternSetUp(MpmPattern *pattern, const MpmSpace *space, MPI_C
   PetscCall(PetscFree(foreign.column));
   PetscCall(MpmListsDestroy(&received));
 
-  /* equal rows and columns on every rank: the matrix and its symbolic factorisation stay */
-  *changed = (PetscBool)(old.owned != pattern->owned || !old.row || old.row[old.owned] != pattern->row[pattern->owned]);
+  /* equal rows and columns on every rank: the matrix and its symbolic factorisation stay; coordinates name ghosts' rows, too */
+  if (old) pattern->coordinates = old->coordinates;
+  const PetscInt count = pattern->coordinates ? pattern->local : pattern->owned;
+  *changed =
+    (PetscBool)(!old || old->owned != pattern->owned || old->local < count || old->row[count] != pattern->row[count]);
   if (!*changed) {
     PetscBool rows, columns;
 
-    PetscCall(PetscArraycmp(old.row, pattern->row, pattern->owned + 1, &rows));
-    PetscCall(PetscArraycmp(old.column, pattern->column, pattern->row[pattern->owned], &columns));
+    PetscCall(PetscArraycmp(old->row, pattern->row, count + 1, &rows));
+    PetscCall(PetscArraycmp(old->column, pattern->column, pattern->row[count], &columns));
     *changed = (PetscBool) !(rows && columns);
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, changed, 1, MPIU_BOOL, MPI_LOR, comm));
-  PetscCall(MpmPatternReset(&old));
+  PetscCall(MpmPatternDestroy(&old));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type,
-                                   Mat *mat)
+/* Are values handed over as coordinates? Types on the host that take blocks of values, or lend their arrays, do not need it. */
+static PetscErrorCode TakesCoordinates(Mat mat, PetscBool *takes)
+{
+  PetscBool host;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)mat, &host, MATSEQAIJ, MATMPIAIJ, MATSEQBAIJ, MATMPIBAIJ,
+                                      MATSEQSBAIJ, MATMPISBAIJ, MATSEQDENSE, MATMPIDENSE, MATSEQAIJMKL, MATMPIAIJMKL,
+                                      MATSEQAIJPERM, MATMPIAIJPERM, MATSEQAIJSELL, MATMPIAIJSELL, ""));
+  *takes = (PetscBool)!host;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Row and column of every value of the buffer when it holds all rows. */
+static PetscErrorCode ListCoordinates(const MpmPattern *pattern, const MpmSpace *space, Mat mat)
+{
+  const PetscInt bs    = pattern->block;
+  PetscCount     count = (PetscCount)pattern->row[pattern->local] * bs * bs, fill = 0;
+  PetscInt      *i, *j;
+  PetscBool      has;
+  Mat            diagonal;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((size_t)count, &i, (size_t)count, &j));
+  for (PetscInt node = 0; node < pattern->local; node++) {
+    for (PetscInt c = 0; c < bs; c++) {
+      for (PetscInt k = pattern->row[node] * bs; k < pattern->row[node + 1] * bs; k++) {
+        i[fill]   = space->global[node] * bs + c;
+        j[fill++] = pattern->column[k / bs] * bs + k % bs;
+      }
+    }
+  }
+  PetscCall(MatSetPreallocationCOO(mat, count, i, j));
+  PetscCall(PetscFree2(i, j));
+  PetscCall(MatHasOperation(mat, MATOP_GET_DIAGONAL_BLOCK, &has));
+  if (has) { /* MPIAIJ makes it anew and forgets its blocks, which point-block preconditioners need */
+    PetscCall(MatGetDiagonalBlock(mat, &diagonal));
+    PetscCall(MatSetBlockSize(diagonal, bs));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat)
 {
   const PetscInt bs = pattern->block, rows = pattern->owned * bs;
   PetscInt      *i, *j, fill = 0;
@@ -251,6 +302,11 @@ PetscErrorCode MpmPatternCreateMat(const MpmPattern *pattern, const MpmSpace *sp
   PetscCall(MatSetBlockSize(*mat, bs));
   PetscCall(MatSetType(*mat, type));
   PetscCall(MatSetFromOptions(*mat));
+  PetscCall(TakesCoordinates(*mat, &pattern->coordinates));
+  if (pattern->coordinates) {
+    PetscCall(ListCoordinates(pattern, space, *mat));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscMalloc1((rows + 1), &i));
   PetscCall(PetscMalloc1((pattern->row[pattern->owned] * bs * bs), &j));
   i[0] = 0;
@@ -341,26 +397,30 @@ static inline __attribute__((always_inline)) void AddTwo(PetscInt count, PetscRe
   for (PetscInt k = 0; k < count; k++) row[k] += left * b[k] + right * c[k];
 }
 
+/* Two vectors at rows, left and right, and the two that they multiply along a run of columns. */
+typedef struct {
+  const PetscReal *left, *b, *right, *c;
+} Pair;
+
 /* Rows of a node: the columns of `length` box nodes that stand side by side from `place` on. */
-static void AddPairRun(const PetscInt bs, PetscReal *row, PetscInt width, PetscInt length, const PetscReal left[],
-                       const PetscReal b[], const PetscReal right[], const PetscReal c[])
+static void AddPairRun(const PetscInt bs, PetscReal *row, PetscInt width, PetscInt length, const Pair pair)
 {
   for (PetscInt r = 0; r < bs; r++, row += width) {
     switch (length * bs) { /* three and four nodes, which is what boxes have on an axis with the usual shapes */
     case 6:
-      AddTwo(6, left[r], b, right[r], c, row);
+      AddTwo(6, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     case 8:
-      AddTwo(8, left[r], b, right[r], c, row);
+      AddTwo(8, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     case 9:
-      AddTwo(9, left[r], b, right[r], c, row);
+      AddTwo(9, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     case 12:
-      AddTwo(12, left[r], b, right[r], c, row);
+      AddTwo(12, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     default:
-      AddTwo(length * bs, left[r], b, right[r], c, row);
+      AddTwo(length * bs, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;
     }
   }
@@ -391,8 +451,8 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
       end = j + 1;
       if (nodes[j] < 0) continue;
       while (end < line && nodes[end] >= 0 && slot[offset[end]] == slot[offset[end - 1]] + 1) end++;
-      AddPairRun(bs, pattern->value[nodes[i]] + slot[offset[j]] * bs, width, end - j, &a[i * bs], &b[j * bs],
-                 &b[i * bs], &c[j * bs]);
+      AddPairRun(bs, pattern->value[nodes[i]] + slot[offset[j]] * bs, width, end - j,
+                 (Pair){&a[i * bs], &b[j * bs], &b[i * bs], &c[j * bs]});
     }
   }
 }
@@ -407,7 +467,7 @@ static PetscBool IsInside(const MpmPattern *pattern, const MpmSpace *space, Pets
 }
 
 /* The part of a (MPI)AIJ matrix with this rank's columns, or NULL for other types. */
-static PetscErrorCode OwnPart(Mat mat, Mat *own, Mat *other)
+static PetscErrorCode OwnPart(Mat mat, PetscBool coordinates, Mat *own, Mat *other)
 {
   PetscBool seqaij, mpiaij;
 
@@ -415,6 +475,7 @@ static PetscErrorCode OwnPart(Mat mat, Mat *own, Mat *other)
   PetscCall(PetscObjectBaseTypeCompare((PetscObject)mat, MATSEQAIJ, &seqaij));
   PetscCall(PetscObjectBaseTypeCompare((PetscObject)mat, MATMPIAIJ, &mpiaij));
   *own = *other = NULL;
+  if (coordinates) PetscFunctionReturn(PETSC_SUCCESS);
   if (seqaij) *own = mat;
   else if (mpiaij) PetscCall(MatMPIAIJGetSeqAIJ(mat, own, other, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -427,8 +488,8 @@ PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, const
   Mat            own, other;
 
   PetscFunctionBeginUser;
-  PetscCall(OwnPart(mat, &own, &other));
-  PetscCall(MatZeroEntries(mat));
+  PetscCall(OwnPart(mat, pattern->coordinates, &own, &other));
+  if (!pattern->coordinates) PetscCall(MatZeroEntries(mat));
   pattern->constraints = constraints;
   pattern->array       = NULL;
   if (own) PetscCall(MatSeqAIJGetArray(own, &pattern->array));
@@ -531,10 +592,14 @@ PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, PetscRe
 
   PetscFunctionBeginUser;
   SetConstrainedDiagonal(pattern, pattern->constraints, diagonal);
-  PetscCall(OwnPart(mat, &own, &other));
+  PetscCall(OwnPart(mat, pattern->coordinates, &own, &other));
   if (own) {
     PetscCall(CopyBuffer(pattern, space, other));
     PetscCall(MatSeqAIJRestoreArray(own, &pattern->array));
+  }
+  if (pattern->coordinates) {
+    PetscCall(MatSetValuesCOO(mat, pattern->buffer, INSERT_VALUES));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(AddRows(pattern, space, own ? pattern->owned : 0, pattern->local, mat));
   PetscCall(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));

@@ -3,7 +3,9 @@
   element block of a group is the sum of B^T D B over its points. Where the physics has a mean, each cell adds the
   products of a few vectors over all of its nodes.
 */
+#include "terms/cell_mean.h"
 #include "terms/point_term.h"
+#include "terms/sparsity.h"
 
 /* to = sum_k factor_k row_k, added to what is there or in its place; the compiler must not unroll what it can vectorise */
 MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[], const PetscReal *const row[],
@@ -184,12 +186,13 @@ typedef struct {
 } Point;
 
 /* PETSC_FALSE where it has no answer. */
-MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, PetscInt s, PetscBool weights,
-                                  const MpmWorkspace *work, const Coupling *coupling, Point *at)
+MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, PetscInt s, const MpmWorkspace *work,
+                                  const Coupling *coupling, Point *at)
 {
-  const PetscInt p = sum->space->order[s];
-  MpmKernelPoint point;
-  PetscReal      input[MPM_MAX_INPUTS];
+  const PetscInt  p       = sum->space->order[s];
+  const PetscBool weights = work->weights;
+  MpmKernelPoint  point;
+  PetscReal       input[MPM_MAX_INPUTS];
 
   if (sum->layout->means) {
     const MpmCellPoint *made = &coupling->cell.point[s - coupling->cell.begin];
@@ -212,13 +215,14 @@ MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, Petsc
 /* Where the sums over a group's points go; `residual` is NULL where nobody asks for it. */
 typedef struct {
   PetscReal *element, *residual;
-  PetscReal *rows; /* room for AddElement */
+  PetscReal *rows;   /* room for AddElement */
+  PetscReal *blocks; /* the diagonal blocks of all nodes, in place of elements */
+  Coupling   coupling;
 } Target;
 
 /* The element block of one group, and its forces. */
 MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                       PetscBool weights, const PetscReal u[], MpmWorkspace *work, Coupling *coupling,
-                                       const Target *to, PetscInt *failed)
+                                       const PetscReal u[], MpmWorkspace *work, Target *to, PetscInt *failed)
 {
   MpmSumGather(known, sum, group, u, work->values);
   for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
@@ -226,14 +230,14 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     Point at;
 
-    if (!PointTangent(known, sum, s, weights, work, coupling, &at)) {
+    if (!PointTangent(known, sum, s, work, &to->coupling, &at)) {
       (*failed)++;
       continue;
     }
     AddElement(known, sum->layout, &at.basis, at.tangent, to->rows, to->element);
     if (to->residual) MpmSumAddFlux(known, sum->layout, &at.basis, at.flux, work->force);
   }
-  if (sum->layout->means) CouplingAddGroup(known, sum, group, coupling);
+  if (sum->layout->means) CouplingAddGroup(known, sum, group, &to->coupling);
   if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);
   return PETSC_SUCCESS;
 }
@@ -241,45 +245,42 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
 static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                               PetscReal residual[], PetscInt *failed)
 {
-  const MpmSpace *space   = sum->space;
-  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
+  const MpmSpace *space = sum->space;
   const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->layout->block;
   Target          to = {.residual = residual};
   MpmWorkspace    work;
-  Coupling        coupling;
 
   PetscFunctionBeginUser;
   (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(CouplingCreate(sum, &coupling));
+  PetscCall(CouplingCreate(sum, &to.coupling));
   PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
-    PetscCall(CouplingBegin(sum, &groups, u, &coupling, failed));
+    PetscCall(CouplingBegin(sum, &groups, u, &to.coupling, failed));
     if (sum->layout->means && *failed) break;
     for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
       const MpmGroup *group = &space->groups[g];
 
-      MPM_DISPATCH(sum->layout, group, ElementGroup, sum, group, weights, u, &work, &coupling, &to, failed);
+      MPM_DISPATCH(sum->layout, group, ElementGroup, sum, group, u, &work, &to, failed);
       MpmPatternAddBlock(pattern, space, group, to.element);
     }
     if (sum->layout->means) {
-      CouplingEnd(sum, &groups, &coupling);
-      MpmPatternAddPair(pattern, space, &space->groups[groups.box], coupling.flux_by_mean, coupling.mean_by_u,
-                        coupling.f_by_u);
+      CouplingEnd(sum, &groups, &to.coupling);
+      MpmPatternAddPair(pattern, space, &space->groups[groups.box], to.coupling.flux_by_mean, to.coupling.mean_by_u,
+                        to.coupling.f_by_u);
     }
   }
   PetscCall(PetscFree2(to.element, to.rows));
-  PetscCall(CouplingDestroy(&coupling));
+  PetscCall(CouplingDestroy(&to.coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The diagonal blocks of one group's nodes. */
 MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        PetscBool weights, const PetscReal u[], MpmWorkspace *work, Coupling *coupling,
-                                        PetscReal blocks[], PetscInt *failed)
+                                        const PetscReal u[], MpmWorkspace *work, Target *to, PetscInt *failed)
 {
   const PetscInt  N = known.inputs, bs = known.block;
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
@@ -288,12 +289,12 @@ MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum,
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     Point at;
 
-    if (!PointTangent(known, sum, s, weights, work, coupling, &at)) {
+    if (!PointTangent(known, sum, s, work, &to->coupling, &at)) {
       (*failed)++;
       continue;
     }
     for (PetscInt i = 0; i < known.n; i++) {
-      PetscReal *block = &blocks[nodes[i] * bs * bs];
+      PetscReal *block = &to->blocks[nodes[i] * bs * bs];
 
       for (PetscInt k = 0; k < N; k++) {
         const PetscReal phi = at.basis.basis[KnownBasis(known, sum->layout, k)][i];
@@ -305,38 +306,37 @@ MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum,
       }
     }
   }
-  if (sum->layout->means) CouplingAddGroup(known, sum, group, coupling);
+  if (sum->layout->means) CouplingAddGroup(known, sum, group, &to->coupling);
   return PETSC_SUCCESS;
 }
 
 static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                                PetscInt *failed)
 {
-  const MpmSpace *space   = sum->space;
-  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
+  const MpmSpace *space = sum->space;
+  Target          to    = {.blocks = blocks};
   MpmWorkspace    work;
-  Coupling        coupling;
 
   PetscFunctionBeginUser;
   (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(CouplingCreate(sum, &coupling));
+  PetscCall(CouplingCreate(sum, &to.coupling));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
-    PetscCall(CouplingBegin(sum, &groups, u, &coupling, failed));
+    PetscCall(CouplingBegin(sum, &groups, u, &to.coupling, failed));
     if (sum->layout->means && *failed) break;
     for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
       const MpmGroup *group = &space->groups[g];
 
-      MPM_DISPATCH(sum->layout, group, DiagonalGroup, sum, group, weights, u, &work, &coupling, blocks, failed);
+      MPM_DISPATCH(sum->layout, group, DiagonalGroup, sum, group, u, &work, &to, failed);
     }
     if (sum->layout->means) {
-      CouplingEnd(sum, &groups, &coupling);
-      CouplingAddToDiagonal(sum, &groups, &coupling, blocks);
+      CouplingEnd(sum, &groups, &to.coupling);
+      CouplingAddToDiagonal(sum, &groups, &to.coupling, blocks);
     }
   }
-  PetscCall(CouplingDestroy(&coupling));
+  PetscCall(CouplingDestroy(&to.coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,8 @@
   through its own tangent where tangents are kept. The coloured, dense and differenced Jacobians are made of actions on
   seeds.
 */
+#include "terms/action.h"
+#include "terms/cell_mean.h"
 #include "terms/point_term.h"
 
 /* Central differences: the step that balances truncation and rounding for inputs of order one. */

@@ -3,9 +3,13 @@
 */
 #include "terms/terms.h"
 
-PetscErrorCode MpmTermsAdd(MpmTerms *terms, const MpmTerm *term, void *ctx)
+PetscErrorCode MpmTermsAdd(MpmTerms **handle, const MpmTerm *term, void *ctx)
 {
+  MpmTerms *terms;
+
   PetscFunctionBeginUser;
+  if (!*handle) PetscCall(PetscNew(handle));
+  terms = *handle;
   PetscCall(PetscRealloc((size_t)(terms->count + 1) * sizeof(*terms->term), &terms->term));
   PetscCall(PetscRealloc((size_t)(terms->count + 1) * sizeof(*terms->ctx), &terms->ctx));
   terms->term[terms->count]  = term;
@@ -13,12 +17,13 @@ PetscErrorCode MpmTermsAdd(MpmTerms *terms, const MpmTerm *term, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTermsDestroy(MpmTerms *terms)
+PetscErrorCode MpmTermsDestroy(MpmTerms **terms)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(terms->term));
-  PetscCall(PetscFree(terms->ctx));
-  terms->count = 0;
+  if (!*terms) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*terms)->term));
+  PetscCall(PetscFree((*terms)->ctx));
+  PetscCall(PetscFree(*terms));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -169,10 +169,11 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
 
 /* ---- in balance ---- */
 
-/* The search: the stress so far, and the points as the stand-in sees them. */
+/* The search: the stress so far, and the problem that the auxiliary law makes of the points. */
 typedef struct {
-  MpmModel     model;
-  MpmRest     *rest;
+  MpmModel model;
+  MpmModel second; /* shares the points and the scene with the model, but for materials, discretization and solver */
+  MpmRest *rest;
   MpmMaterial *standins; /* one for each material */
   PetscReal    k0;
   PetscInt     axis;   /* vertical one */
@@ -195,6 +196,7 @@ static PetscErrorCode BalanceCreate(Balance *balance)
 
     *standin            = model->scene.materials.at[m];
     standin->state_size = 0; /* that a step would write */
+    standin->table      = NULL;
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
       PetscCheck(MpmLawFind("k0_law", dim, (MpmForm)form, &standin->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
                  "law k0 is not compiled");
@@ -208,6 +210,46 @@ static PetscErrorCode BalanceCreate(Balance *balance)
                                          model->solver.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
                     standin->info.parameter_count));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A second problem beside the model's. */
+static PetscErrorCode SecondCreate(Balance *balance)
+{
+  const MpmModel model = balance->model;
+  MpmModel       second;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&second));
+  *second                    = *model;
+  second->scene.materials.at = balance->standins;
+  second->disc               = (MpmDiscretization){.grid = model->disc.grid, .layout = model->disc.layout};
+  second->disc.ghost         = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
+  second->disc.diagonal =
+    balance->standins[0].stiffness * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
+  PetscCall(MpmDiscretizationSetUp(&second->disc, &second->scene.materials, &second->scene.boundaries,
+                                   second->scene.physics.parameters, second->state.particles.stress_size));
+  PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
+  second->solver.may_be_indefinite = PETSC_FALSE;
+  balance->second                  = second;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Its work counts as the model's. */
+static PetscErrorCode SecondDestroy(Balance *balance)
+{
+  MpmModel model = balance->model, second = balance->second;
+
+  PetscFunctionBeginUser;
+  model->monitor               = second->monitor;
+  model->state.active_dofs_max = second->state.active_dofs_max;
+  model->solver.newton         = second->solver.newton;
+  model->solver.linear         = second->solver.linear;
+  model->solver.newton_total   = second->solver.newton_total;
+  model->solver.linear_total   = second->solver.linear_total;
+  PetscCall(MpmSolverDestroy(&second->solver));
+  PetscCall(MpmDiscretizationDestroy(&second->disc));
+  PetscCall(PetscFree(balance->second));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -248,7 +290,7 @@ static PetscErrorCode TakeShape(Balance *balance)
 /* Takes the stress that has been solved for, without the part that kept the matrix regular. */
 static PetscErrorCode TakeStress(Balance *balance)
 {
-  const MpmModel model = balance->model;
+  const MpmModel model = balance->second;
   const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size, v = balance->axis;
   PetscReal      sum[3] = {0., 0., 0.};
 
@@ -283,7 +325,7 @@ static PetscErrorCode TakeStress(Balance *balance)
 /* One solve, with the stand-ins as materials; without a solution the stress stays. */
 static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
 {
-  MpmModel            model  = balance->model;
+  MpmModel            model  = balance->second;
   PetscInt            failed = 0;
   const char         *why;
   MpmPoints           points;
@@ -298,7 +340,6 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
     points.volume0                = balance->volume0;
     points.state                  = balance->stress;
     model->disc.sum.points        = &points;
-    model->disc.sum.state_size    = model->state.particles.stress_size;
     model->solver.cache.reference = 0.;
     PetscCall(MpmSolverSolve(&model->solver, &reason));
     PetscCall(MpmSumResidual(&model->solver, &failed));
@@ -314,33 +355,23 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
 /* Brings the stress of k0 into balance where ground is level, and leaves it as it is where it is not. */
 static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[])
 {
-  const PetscReal diagonal = model->disc.diagonal, ghost = model->disc.ghost;
-  const PetscBool may       = model->solver.may_be_indefinite;
-  MpmMaterial    *materials = model->scene.materials.at;
-  PetscBool       solved    = PETSC_TRUE;
-  Balance         balance   = {.model  = model,
-                               .rest   = rest,
-                               .k0     = model->scene.stages[model->state.stage].geostatic.k0,
-                               .axis   = FindVertical(model).axis,
-                               .stress = stress};
+  PetscBool solved  = PETSC_TRUE;
+  Balance   balance = {.model  = model,
+                       .rest   = rest,
+                       .k0     = model->scene.stages[model->state.stage].geostatic.k0,
+                       .axis   = FindVertical(model).axis,
+                       .stress = stress};
 
   PetscFunctionBeginUser;
   PetscCall(BalanceCreate(&balance));
+  PetscCall(SecondCreate(&balance));
   for (PetscInt it = 0; it < BALANCE_LIMIT && solved; it++) {
     if (it && (!balance.level || balance.change <= BALANCE_TOLERANCE * rest->largest)) break;
     PetscCall(TakeShape(&balance));
-    model->scene.materials.at       = balance.standins;
-    model->solver.may_be_indefinite = PETSC_FALSE;
-    model->disc.ghost               = model->solver.factorises ? 0. : PetscMin(ghost, BALANCE_GHOST);
-    model->disc.diagonal =
-      balance.standins[0].stiffness * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
     PetscCall(SolveBalance(&balance, &solved));
-    model->scene.materials.at       = materials;
-    model->solver.may_be_indefinite = may;
-    model->disc.diagonal            = diagonal;
-    model->disc.ghost               = ghost;
   }
   if (!balance.level) PetscCall(PetscArraycpy(stress, rest->start, rest->n * model->state.particles.stress_size));
+  PetscCall(SecondDestroy(&balance));
   PetscCall(BalanceDestroy(&balance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,7 @@
 /*
   One step: space, conditions and loads, Newton, commit.
 */
+#include "terms/terms.h"
 #include "time/time.h"
 
 /* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
@@ -80,14 +81,6 @@ static MpmRules Rules(MpmModel model)
                     .mean       = (PetscBool)(model->disc.layout.means > 0)};
 }
 
-PetscErrorCode MpmTrialReset(MpmTrial *trial)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree4(trial->F, trial->stress, trial->state, trial->u));
-  trial->made = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
 {
@@ -97,7 +90,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   model->disc.committed = PETSC_FALSE;
   PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   PetscCall(MpmParticlesGetArrays(&model->state.particles, &model->disc.points));
-  PetscCall(MpmTermsSetUpSpace(&model->disc.terms, &model->disc.space, rules, &model->disc.points, why));
+  PetscCall(MpmTermsSetUpSpace(model->disc.terms, &model->disc.space, rules, &model->disc.points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
   PetscCall(PetscMalloc3((model->disc.space.local * bs), &model->disc.u, (model->disc.space.local * bs),
@@ -127,8 +120,8 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmConstraintsSetUp(&model->disc.constraints, model->scene.bcs.count, model->scene.bcs.at,
-                                &model->disc.grid, &model->disc.layout, &model->disc.space, model->state.time, time));
+  PetscCall(MpmConstraintsSetUp(&model->disc.constraints, &model->scene.bcs, &model->disc.grid, &model->disc.layout,
+                                &model->disc.space, model->state.time, time));
   PetscCall(MpmContactsSetUp(&model->disc.contacts, rules, &model->disc.space, &model->disc.points,
                              &model->state.particles, model->state.time, time));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space.local * model->disc.layout.block));
@@ -150,14 +143,16 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
 
   PetscFunctionBeginUser;
   *why = NULL;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
+  if (!*why) {
+    model->disc.sum.dt = dt;
+    if (!again) PetscCall(MpmSolverSetUp(&model->solver));
+    PetscCall(PrepareConditions(model, &rules, time));
+    PetscCall(InitialGuess(model, PETSC_FALSE));
+  }
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  model->disc.sum.dt = dt;
-  if (!again) PetscCall(MpmSolverSetUp(&model->solver));
-  PetscCall(PrepareConditions(model, &rules, time));
-  PetscCall(InitialGuess(model, PETSC_FALSE));
-  MpmMonitorClock(&model->monitor, MPM_TIME_TRANSFER, since);
   PetscCall(MpmSolverSetNearNullSpace(&model->solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -266,7 +261,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscTime(&since));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(FindTrial(model));
   PetscCall(MpmCommitLocal(&model->disc.sum, model->disc.u));
   model->disc.trial.made = PETSC_FALSE;
@@ -279,7 +274,7 @@ static PetscErrorCode Commit(MpmModel model)
   for (PetscInt k = 0; k < model->disc.points.count * dim; k++)
     model->disc.points.x[k] =
       PetscMin(PetscMax(model->disc.points.x[k], model->disc.grid.lower[k % dim]), model->disc.grid.upper[k % dim]);
-  MpmMonitorClock(&model->monitor, MPM_TIME_TRANSFER, since);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -324,11 +319,8 @@ static PetscErrorCode FindReference(MpmModel model)
 static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
   PetscFunctionBeginUser;
-  model->solver.cache.reference = 0.;
   model->solver.newton = model->solver.linear = 0;
   if (model->state.predict && model->state.dt_last > 0.) {
-    PetscCall(FindReference(model));
-    PetscCall(InitialGuess(model, PETSC_TRUE));
     PetscCall(MpmSolverSolve(&model->solver, reason));
     if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(InitialGuess(model, PETSC_FALSE));
@@ -344,15 +336,23 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
-                       PetscBool *hopeless)
+/* The start of Newton, and the residual that its tolerance refers to. */
+static PetscErrorCode PredictStep(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->solver.cache.reference = 0.;
+  if (!model->state.predict || !(model->state.dt_last > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindReference(model));
+  PetscCall(InitialGuess(model, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *hopeless)
 {
   SNESConvergedReason reason;
 
   PetscFunctionBeginUser;
-  *hopeless = PETSC_TRUE;
-  PetscCall(MpmStepPrepare(model, time, dt, again, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  *why = NULL;
   PetscCall(Solve(model, &reason));
   if (reason < 0) {
     *hopeless = PETSC_FALSE;
@@ -361,27 +361,37 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     if (*why == ReasonText(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  *hopeless = PETSC_TRUE;
   PetscCall(MpmStabilityCheck(&model->solver, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  *hopeless = PETSC_FALSE;
   PetscCall(FindLost(model, why));
-  if (*why) {
-    *hopeless = PETSC_FALSE;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AcceptStep(MpmModel model)
+{
+  PetscFunctionBeginUser;
   PetscCall(Commit(model));
   model->state.dt_before = model->state.dt_last;
-  model->state.dt_last   = dt;
+  model->state.dt_last   = model->disc.sum.dt;
   model->disc.committed  = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
+/* The points are untouched until a step is accepted: only what was tried is forgotten. */
+static PetscErrorCode RollBackStep(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.ghost         = MPM_GHOST_RESCUE;
-  model->state.ghost_rescue = PETSC_FALSE;
-  PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_ghost %g", why,
-                           (double)model->disc.ghost));
+  model->disc.trial.made = PETSC_FALSE;
+  PetscCall(VecZeroEntries(model->solver.x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const MpmIntegrator MpmIntegratorQuasistatic = {.name      = "quasistatic",
+                                                .begin     = MpmStepPrepare,
+                                                .predict   = PredictStep,
+                                                .solve     = SolveStep,
+                                                .accept    = AcceptStep,
+                                                .roll_back = RollBackStep};

@@ -14,6 +14,8 @@
   Forces and tractions pick their points in the initial state, among the bodies that are there when they first act. A
   body that goes takes its shares with it.
 */
+#include "options/options.h"
+#include "geometry/geometry.h"
 #include "time/time.h"
 
 /* ---- time ---- */
@@ -54,7 +56,7 @@ static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *pre
   PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
                            MPM_OPTIONAL, &control->step_max, NULL));
   PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
-                           (MpmRange){1., 100., PETSC_FALSE}, MPM_OPTIONAL, &control->growth, NULL));
+                           ((MpmRange){1., 100., PETSC_FALSE}), MPM_OPTIONAL, &control->growth, NULL));
   PetscCall(CheckSteps(&block, control->end, control->step, control->step_min));
   MpmCheckInput(control->step_min <= control->step || MpmOptionsHelp(), "-%sstep_min %g: must not exceed -%sstep, %g",
                 prefix, (double)control->step_min, prefix, (double)control->step);
@@ -116,26 +118,33 @@ static PetscErrorCode ReadList(const MpmOptions *block, const char *list, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Names of all blocks of one kind; with `grows` others join them. */
+typedef struct {
+  PetscInt *count;
+  char   ***names;
+  PetscBool grows;
+} NameList;
+
 /* Which of the model's names a stage's list holds; those that are new are appended where `grow` says so. */
-static PetscErrorCode MarkList(const MpmOptions *block, const char *list, const char *help, PetscBool grow,
-                               PetscInt *count, char ***names, PetscBool **marks, PetscBool *given)
+static PetscErrorCode MarkList(const MpmOptions *block, const char *list, const char *help, NameList all,
+                               PetscBool **marks, PetscBool *given)
 {
   PetscInt own;
   char   **own_names;
 
   PetscFunctionBeginUser;
   PetscCall(ReadList(block, list, help, &own, &own_names, given));
-  PetscCall(PetscCalloc1((*count + own + 1), marks));
+  PetscCall(PetscCalloc1((*all.count + own + 1), marks));
   for (PetscInt k = 0; k < own; k++) {
-    PetscInt found = FindName(*count, *names, own_names[k]);
+    PetscInt found = FindName(*all.count, *all.names, own_names[k]);
 
-    MpmCheckInput(found >= 0 || grow || MpmOptionsHelp(), "-%s%s %s: there is no such body in -mpm_bodies",
+    MpmCheckInput(found >= 0 || all.grows || MpmOptionsHelp(), "-%s%s %s: there is no such body in -mpm_bodies",
                   block->prefix, list, own_names[k]);
-    if (found < 0 && !grow) continue;
+    if (found < 0 && !all.grows) continue;
     if (found < 0) {
-      found = (*count)++;
-      PetscCall(PetscRealloc(sizeof(**names) * (size_t)*count, names));
-      PetscCall(PetscStrallocpy(own_names[k], &(*names)[found]));
+      found = (*all.count)++;
+      PetscCall(PetscRealloc(sizeof(**all.names) * (size_t)*all.count, all.names));
+      PetscCall(PetscStrallocpy(own_names[k], &(*all.names)[found]));
     }
     (*marks)[found] = PETSC_TRUE;
   }
@@ -175,10 +184,12 @@ static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
     if (stage->name) {
       PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
       PetscCall(MpmOptionsHeading(&block, "Stage"));
-      PetscCall(MarkList(&block, "bcs", "conditions on nodes that act; default: -mpm_bcs; none", PETSC_TRUE,
-                         &model->scene.bcs.count, &model->scene.bcs.names, &stage->bcs, &given[2 * k]));
-      PetscCall(MarkList(&block, "loads", "loads that act; default: -mpm_loads; none", PETSC_TRUE,
-                         &model->scene.loads.count, &model->scene.loads.names, &stage->loads, &given[2 * k + 1]));
+      PetscCall(MarkList(&block, "bcs", "conditions on nodes that act; default: -mpm_bcs; none",
+                         (NameList){&model->scene.bcs.count, &model->scene.bcs.names, PETSC_TRUE}, &stage->bcs,
+                         &given[2 * k]));
+      PetscCall(MarkList(&block, "loads", "loads that act; default: -mpm_loads; none",
+                         (NameList){&model->scene.loads.count, &model->scene.loads.names, PETSC_TRUE}, &stage->loads,
+                         &given[2 * k + 1]));
     }
     had[2 * k]     = model->scene.bcs.count;
     had[2 * k + 1] = model->scene.loads.count;
@@ -200,7 +211,7 @@ PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options)
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHas(options, "stages", &given));
-  PetscCall(MpmModelReadNames(options, "stages", "names of the stages, in their order", MPM_OPTIONAL, &count, &names));
+  PetscCall(MpmOptionsBlocks(options, "stages", "names of the stages, in their order", MPM_OPTIONAL, &count, &names));
   MpmCheckInput(!given || count || MpmOptionsHelp(), "-mpm_stages: the list is empty; a scene without stages has none");
   model->scene.stage_count = PetscMax(count, 1);
   PetscCall(PetscCalloc1(model->scene.stage_count, &model->scene.stages));
@@ -263,10 +274,10 @@ static PetscErrorCode ReadGeostatic(const MpmOptions *options, const char *name,
   geostatic->tolerance  = 1e-9;
   geostatic->iterations = 50;
   PetscCall(MpmOptionsReal(&block, "k0", "-", "horizontal over vertical stress, for the method k0",
-                           (MpmRange){0., 100., PETSC_FALSE}, method ? MPM_REQUIRED : MPM_OPTIONAL, &geostatic->k0,
+                           ((MpmRange){0., 100., PETSC_FALSE}), method ? MPM_REQUIRED : MPM_OPTIONAL, &geostatic->k0,
                            NULL));
   PetscCall(MpmOptionsReal(&block, "tolerance", "-", "largest displacement that remains, in heights of the material",
-                           (MpmRange){0., 1., PETSC_TRUE}, MPM_OPTIONAL, &geostatic->tolerance, NULL));
+                           ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &geostatic->tolerance, NULL));
   PetscCall(MpmOptionsInt(&block, "iterations", "most solutions under the full loads", 1, 100000, MPM_OPTIONAL,
                           &geostatic->iterations, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -312,8 +323,9 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
 {
   static const char *const types[] = {"load", "geostatic", NULL};
   char                     prefix[256], time_prefix[256];
-  const MpmOptions         block = {options->comm, prefix, options->record};
-  PetscInt                 type  = 0;
+  const MpmOptions         block  = {options->comm, prefix, options->record};
+  PetscInt                 type   = 0;
+  const NameList           bodies = {&model->scene.bodies.count, &model->scene.bodies.names, PETSC_FALSE};
   PetscBool                given;
 
   PetscFunctionBeginUser;
@@ -325,10 +337,9 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   stage->time = *scene;
   if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
   PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
-  PetscCall(MarkList(&block, "remove", "bodies that are taken away", PETSC_FALSE, &model->scene.bodies.count,
-                     &model->scene.bodies.names, &stage->removed, &given));
-  PetscCall(MarkList(&block, "bodies", "bodies that join here and were not there before", PETSC_FALSE,
-                     &model->scene.bodies.count, &model->scene.bodies.names, &stage->adds, &given));
+  PetscCall(MarkList(&block, "remove", "bodies that are taken away", bodies, &stage->removed, &given));
+  PetscCall(
+    MarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds, &given));
   PetscCall(ReadMaterials(model, &block, stage));
   PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
   PetscCall(CheckGeostatic(model, stage));

@@ -4,29 +4,28 @@
 */
 #include "talus/point/law.h"
 
-int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
-                             const double *F_n, const double *dF, double *tau, double *dtau);
+int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const MpmLawInput *input, double *state, double *tau,
+                             double *dtau);
 
 /*
   tau (MPM_SYM) and, unless NULL, dtau (MPM_SYM x MPM_DIM^2, row-major): derivatives with respect to the components of
   dF, as many at a time as the instance has directions. The instance without directions leaves dtau alone. Returns the
   law's status.
 */
-int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
-                             const double *F_n, const double *dF, double *tau, double *dtau)
+int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const MpmLawInput *input, double *state, double *tau, double *dtau)
 {
   const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))info->law;
-  const int   n                  = MPM_DIM * MPM_DIM;
-  const int   width              = MPM_DIRECTIONS > 0 ? MPM_DIRECTIONS : n;
-  MpmLawPoint point              = {parameter, state_n, state, F_n, 1.};
+  const int         n            = MPM_DIM * MPM_DIM;
+  const int         width        = MPM_DIRECTIONS > 0 ? MPM_DIRECTIONS : n;
+  const MpmLawPoint point        = {input->parameter, input->state_n, state, input->F_n, input->dt, input->table};
 
   for (int first = 0; first < (dtau ? n : 1); first += width) {
-    Tensor increment = TensorFromArray(dF);
+    Tensor increment = TensorFromArray(input->dF);
     Sym    stress;
     int    status;
 
     for (int k = 0; k < width && first + k < n && MPM_DIRECTIONS > 0; ++k)
-      increment.a[first + k] = ScalarSeed(dF[first + k], k);
+      increment.a[first + k] = ScalarSeed(input->dF[first + k], k);
     status = law(&point, &increment, &stress);
     if (status) return status;
     SymStore(tau, &stress);

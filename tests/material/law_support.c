@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- the registered laws, from the build's list ---- */
+/* ---- the registered laws, from the build's list, and those made for the tests ---- */
 
 #define JOIN3(name, dim, directions) name##_##dim##d_##directions
 #define JOIN2(name, dim, directions) JOIN3(name, dim, directions)
@@ -14,10 +14,10 @@
 #else
 #define AT_ALL(name) JOIN2(name, 3, 9)
 #endif
+#define AT_SENSITIVITY(name) JOIN2(name, MPM_DIM, sensitivity)
 
 #define DECLARE_TANGENT(name) \
-  int name(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state, const double *F_n, \
-           const double *dF, double *tau, double *dtau);
+  int name(const MpmLawInfo *info, const MpmLawInput *input, double *state, double *tau, double *dtau);
 DECLARE_TANGENT(AT_PLAIN(LawTangent))
 DECLARE_TANGENT(AT_ONE(LawTangent))
 DECLARE_TANGENT(AT_ALL(LawTangent))
@@ -27,14 +27,18 @@ typedef void (*Constructor)(MpmLawInfo *info);
 #define MPM_MATERIAL(name) \
   void AT_PLAIN(MpmMaterialCreate_##name)(MpmLawInfo * info); \
   void AT_ONE(MpmMaterialCreate_##name)(MpmLawInfo * info); \
-  void AT_ALL(MpmMaterialCreate_##name)(MpmLawInfo * info);
+  void AT_ALL(MpmMaterialCreate_##name)(MpmLawInfo * info); \
+  void AT_SENSITIVITY(MpmMaterialCreate_##name)(MpmLawInfo * info);
 #include "mpm_material_list.h"
+#include "test_material_list.h"
 #undef MPM_MATERIAL
 
-static const Constructor constructors[][3] = {
+static const Constructor constructors[][INSTANCES] = {
 #define MPM_MATERIAL(name) \
-  {AT_PLAIN(MpmMaterialCreate_##name), AT_ONE(MpmMaterialCreate_##name), AT_ALL(MpmMaterialCreate_##name)},
+  {AT_PLAIN(MpmMaterialCreate_##name), AT_ONE(MpmMaterialCreate_##name), AT_ALL(MpmMaterialCreate_##name), \
+   AT_SENSITIVITY(MpmMaterialCreate_##name)},
 #include "mpm_material_list.h"
+#include "test_material_list.h"
 #undef MPM_MATERIAL
 };
 
@@ -48,9 +52,9 @@ int LawCount(void)
 const Law *LawGet(int i)
 {
   static Law       laws[LAW_COUNT];
-  const LawTangent tangent[3] = {AT_PLAIN(LawTangent), AT_ONE(LawTangent), AT_ALL(LawTangent)};
+  const LawTangent tangent[TANGENTS] = {AT_PLAIN(LawTangent), AT_ONE(LawTangent), AT_ALL(LawTangent)};
 
-  for (int k = 0; k < 3 && !laws[i].tangent[2]; ++k) constructors[i][k](&laws[i].info[k]);
+  for (int k = 0; k < INSTANCES && !laws[i].tangent[PLAIN]; ++k) constructors[i][k](&laws[i].info[k]);
   memcpy(laws[i].tangent, tangent, sizeof tangent);
   return &laws[i];
 }
@@ -142,28 +146,60 @@ static double RandomParameter(const MpmParameter *parameter, double E, int degen
 {
   const double upper = isfinite(parameter->upper) ? parameter->upper : 10.;
 
-  if (parameter->choices) return floor(RandomUniform(parameter->lower, parameter->upper + 1.));
+  if (parameter->kind == MPM_WORD) return floor(RandomUniform(parameter->lower, parameter->upper + 1.));
   if (degenerate && !parameter->open && RandomUniform(0., 1.) < 0.25) return parameter->lower;
-  if (!strcmp(parameter->name, "E")) return E;
+  if (!strcmp(parameter->name, "E") || !strcmp(parameter->name, "G")) return E;
   if (!strcmp(parameter->name, "nu")) return RandomUniform(-0.3, 0.48);
   if (!strcmp(parameter->unit, "Pa")) return E * pow(10., RandomUniform(-4., -2.));
   if (!strcmp(parameter->unit, "degrees")) return RandomUniform(fmax(1., parameter->lower), fmin(45., upper));
   return RandomUniform(parameter->lower, upper);
 }
 
+/* Growing numbers, so that no law softens; the x of a table begin on the side of compression. */
+static void RandomData(const MpmParameter *parameter, double E, double data[MAX_DATA])
+{
+  MpmParameter y      = *parameter;
+  const int    column = parameter->kind == MPM_TABLE;
+
+  if (column) y.unit = strchr(parameter->unit, ':') + 1;
+  for (int i = 0; i < MAX_DATA; ++i) {
+    if (column && i % 2 == 0) data[i] = i ? data[i - 2] + RandomUniform(0.01, 0.03) : -0.03;
+    else data[i] = RandomParameter(&y, E, 0) + (i > column ? data[i - 1 - column] : 0.);
+  }
+}
+
 void PointCreate(const Law *law, int degenerate, Point *point)
 {
   const MpmLawInfo *info = &law->info[PLAIN];
   const char       *why;
+  MpmLawTable       table[MAX_PARAMETERS];
 
+  memset(point, 0, sizeof *point);
   point->law = law;
   do {
     const double E = pow(10., RandomUniform(6., 8.));
 
-    for (size_t p = 0; p < info->parameter_count; ++p)
-      point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
-  } while (info->check && !info->check(point->parameter, &why));
+    for (size_t p = 0; p < info->parameter_count; ++p) {
+      if (info->parameters[p].kind >= MPM_TABLE) RandomData(&info->parameters[p], E, point->data[p]);
+      else point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
+    }
+    PointInput(point, NULL, table);
+  } while (info->check && !info->check(point->parameter, table, &why));
   PointReset(point);
+}
+
+MpmLawInput PointInput(const Point *point, const double *dF, MpmLawTable table[MAX_PARAMETERS])
+{
+  const MpmLawInfo *info  = &point->law->info[PLAIN];
+  const MpmLawInput input = {point->parameter, table, point->state, point->F, dF, 1.};
+
+  for (size_t p = 0; p < info->parameter_count; ++p) {
+    const MpmParameterKind kind = info->parameters[p].kind;
+
+    table[p].count = kind == MPM_TABLE ? MAX_DATA / 2 : kind == MPM_DATA ? MAX_DATA : 0;
+    table[p].value = table[p].count ? point->data[p] : NULL;
+  }
+  return input;
 }
 
 void PointReset(Point *point)
@@ -178,9 +214,10 @@ void PointReset(Point *point)
 
 int PointStep(Point *point, const double *dF, double *tau)
 {
-  double    state[MAX_STATE], F[DIM2];
-  const int status = point->law->tangent[PLAIN](&point->law->info[PLAIN], point->parameter, point->state, state,
-                                                point->F, dF, tau, NULL);
+  double            state[MAX_STATE], F[DIM2];
+  MpmLawTable       table[MAX_PARAMETERS];
+  const MpmLawInput input  = PointInput(point, dF, table);
+  const int         status = point->law->tangent[PLAIN](&point->law->info[PLAIN], &input, state, tau, NULL);
 
   if (status) return status;
   memcpy(point->state, state, (size_t)LawStateSize(point->law) * sizeof(double));
@@ -201,13 +238,26 @@ void PointRandomPath(Point *point, int steps, double amplitude)
 
 int PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau)
 {
-  return point->law->tangent[instance](&point->law->info[instance], point->parameter, point->state, NULL, point->F, dF,
-                                       tau, dtau);
+  MpmLawTable       table[MAX_PARAMETERS];
+  const MpmLawInput input = PointInput(point, dF, table);
+
+  return point->law->tangent[instance](&point->law->info[instance], &input, NULL, tau, dtau);
 }
 
 double PointStiffness(const Point *point)
 {
-  return point->law->info[PLAIN].stiffness(point->parameter);
+  MpmLawTable table[MAX_PARAMETERS];
+
+  PointInput(point, NULL, table);
+  return point->law->info[PLAIN].stiffness(point->parameter, table, NULL, NULL);
+}
+
+double PointStiffnessAt(const Point *point)
+{
+  MpmLawTable table[MAX_PARAMETERS];
+
+  PointInput(point, NULL, table);
+  return point->law->info[PLAIN].stiffness(point->parameter, table, point->state, point->F);
 }
 
 void PointSet(Point *point, const char *parameter, double value)
@@ -244,7 +294,7 @@ double MaxDifference(int n, const double *a, const double *b)
 
 double MaxNorm(int n, const double *a)
 {
-  const double zero[SYM * DIM2] = {0.};
+  const double zero[SYM * DIM2 + MAX_STATE] = {0.};
 
   return MaxDifference(n, a, zero);
 }

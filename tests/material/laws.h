@@ -10,24 +10,23 @@
 #define DIM2 (MPM_DIM * MPM_DIM)
 #define SYM  (MPM_DIM == 2 ? 4 : 6)
 
-enum { MAX_PARAMETERS = 32, MAX_STATE = 64 };
+enum { MAX_PARAMETERS = 32, MAX_STATE = 64, MAX_DATA = 8 };
 
 /* tau (SYM) and, unless NULL, dtau (SYM x DIM2, row-major) by the components of dF; `state` may be NULL. */
-typedef int (*LawTangent)(const MpmLawInfo *info, const double *parameter, const double *state_n, double *state,
-                          const double *F_n, const double *dF, double *tau, double *dtau);
+typedef int (*LawTangent)(const MpmLawInfo *info, const MpmLawInput *input, double *state, double *tau, double *dtau);
 
-/* A registered law in its three instances: plain doubles, one direction, all directions */
+enum { PLAIN, ONE_DIRECTION, ALL_DIRECTIONS, TANGENTS, SENSITIVITY = TANGENTS, INSTANCES };
+
+/* A registered law in its instances: plain doubles, one direction, all directions, by all that it is given */
 typedef struct {
-  MpmLawInfo info[3];
-  LawTangent tangent[3];
+  MpmLawInfo info[INSTANCES];
+  LawTangent tangent[TANGENTS];
 } Law;
 
-enum { PLAIN, ONE_DIRECTION, ALL_DIRECTIONS };
-
-/* A material point of a law */
+/* A material point of a law; `data` is what tables and data hold, MAX_DATA numbers each. */
 typedef struct {
   const Law *law;
-  double     parameter[MAX_PARAMETERS], state[MAX_STATE], F[DIM2];
+  double     parameter[MAX_PARAMETERS], state[MAX_STATE], F[DIM2], data[MAX_PARAMETERS][MAX_DATA];
 } Point;
 
 int        LawCount(void);
@@ -53,9 +52,12 @@ void PointReset(Point *point);
 int PointStep(Point *point, const double *dF, double *tau);
 /* A path of random steps of this size */
 void PointRandomPath(Point *point, int steps, double amplitude);
+/* What the law is given at the point, with room for tables, one a parameter; it borrows from both */
+MpmLawInput PointInput(const Point *point, const double *dF, MpmLawTable table[MAX_PARAMETERS]);
 /* tau and perhaps dtau, nothing committed */
 int    PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau);
-double PointStiffness(const Point *point);
+double PointStiffness(const Point *point);   /* at rest */
+double PointStiffnessAt(const Point *point); /* at the point's state */
 void   PointSet(Point *point, const char *parameter, double value);
 
 void   Identity(double *A);

@@ -5,6 +5,7 @@
   Ranks: 1 2
 */
 #include "scene.h"
+#include "terms/terms.h"
 
 static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2"};
 

@@ -5,6 +5,7 @@
   Ranks: 1 2
 */
 #include "scene.h"
+#include "terms/sparsity.h"
 
 /* Any others will do: of steps of 0.03 to 0.05 cells and eight seeds, all 40 pairs tried have passed. */
 #define SEED  0
@@ -361,7 +362,7 @@ START_TEST(long_domains)
       SCENE_CALL(Create(dim, shapes[s], &laws[2], s == 0 ? HELD : FREE, &model));
       SCENE_CALL(Look(model, &laws[2], dim == 2 ? half : 0.7, &plastic, &verdict));
       ck_assert_int_ge((int)model->disc.space.width, dim == 2 ? 5 : 4);
-      ck_assert_int_eq((int)model->disc.pattern.reach, (int)model->disc.space.width - 1);
+      ck_assert_int_eq((int)model->disc.pattern->reach, (int)model->disc.space.width - 1);
       Check(model, &laws[2], s == 0 ? HELD : FREE, plastic, &verdict);
       SCENE_CALL(SceneDestroy(&model));
     }

@@ -2,6 +2,7 @@
   Regions and ramps: what they hold, what they refuse.
 */
 #include "geometry/geometry.h"
+#include "options/options.h"
 #include "unit.h"
 
 #include <math.h>

@@ -27,7 +27,10 @@ static Shape Evaluate(MpmShapeType type, PetscReal xi, PetscReal l, PetscInt low
   Shape s;
 
   for (PetscInt k = 0; k < WIDE; k++) s.weight[k] = s.gradient[k] = 1e300;
-  MpmShapeEvaluate(type, edge, xi, l, lower, upper, &s.first, &s.count, s.weight, s.gradient);
+  MpmShapeLine line = {.weight = s.weight, .gradient = s.gradient};
+  MpmShapeEvaluate(type, edge, xi, l, lower, upper, &line);
+  s.first = line.first;
+  s.count = line.count;
   CHECK_POINT(s.count >= 1 && s.count <= MpmShapeWidth(type, l), "type %d at %.17g, l %.17g: %d nodes of %d", (int)type,
               xi, l, (int)s.count, (int)MpmShapeWidth(type, l));
   CHECK_POINT(s.first >= lower && s.first + s.count - 1 <= upper, "type %d at %.17g, l %.17g: nodes %d..%d", (int)type,

@@ -7,22 +7,119 @@
   automatic differentiation, Griewank and Walther 2008, doi:10.1137/1.9780898717761). The number of directions is known
   at compile time, so the loops over them are vectorised.
 
+  Real is the type of what does not depend on the step's increment: parameters, history and deformation gradient at the
+  step's start, and what follows from them. It is a plain double, but for one instance of every law that differentiates
+  by them, MPM_SENSITIVITY: there Real and Scalar are one type, real.h says which. The operators + - * / work on it in
+  either case, functions are RealSqrt(), RealSin(), ..., and branches must test RealValue().
+
   Only what stands between #if and #endif knows how a Scalar is stored; all else is built on ScalarChain() and
   ScalarChain2(), the chain rule for one and two arguments. Branches must test ScalarValue(): a dual number follows the
   branch that its value takes.
 */
 #include <math.h>
 #include "dense.h"
+#include "real.h"
 
 #if !defined(MPM_DIRECTIONS)
 #error "MPM_DIRECTIONS is not set"
 #endif
 
-#if MPM_DIRECTIONS == 0
+#if defined(MPM_SENSITIVITY)
+
+typedef Real Scalar;
+
+MPM_FN double ScalarValue(Scalar a)
+{
+  return RealValue(a);
+}
+
+MPM_FN Real ScalarReal(Scalar a)
+{
+  return a;
+}
+
+MPM_FN double ScalarDirection(Scalar a, int k)
+{
+  (void)k;
+  return RealDirection(a);
+}
+
+MPM_FN Scalar ScalarConstant(Real value)
+{
+  return value;
+}
+
+MPM_FN Scalar ScalarSeed(double value, int direction)
+{
+  (void)direction;
+  return RealAlong(value, 1.);
+}
+
+MPM_FN Scalar ScalarChain(Scalar a, double f, double fa)
+{
+  return RealChain(a, f, fa);
+}
+
+MPM_FN Scalar ScalarChain2(Scalar a, Scalar b, double f, double fa, double fb)
+{
+  return RealAlong(f, fa * RealDirection(a) + fb * RealDirection(b));
+}
+
+MPM_FN Scalar ScalarAdd(Scalar a, Scalar b)
+{
+  return a + b;
+}
+
+MPM_FN Scalar ScalarSub(Scalar a, Scalar b)
+{
+  return a - b;
+}
+
+/* Not a * b: where a value is 0, the square of the step would stand in its place. */
+MPM_FN Scalar ScalarMul(Scalar a, Scalar b)
+{
+  return ScalarChain2(a, b, ScalarValue(a) * ScalarValue(b), ScalarValue(b), ScalarValue(a));
+}
+
+/* alpha a */
+MPM_FN Scalar ScalarScale(Real alpha, Scalar a)
+{
+  return ScalarMul(alpha, a);
+}
+
+MPM_FN Scalar ScalarSquare(Scalar a)
+{
+  return ScalarMul(a, a);
+}
+
+/* sum += alpha a */
+MPM_FN void ScalarAddScaled(Scalar *sum, Real alpha, const Scalar *a)
+{
+  *sum += ScalarMul(alpha, *a);
+}
+
+/* sum += a b */
+MPM_FN void ScalarAddProduct(Scalar *sum, const Scalar *a, const Scalar *b)
+{
+  *sum += ScalarMul(*a, *b);
+}
+
+/* Adds alpha times the derivatives of a to those of sum, whose value stays. */
+MPM_FN void ScalarAddDirections(Scalar *sum, double alpha, const Scalar *a)
+{
+  *sum = RealAlong(RealValue(*sum), RealDirection(*sum) + alpha * RealDirection(*a));
+}
+
+#elif MPM_DIRECTIONS == 0
 
 typedef double Scalar;
 
 MPM_FN double ScalarValue(Scalar a)
+{
+  return a;
+}
+
+MPM_FN Real ScalarReal(Scalar a)
 {
   return a;
 }
@@ -124,6 +221,12 @@ MPM_FN double ScalarValue(Scalar a)
 #else
   return a.v[0];
 #endif
+}
+
+/* What is kept of a Scalar for the next step: history. */
+MPM_FN Real ScalarReal(Scalar a)
+{
+  return ScalarValue(a);
 }
 
 /* The derivative in direction k. */
@@ -279,9 +382,13 @@ MPM_FN Scalar ScalarDiv(Scalar a, Scalar b)
 }
 
 /* a + beta */
-MPM_FN Scalar ScalarShift(Scalar a, double beta)
+MPM_FN Scalar ScalarShift(Scalar a, Real beta)
 {
+#if defined(MPM_SENSITIVITY)
+  return a + beta;
+#else
   return ScalarChain(a, ScalarValue(a) + beta, 1.);
+#endif
 }
 
 MPM_FN Scalar ScalarNeg(Scalar a)
@@ -317,10 +424,14 @@ MPM_FN Scalar ScalarExp(Scalar a)
   return ScalarChain(a, f, f);
 }
 
-/* a^p for a plain exponent and a > 0 */
-MPM_FN Scalar ScalarPow(Scalar a, double exponent)
+/* a^p for an exponent that does not depend on the increment, and a > 0 */
+MPM_FN Scalar ScalarPow(Scalar a, Real exponent)
 {
+#if defined(MPM_SENSITIVITY)
+  return RealPow(a, exponent);
+#else
   const double f = pow(ScalarValue(a), exponent);
 
   return ScalarChain(a, f, exponent * f / ScalarValue(a));
+#endif
 }

@@ -10,32 +10,44 @@ enum { ELASTIC_DENSITY, ELASTIC_E, ELASTIC_NU, ELASTIC_COUNT };
 
 /* clang-format off */
 #define ELASTIC_PARAMETERS \
-  {"density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL}, \
-  {"E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
-  {"nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL}
+  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL}, \
+  {MPM_NUMBER, "E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
+  {MPM_NUMBER, "nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL}
 /* clang-format on */
 
 /* Pa */
 typedef struct {
-  double lambda, mu;
+  Real lambda, mu;
 } Lame;
 
-MPM_FN Lame LameFromParameters(const double *parameter)
+MPM_FN Lame LameFromParameters(const Real *parameter)
 {
-  const double E = parameter[ELASTIC_E], nu = parameter[ELASTIC_NU];
-  Lame         lame;
+  const Real E = parameter[ELASTIC_E], nu = parameter[ELASTIC_NU];
+  Lame       lame;
 
   lame.mu     = 0.5 * E / (1. + nu);
   lame.lambda = E * nu / ((1. + nu) * (1. - 2. * nu));
   return lame;
 }
 
-/* Constrained modulus lambda + 2 mu, Pa */
-MPM_FN double ElasticStiffness(const double *parameter)
+/* The same from plain numbers, which functions beside the kernel have */
+MPM_FN Lame LameFromValues(const double *parameter)
 {
-  const Lame lame = LameFromParameters(parameter);
+  const Real elastic[ELASTIC_COUNT] = {parameter[ELASTIC_DENSITY], parameter[ELASTIC_E], parameter[ELASTIC_NU]};
 
-  return lame.lambda + 2. * lame.mu;
+  return LameFromParameters(elastic);
+}
+
+/*
+  Stiffness of a law whose elasticity is Hooke's or Hencky's: lambda + 2 mu at any state, for Hencky's that of the
+  Kirchhoff stress by the logarithmic strain. Unloading from a plastic state is as stiff.
+*/
+MPM_FN double ElasticStiffness(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
+{
+  const Lame lame = LameFromValues(parameter);
+
+  (void)table, (void)state, (void)F;
+  return RealValue(lame.lambda + 2. * lame.mu);
 }
 
 /* lambda tr(e) I + 2 mu e: Hooke's law, or Hencky's where e is the logarithmic strain */
@@ -71,7 +83,7 @@ MPM_FN int ElasticLeftCauchyGreen(const Sym *e, Sym *b)
 /* Whether det F, F = dF F_n, is a positive finite number: no law has an answer otherwise. False for NaN. */
 MPM_FN int ElasticIsRegular(const MpmLawPoint *point, const Tensor *dF)
 {
-  const double J = TensorDetValue(dF) * MpmDeterminant(MPM_DIM, point->F_n);
+  const double J = TensorDetValue(dF) * ArrayDetValue(point->F_n);
 
   return J > 0. && J <= DBL_MAX;
 }

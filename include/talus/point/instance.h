@@ -1,7 +1,41 @@
 #pragma once
 /*
-  How a file in materials/ or src/kernels/ makes itself known, once per instance. Included by mpmkernel.h.
+  How a file in materials/ or physics/ makes itself known, once per instance. Included by law.h.
 */
+
+/* Rows of a static table */
+#define MPM_ROWS(table_) (sizeof(table_) / sizeof((table_)[0]))
+
+/*
+  What the engine calls: the kernel itself or, in the instance that differentiates by all that a law is given, a function
+  of plain numbers around it.
+*/
+#if defined(MPM_SENSITIVITY)
+#include "sensitivity.h"
+#define MPM_LAW_FUNCTION(name_, kernel_) Sensitivity_##name_
+#define MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
+  static int Sensitivity_##name_(const MpmLawInput *input, const MpmLawInput *direction, const MpmLawOutput *value, \
+                                 const MpmLawOutput *derivative) \
+  { \
+    const size_t      size = LawStateSize(states_, MPM_ROWS(states_)); \
+    Real              parameter[MPM_ROWS(parameters_)], F_n[MPM_DIM * MPM_DIM]; \
+    Real              state_n[MPM_ROWS(states_) * MPM_SYM], state[MPM_ROWS(states_) * MPM_SYM]; \
+    const LawRoom     room = {parameter, state_n, value->state ? state : NULL, F_n, MPM_ROWS(parameters_), size}; \
+    Tensor            dF; \
+    const MpmLawPoint point = LawPointCreate(input, direction, &room, &dF); \
+    Sym               tau; \
+\
+    if (kernel_(&point, &dF, &tau)) return 1; \
+    LawSplit(MPM_SYM, tau.a, value->tau, derivative->tau); \
+    if (value->state) LawSplit(size, state, value->state, derivative->state); \
+    return 0; \
+  }
+typedef MpmSensitivity MpmLawEntry;
+#else
+#define MPM_LAW_FUNCTION(name_, kernel_) kernel_
+#define MPM_LAW_ENTRY(name_, parameters_, states_, kernel_)
+typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
+#endif
 
 /*
   MPM_LAW(name, traits, summary, parameters, states, check, stiffness, kernel) - constructor of a constitutive law
@@ -9,16 +43,17 @@
   `parameters` and `states` are the file's static tables; a law without history passes MPM_NO_STATE for `states`.
 */
 #define MPM_LAW(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_) \
+  MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
   { \
-    const MPM_INSTANCE(MpmLaw) law = kernel_; \
-    info->name                     = #name_; \
-    info->summary                  = summary_; \
-    info->parameters               = parameters_; \
-    info->parameter_count          = sizeof(parameters_) / sizeof((parameters_)[0]); \
-    info->states                   = states_; \
-    info->state_count              = sizeof(states_) / sizeof((states_)[0]); \
+    const MpmLawEntry law = MPM_LAW_FUNCTION(name_, kernel_); \
+    info->name            = #name_; \
+    info->summary         = summary_; \
+    info->parameters      = parameters_; \
+    info->parameter_count = MPM_ROWS(parameters_); \
+    info->states          = states_; \
+    info->state_count     = MPM_ROWS(states_); \
     if (info->state_count == 1 && !info->states[0].name) info->state_count = 0; \
     info->traits    = traits_; \
     info->check     = check_; \

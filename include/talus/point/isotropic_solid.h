@@ -303,7 +303,7 @@ MPM_FN int SymLog(const Sym *A, Sym *result)
   IsotropicFrame frame;
   double         values[6], f[3], gamma[6], mean, norm;
 
-  SymStore(values, A);
+  SymValues(values, A);
   IsotropicSplitValues(values, &mean, &norm);
   if (norm <= ISOTROPIC_SERIES_RANGE * mean && mean >= DBL_MIN && mean <= DBL_MAX) {
     IsotropicLogSeries(A, values, mean, norm, result);
@@ -332,7 +332,7 @@ MPM_FN int SymExp(const Sym *A, Sym *result)
   IsotropicFrame frame;
   double         values[6], f[3], gamma[6], mean, norm;
 
-  SymStore(values, A);
+  SymValues(values, A);
   IsotropicSplitValues(values, &mean, &norm);
   if (norm <= ISOTROPIC_SERIES_RANGE && fabs(mean) < 700.) {
     IsotropicExpSeries(A, values, mean, norm, result);
@@ -357,7 +357,7 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   IsotropicFrame frame;
   double         values[6], f[3], gamma[6];
 
-  SymStore(values, A);
+  SymValues(values, A);
   if (IsotropicFrameCreate(values, &frame)) return 1;
   for (int a = 0; a < 3; ++a) {
     if (!(frame.w[a] >= DBL_MIN)) return 1;

@@ -10,6 +10,8 @@
                      Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). What
                      else a kernel takes, such as a mean over the cell, it composes from these by the chain rule; a
                      physics that asks no law may have as many directions as inputs
+    MPM_SENSITIVITY  defined in one more instance of every law, of one direction: that of anything the law is given,
+                     history, deformation, parameters and dF. Real is a double in all others
 
   Every symbol with external linkage carries the instance in its name through MPM_INSTANCE(). Nothing here or in a
   kernel calls PETSc, allocates, does I/O or touches a global, and all of it is in the common subset of C11 and CUDA
@@ -25,23 +27,35 @@
 
 #define MPM_INSTANCE3(a, b, c) a##_##b##d##_##c
 #define MPM_INSTANCE2(a, b, c) MPM_INSTANCE3(a, b, c)
-/* MPM_INSTANCE(name) is name_2d_0, name_3d_9, ... */
+/* MPM_INSTANCE(name) is name_2d_0, name_3d_9, name_2d_sensitivity, ... */
+#if defined(MPM_SENSITIVITY)
+#define MPM_INSTANCE(name) MPM_INSTANCE2(name, MPM_DIM, sensitivity)
+#else
 #define MPM_INSTANCE(name) MPM_INSTANCE2(name, MPM_DIM, MPM_DIRECTIONS)
+#endif
 
 /*
   What a constitutive law is told about one point.
 
+  parameter in the order of the law's parameter table; a word's is its index
   state_n   history at the step's start, in the order of the law's state table
   state     where history at the step's end goes, or NULL when the caller does not want it (Jacobians): a law
             must not write, nor spend time on, what nobody asked for
   F_n       deformation gradient at the step's start, row-major, MPM_DIM x MPM_DIM (its zz is 1 in plane strain)
+  dt        the step's time, s
+  table     what tables and data hold, by parameter; read through TableCount(), TableEntry(), TableSegmentAt()
+  table_direction  their derivatives, where anybody wants them
 */
 typedef struct {
-  const double *parameter; /* in the order of the law's parameter table */
-  const double *state_n;
-  double       *state;
-  const double *F_n;
-  double        dt; /* s */
+  const Real        *parameter;
+  const Real        *state_n;
+  Real              *state;
+  const Real        *F_n;
+  Real               dt;
+  const MpmLawTable *table;
+#if defined(MPM_SENSITIVITY)
+  const MpmLawTable *table_direction;
+#endif
 } MpmLawPoint;
 
 /*
@@ -56,5 +70,7 @@ typedef int (*MPM_INSTANCE(MpmLaw))(const MpmLawPoint *point, const Tensor *dF, 
   k of phi_k(i) flux_k, where phi_k is the weight or the derivative of it that made input k.
 */
 typedef int (*MPM_INSTANCE(MpmKernel))(const MpmKernelPoint *point, const Scalar input[], Scalar flux[]);
+
+#include "lookup.h"
 
 #include "instance.h"

@@ -7,17 +7,39 @@
 /* A function pointer of any type; cast back to its own type before it is called. */
 typedef void (*MpmFunction)(void);
 
-/* One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required. */
+/*
+  What a parameter of a law is.
+
+  MPM_NUMBER  a number, in the parameter's unit and range
+  MPM_WORD    one of `choices`; the law sees its index
+  MPM_TABLE   rows x, y with growing x: text "x:y,x:y" in the scene, or the name of a file with two columns; the range is
+              that of y
+  MPM_DATA    numbers, each in the range, in a file
+*/
+typedef enum { MPM_NUMBER, MPM_WORD, MPM_TABLE, MPM_DATA } MpmParameterKind;
+
+/* One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required; without
+   either, a table or data has no rows. */
 typedef struct {
-  const char *name;
-  const char *unit;
-  double      fallback; /* default value, used when `required` is 0 */
-  int         required;
-  double      lower, upper; /* accepted range */
-  int         open;         /* 1: bounds themselves are not accepted */
-  const char *help;
-  const char *choices; /* NULL, or names separated by '|': the option is a word and the value its index */
+  MpmParameterKind kind;
+  const char      *name;
+  const char      *unit;     /* a table has two, "x:y" */
+  double           fallback; /* default value of a number or word, used when `required` is 0 */
+  int              required;
+  double           lower, upper; /* accepted range */
+  int              open;         /* 1: bounds themselves are not accepted */
+  const char      *help;
+  const char      *choices; /* of a word: names separated by '|'; otherwise NULL */
 } MpmParameter;
+
+/*
+  What a table or data parameter holds: `count` rows of x and y one after the other, or `count` numbers. A law has one a
+  parameter, in the order of its parameter table, empty where the parameter is a number or a word.
+*/
+typedef struct {
+  long          count;
+  const double *value;
+} MpmLawTable;
 
 typedef enum { MPM_STATE_SCALAR, MPM_STATE_SYM } MpmStateKind;
 
@@ -41,7 +63,14 @@ typedef struct {
 */
 typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2, MPM_LAW_INTERNAL = 4, MPM_LAW_PLASTIC = 8 } MpmLawTrait;
 
-/* A constitutive law as the registry sees it; `law` holds one entry per compiled instance. */
+/*
+  A constitutive law as the registry sees it; `law` is of one compiled form.
+
+  check      NULL, or 0 where parameters contradict each other, and why they do
+  stiffness  constrained modulus at a state, Pa: the stiffest that the Kirchhoff stress is against a uniaxial strain
+             from there, elastic unloading included, or a bound on it; what scales penalties, tolerances and time steps.
+             `state` NULL: as the state table has it; `F` NULL: not deformed; either alone is possible
+*/
 typedef struct {
   const char             *name;
   const char             *summary; /* one line for -help */
@@ -49,21 +78,51 @@ typedef struct {
   size_t                  parameter_count;
   const MpmStateVariable *states;
   size_t                  state_count;
-  unsigned                traits;                          /* MpmLawTrait values, or-ed */
-  int (*check)(const double *parameter, const char **why); /* NULL, or 0 where parameters contradict each other */
-  double (*stiffness)(const double *parameter); /* constrained modulus at rest, Pa: scales penalties and tolerances */
+  unsigned                traits; /* MpmLawTrait values, or-ed */
+  int (*check)(const double *parameter, const MpmLawTable *table, const char **why);
+  double (*stiffness)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
   MpmFunction law;
 } MpmLawInfo;
 
-/* A law as compiled for one dimension and number of derivative directions: its constructor, which MPM_LAW() makes. */
+/*
+  The forms in which a law is compiled; a law pointer table is indexed by them. Physics have all but the last, in which
+  a law's function is an MpmSensitivity; in the others it takes Scalars, and physics call it.
+*/
+typedef enum { MPM_FORM_RESIDUAL, MPM_FORM_DIRECTION, MPM_FORM_TANGENT, MPM_FORM_SENSITIVITY, MPM_FORM_COUNT } MpmForm;
+
+/* A law as compiled for one dimension and form: its constructor, which MPM_LAW() makes. */
 typedef struct {
   const char *name;
-  int         dim, directions;
+  int         dim;
+  MpmForm     form;
   void (*create)(MpmLawInfo *info);
 } MpmLawInstance;
 
-/* The forms in which a kernel is compiled; a law pointer table is indexed by them. */
-typedef enum { MPM_FORM_RESIDUAL, MPM_FORM_DIRECTION, MPM_FORM_TANGENT, MPM_FORM_COUNT } MpmForm;
+/*
+  All that a law's answer depends on, or a direction in which it changes. In a direction NULL stands for what does not
+  change; of a table's values all may change, x and y.
+*/
+typedef struct {
+  const double      *parameter; /* in the order of the law's parameter table; words do not change */
+  const MpmLawTable *table;
+  const double      *state_n; /* history at the step's start */
+  const double      *F_n;     /* deformation gradient there, row-major, dim x dim */
+  const double      *dF;      /* F_{n+1} F_n^{-1}, row-major */
+  double             dt;      /* s */
+} MpmLawInput;
+
+/* What a law answers, or the derivative of it. `state` may be NULL: not wanted. */
+typedef struct {
+  double *tau;   /* Kirchhoff stress, Pa: xx, yy, zz, xy (, yz, xz) */
+  double *state; /* history at the step's end */
+} MpmLawOutput;
+
+/*
+  A law's answer and its derivative in one direction. `derivative->state` is wanted with `value->state` or not at all.
+  Non-zero where the law has no answer.
+*/
+typedef int (*MpmSensitivity)(const MpmLawInput *input, const MpmLawInput *direction, const MpmLawOutput *value,
+                              const MpmLawOutput *derivative);
 
 /*
   What a physics kernel is told about one point. The last three are where the step's end goes, should it turn out to be
@@ -80,6 +139,7 @@ typedef struct {
   double             dt;                /* s */
   unsigned           traits;            /* of the law, MpmLawTrait */
   const MpmFunction *law;               /* the material's law, by MpmForm */
+  const MpmLawTable *table;             /* of the point's material */
   double            *state;             /* history at the step's end */
   double            *F;
   double            *stress; /* Cauchy, Pa */

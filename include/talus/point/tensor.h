@@ -43,7 +43,7 @@ MPM_FN Tensor TensorIdentity(void)
   return c;
 }
 
-MPM_FN Tensor TensorFromArray(const double *values)
+MPM_FN Tensor TensorFromArray(const Real *values)
 {
   Tensor c;
 
@@ -107,8 +107,8 @@ MPM_FN Tensor TensorMul(const Tensor *A, const Tensor *B)
   return c;
 }
 
-/* A B with a plain matrix B, row-major: F = dF F_n */
-MPM_FN Tensor TensorMulArray(const Tensor *A, const double *B)
+/* A B with a matrix B of Reals, row-major: F = dF F_n */
+MPM_FN Tensor TensorMulArray(const Tensor *A, const Real *B)
 {
   Tensor c;
 
@@ -170,6 +170,19 @@ MPM_FN double TensorDetValue(const Tensor *A)
   return MpmDeterminant(MPM_DIM, values);
 }
 
+/* The same of a matrix of Reals, row-major */
+MPM_FN double ArrayDetValue(const Real *A)
+{
+#if defined(MPM_SENSITIVITY)
+  double values[MPM_DIM * MPM_DIM];
+
+  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) values[i] = RealValue(A[i]);
+  return MpmDeterminant(MPM_DIM, values);
+#else
+  return MpmDeterminant(MPM_DIM, A);
+#endif
+}
+
 /* A^{-1}; det A must not be 0 */
 MPM_FN Tensor TensorInverse(const Tensor *A)
 {
@@ -196,7 +209,7 @@ MPM_FN Sym SymIdentity(void)
   return c;
 }
 
-MPM_FN Sym SymLoad(const double *values)
+MPM_FN Sym SymLoad(const Real *values)
 {
   Sym c;
 
@@ -204,7 +217,13 @@ MPM_FN Sym SymLoad(const double *values)
   return c;
 }
 
-MPM_FN void SymStore(double *values, const Sym *A)
+/* Into the history at the step's end. */
+MPM_FN void SymStore(Real *state, const Sym *A)
+{
+  for (int i = 0; i < MPM_SYM; ++i) state[i] = ScalarReal(A->a[i]);
+}
+
+MPM_FN void SymValues(double *values, const Sym *A)
 {
   for (int i = 0; i < MPM_SYM; ++i) values[i] = ScalarValue(A->a[i]);
 }
@@ -233,8 +252,8 @@ MPM_FN Sym SymScale(Scalar alpha, const Sym *A)
   return c;
 }
 
-/* alpha A with a plain factor */
-MPM_FN Sym SymScaleBy(double alpha, const Sym *A)
+/* alpha A with a factor that does not depend on the increment */
+MPM_FN Sym SymScaleBy(Real alpha, const Sym *A)
 {
   Sym c;
 
@@ -336,10 +355,10 @@ MPM_FN Sym SymLeftCauchyGreen(const Tensor *F)
   return SymFromProductTransposed(F, F);
 }
 
-/* F b F^T with a plain b of MPM_SYM components: the elastic trial state dF b_n dF^T */
-MPM_FN Sym SymPush(const Tensor *F, const double *b)
+/* F b F^T with a b of MPM_SYM Reals: the elastic trial state dF b_n dF^T */
+MPM_FN Sym SymPush(const Tensor *F, const Real *b)
 {
-  double matrix[MPM_DIM * MPM_DIM];
+  Real   matrix[MPM_DIM * MPM_DIM];
   Tensor Fb;
   Sym    c;
 

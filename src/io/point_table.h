@@ -1,0 +1,14 @@
+#pragma once
+/*
+  A file of points, HDF5 or CSV, of which each rank has `count` rows. Get gives a quantity's components, row by row, to
+  be freed; NULL where the file has none and the need is optional. All collective.
+*/
+#include "options/options.h"
+
+typedef struct _p_MpmPointFile *MpmPointFile;
+PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const char *path, const char *step,
+                                MpmPointFile *file);
+PetscErrorCode MpmPointFileClose(MpmPointFile *file);
+PetscInt       MpmPointFileCount(MpmPointFile file);
+PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
+                               PetscReal **values);

@@ -1,0 +1,39 @@
+#pragma once
+/*
+  What the readers of options, their record and other parsers share: texts, the database of options, the record's entries.
+*/
+#include "options/database.h"
+#include "options/options.h"
+
+/* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
+PetscErrorCode MpmForeignOptionsCheck(void);
+
+/* Keeps the user's among them for MpmOptionsWarnUnused(), and lets go of them (unused.c). */
+PetscErrorCode MpmForeignOptionsKeep(MpmRecord record);
+PetscErrorCode MpmForeignOptionsForget(MpmRecord record);
+
+/* One option that a reader has asked for. */
+typedef struct {
+  char     *name;
+  char     *value;    /* in force; NULL when there is none that could be read again */
+  PetscBool known;    /* a reader has asked for it, and has not merely looked whether it is there */
+  PetscBool given;    /* by the user */
+  PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
+} MpmRecordEntry;
+
+/* An option of PETSc's that the user gave. */
+typedef struct {
+  char     *name, *value; /* fit for a message; empty where it has none */
+  PetscBool told;         /* that nobody used it */
+} MpmGivenOption;
+
+struct _p_MpmRecord {
+  PetscInt        count, capacity;
+  MpmRecordEntry *entries;
+  PetscInt        foreign_count;
+  MpmGivenOption *foreign; /* unused.c */
+  MpmMoment       moment;  /* up to which they have been looked through */
+};
+
+/* Lends the option's entry, which is made where there is none; it lives until the next call. */
+PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry **entry);

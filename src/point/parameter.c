@@ -1,0 +1,207 @@
+/*
+  The parameters of a law, as the scene has them: numbers, words, tables and data.
+
+  A table is text, "0:5e3,10:8e3", or a file of rows x, y. Data are numbers in a file, any number of them a line. In files
+  commas and blanks separate, and what follows a # is a remark; rank 0 reads them and sends what they hold to the others.
+*/
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include "options/options.h"
+#include "point/point.h"
+
+#define MESSAGE_LENGTH 256
+
+/* Numbers as they come, and what is wrong with them; empty for nothing. */
+typedef struct {
+  PetscInt count, capacity;
+  double  *value;
+  char     message[MESSAGE_LENGTH];
+} Numbers;
+
+static PetscErrorCode Append(Numbers *numbers, PetscReal value)
+{
+  PetscFunctionBeginUser;
+  if (numbers->count == numbers->capacity) {
+    numbers->capacity = 2 * numbers->capacity + 64;
+    PetscCall(PetscRealloc((size_t)numbers->capacity * sizeof(double), &numbers->value));
+  }
+  numbers->value[numbers->count++] = value;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One line of a file, its remark cut off; a row of a table has two numbers. */
+static PetscErrorCode TakeLine(PetscBool table, long long line, char *text, Numbers *numbers)
+{
+  PetscInt before = numbers->count;
+  char    *rest;
+
+  PetscFunctionBeginUser;
+  text[strcspn(text, "#")] = '\0';
+  for (char *word = strtok_r(text, ", \t\r\n", &rest); word && !numbers->message[0];
+       word       = strtok_r(NULL, ", \t\r\n", &rest)) {
+    PetscReal value;
+
+    if (MpmParseReal(word, &value)) PetscCall(Append(numbers, value));
+    else snprintf(numbers->message, MESSAGE_LENGTH, "line %lld: '%.40s' is not a number", line, word);
+  }
+  before = numbers->count - before;
+  if (table && before && before != 2 && !numbers->message[0])
+    snprintf(numbers->message, MESSAGE_LENGTH, "line %lld: a row has two numbers, x and y; this one has %lld", line,
+             (long long)before);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TakeFile(PetscBool table, const char path[], Numbers *numbers)
+{
+  FILE  *file = fopen(path, "r");
+  char  *text = NULL;
+  size_t size = 0;
+
+  PetscFunctionBeginUser;
+  errno = 0;
+  for (long long line = 1; file && !numbers->message[0] && getline(&text, &size, file) >= 0; line++)
+    PetscCall(TakeLine(table, line, text, numbers));
+  if (!file || (ferror(file) && !numbers->message[0]))
+    snprintf(numbers->message, MESSAGE_LENGTH, "cannot be read: %s", strerror(errno));
+  free(text);
+  if (file) (void)fclose(file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* "x:y,x:y" */
+static PetscErrorCode TakeText(const char text[], Numbers *numbers)
+{
+  PetscInt count;
+  char   **pairs;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmTextSplit(text, &count, &pairs));
+  for (PetscInt i = 0; i < count && !numbers->message[0]; i++) {
+    char     *colon = strchr(pairs[i], ':');
+    PetscReal x, y;
+
+    if (colon) *colon = '\0';
+    if (colon && MpmParseReal(pairs[i], &x) && MpmParseReal(colon + 1, &y)) {
+      PetscCall(Append(numbers, x));
+      PetscCall(Append(numbers, y));
+    } else
+      snprintf(numbers->message, MESSAGE_LENGTH,
+               "must be x:y pairs of numbers, separated by commas, or a file of them");
+  }
+  PetscCall(MpmNamesDestroy(count, &pairs));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ShareNumbers(MPI_Comm comm, Numbers *numbers)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Bcast(numbers->message, MESSAGE_LENGTH, MPI_CHAR, 0, comm));
+  PetscCallMPI(MPI_Bcast(&numbers->count, 1, MPIU_INT, 0, comm));
+  if (rank) PetscCall(PetscMalloc1(numbers->count, &numbers->value));
+  PetscCallMPI(MPI_Bcast(numbers->value, (PetscMPIInt)numbers->count, MPI_DOUBLE, 0, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Says in `message` what the numbers of a parameter must not be. */
+static void CheckNumbers(const MpmParameter *parameter, Numbers *numbers)
+{
+  const PetscInt columns = parameter->kind == MPM_TABLE ? 2 : 1;
+  char           lower[MPM_NUMBER_TEXT], upper[MPM_NUMBER_TEXT];
+
+  if (numbers->message[0]) return;
+  if (!numbers->count) snprintf(numbers->message, MESSAGE_LENGTH, "holds no numbers");
+  for (PetscInt k = 0; k < numbers->count && !numbers->message[0]; k += columns) {
+    const double   *row = &numbers->value[k], y = row[columns - 1];
+    const long long number = k / columns + 1;
+
+    if (columns == 2 && k && !(row[0] > row[-2]))
+      snprintf(numbers->message, MESSAGE_LENGTH, "row %lld: x must grow from row to row, %g follows %g", number, row[0],
+               row[-2]);
+    else if (!isfinite(row[0]) || !isfinite(y) ||
+             (parameter->open ? y <= parameter->lower || y >= parameter->upper
+                              : y < parameter->lower || y > parameter->upper)) {
+      MpmRealText(parameter->lower, lower);
+      MpmRealText(parameter->upper, upper);
+      snprintf(numbers->message, MESSAGE_LENGTH, "%s %lld: %g must lie in %c%s, %s%c", columns == 2 ? "row" : "number",
+               number, y, parameter->open ? '(' : '[', lower, upper, parameter->open ? ')' : ']');
+    }
+  }
+}
+
+/* Text with a colon is a table; anything else names a file. */
+static PetscErrorCode ReadNumbers(const MpmOptions *block, const MpmParameter *parameter, MpmLawTable *table)
+{
+  const PetscBool is_table = (PetscBool)(parameter->kind == MPM_TABLE);
+  Numbers         numbers  = {0};
+  char           *text, *help = NULL, *quoted;
+  PetscMPIInt     rank;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmTextAppend(&help, "%s (%s), %s", parameter->help, parameter->unit,
+                          is_table ? "x:y pairs or a file of them" : "a file of numbers"));
+  PetscCall(
+    MpmOptionsText(block, parameter->name, help, NULL, parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, &text));
+  PetscCall(PetscFree(help));
+  if (!text) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(block->comm, &rank));
+  if (is_table && strchr(text, ':')) PetscCall(TakeText(text, &numbers));
+  else {
+    if (!rank) PetscCall(TakeFile(is_table, text, &numbers));
+    PetscCall(ShareNumbers(block->comm, &numbers));
+  }
+  CheckNumbers(parameter, &numbers);
+  if (numbers.message[0]) {
+    PetscCall(PetscFree(numbers.value));
+    PetscCall(MpmTextQuote(text, &quoted));
+    MpmCheckInput(PETSC_FALSE, "-%s%s %s: %s", block->prefix, parameter->name, quoted, numbers.message);
+  }
+  table->count = (long)(is_table ? numbers.count / 2 : numbers.count);
+  table->value = numbers.value;
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A word's value is its index. */
+static PetscErrorCode ReadWord(const MpmOptions *block, const MpmParameter *parameter, double *value)
+{
+  char   **words;
+  int      count;
+  PetscInt index = (PetscInt)parameter->fallback;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscStrToArray(parameter->choices, '|', &count, &words));
+  PetscCall(MpmOptionsWord(block, parameter->name, parameter->help, (const char *const *)words,
+                           parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, &index, NULL));
+  PetscCall(PetscStrToArrayDestroy(count, words));
+  *value = (double)index;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *parameter, double *value,
+                                MpmLawTable *table)
+{
+  const MpmRange range = {parameter->lower, parameter->upper, parameter->open ? PETSC_TRUE : PETSC_FALSE};
+
+  PetscFunctionBeginUser;
+  *value = parameter->kind == MPM_NUMBER || parameter->kind == MPM_WORD ? parameter->fallback : 0.;
+  *table = (MpmLawTable){0, NULL};
+  if (parameter->kind == MPM_WORD) PetscCall(ReadWord(block, parameter, value));
+  else if (parameter->kind == MPM_NUMBER)
+    PetscCall(MpmOptionsReal(block, parameter->name, parameter->unit, parameter->help, range,
+                             parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, value, NULL));
+  else PetscCall(ReadNumbers(block, parameter, table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table)
+{
+  PetscFunctionBeginUser;
+  for (size_t k = 0; *table && k < count; k++) PetscCall(PetscFree((*table)[k].value));
+  PetscCall(PetscFree(*table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,44 @@
+#pragma once
+/*
+  Loads on the material, which go into the external force.
+*/
+#include "particles/selection.h"
+#include "space/space.h"
+
+typedef struct _p_MpmRamp *MpmRamp;
+
+typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION } MpmLoadType;
+
+/* A load on the material. Forces and tractions keep each point's share in a field of the particles. */
+typedef struct {
+  char        *name, *share_field;
+  MpmLoadType  type;
+  PetscReal    value[MPM_MAX_DIM];
+  MpmSelection where;                /* forces; of a traction its region */
+  PetscInt     face_axis, face_side; /* traction: the face of the points' domains it acts on */
+  PetscBool    face_given;
+  MpmRamp      ramp;
+  PetscBool    active; /* in this stage; its ramp counts from `start` */
+  PetscReal    start;
+  PetscBool    held; /* the caller has set the factor, and the ramp is not asked */
+  PetscReal    factor;
+} MpmLoad;
+
+/* Loads, with the names of their blocks. */
+typedef struct {
+  PetscInt count;
+  char   **names;
+  MpmLoad *at;
+} MpmLoads;
+
+PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load);
+PetscErrorCode MpmLoadDestroy(MpmLoad *load);
+/* Finds the points that carry the load, in the initial state. */
+PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles);
+
+/* Adds `factor` times the load to the external force at the local nodes. */
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
+                            MpmParticles *particles, PetscReal force[]);
+/* Adds a body force that is a function of the initial position. */
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum,
+                                 PetscReal force[]);

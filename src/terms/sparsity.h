@@ -1,0 +1,43 @@
+#pragma once
+/*
+  The matrix's sparsity, and where contributions go in it.
+*/
+#include "space/space.h"
+
+typedef struct MpmConstraints MpmConstraints;
+
+/*
+  The sparsity pattern, in node blocks, and where this rank's contributions go: rows of owned nodes hold what any rank
+  adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers, ascending. A row stands in
+  the matrix's own array, or, where its columns are not all this rank's, in a buffer with the same order.
+*/
+typedef struct MpmPattern {
+  PetscInt     block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
+  PetscInt     local, owned;
+  PetscInt    *row;    /* local + 1: where each row's columns start */
+  PetscInt    *column; /* global node numbers */
+  PetscInt    *slot;   /* local * window: position in the row, or -1 */
+  PetscReal  **value;  /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
+  PetscReal   *buffer;
+  PetscInt64   buffer_size;
+  PetscBool    coordinates; /* all rows are in the buffer, and the matrix takes them as coordinates and values */
+  PetscScalar *array;       /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
+  const MpmConstraints *constraints; /* whose unknowns are left out, between Begin and End */
+} MpmPattern;
+
+/* The pattern of a space, in place of the last one's; `changed`: the rank's rows or columns are others. */
+PetscErrorCode MpmPatternSetUp(MpmPattern **pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
+                               PetscBool *changed);
+PetscErrorCode MpmPatternDestroy(MpmPattern **pattern);
+PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat);
+/* Between these two, blocks are added. Begin zeroes the matrix; End puts `diagonal` on constrained rows and assembles. */
+PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints, Mat mat);
+PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, PetscReal diagonal, Mat mat);
+/*
+  Adds a box's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns, and those of holes, are left
+  out.
+*/
+void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group, PetscReal element[]);
+/* Adds a b^T + b c^T to a box, of vectors stored [i][c], likewise; the vectors are changed. */
+void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *box, PetscReal a[], PetscReal b[],
+                       PetscReal c[]);

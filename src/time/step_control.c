@@ -1,0 +1,89 @@
+/*
+  How steps follow one another: their lengths, cuts after a failure, and the last resort before a run gives up.
+*/
+#include "time/time.h"
+
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
+                       PetscBool *hopeless)
+{
+  const MpmIntegrator *integrator = model->state.integrator;
+
+  PetscFunctionBeginUser;
+  *hopeless = PETSC_TRUE;
+  PetscCall(integrator->begin(model, time, dt, again, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(integrator->predict(model));
+  PetscCall(integrator->solve(model, why, hopeless));
+  PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
+{
+  PetscFunctionBeginUser;
+  model->disc.ghost         = MPM_GHOST_RESCUE;
+  model->state.ghost_rescue = PETSC_FALSE;
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_ghost %g", why,
+                           (double)model->disc.ghost));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The end of the step that starts now: multiples of the nominal step are met exactly, and so is the end of the run. */
+PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
+{
+  const PetscReal small  = 1e-9 * model->state.dt_nominal;
+  PetscReal       target = model->state.time_end, next;
+
+  if (!model->state.adaptive) {
+    target = model->state.time_start +
+             model->state.dt_nominal *
+               PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.);
+    if (target > model->state.time_end - small) target = model->state.time_end;
+  }
+  next  = model->state.time + dt > target - PetscMax(small, 1e-3 * dt) ? target : model->state.time + dt;
+  *step = next - model->state.time;
+  return next;
+}
+
+/* After an easy step the next one is longer; after a hard one, when adaptive, it stays. */
+static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
+{
+  if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
+  if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
+  return model->solver.newton <= 6 ? PetscMin(wanted * model->state.growth, model->state.dt_max) : wanted;
+}
+
+PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
+{
+  PetscReal      next;
+  PetscBool      hopeless, again = PETSC_FALSE;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
+  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, why));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.cuts = 0;
+  for (;;) {
+    next = MpmNextTime(model, model->state.dt_wanted, dt);
+    PetscCall(MpmStep(model, next, *dt, again, why, &hopeless));
+    if (!*why) break;
+    if (hopeless) PetscFunctionReturn(PETSC_SUCCESS);
+    again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
+    if (!again) {
+      if (!model->state.ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);
+      PetscCall(MpmStepRaiseGhost(model, *why));
+      model->state.dt_wanted = model->state.dt_nominal;
+      continue;
+    }
+    model->state.dt_wanted = 0.5 * *dt;
+    model->state.cuts++;
+    model->state.cuts_total++;
+    PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", *why, (double)model->state.dt_wanted));
+  }
+  model->state.time = next;
+  model->state.step++;
+  model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,248 @@
+#!/usr/bin/env python3
+"""The sources stand in layers, and what is in them stays small enough to be read.
+
+A folder of src/ includes and uses only the folders before it (LAYERS); include/ stands below all of them; the kernels of
+materials/ and physics/ include only talus/point and use nothing of the engine. What a file includes is read from its
+text, what it uses from the symbols of its object file beside the program. One line a failure: the file, and what is
+wrong. The same reading of a copy with faults put in must find each of them.
+"""
+import re
+import shutil
+import subprocess
+import sys
+from collections import namedtuple
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import ROOT, Test  # noqa: E402
+
+LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "space", "bc", "terms", "solve", "time",
+          "run")
+KERNELS = ("materials", "physics")
+ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
+GENERATED = re.compile(r"mpm_\w+\.h")
+FUNCTION_LINES, FUNCTION_ARGUMENTS, STRUCT_MEMBERS, FILE_LINES = 80, 7, 30, 800
+SHARE = 1 / 3  # of the .c files of src/: as many may see a header
+CALLBACKS = ("HandleError",)  # functions whose arguments are PETSc's
+# What the sums over points work with, and whatever touches them: headers that more files see, with the largest share that
+# is accepted. One that no longer needs a limit of its own is a failure, too.
+WIDE = {"src/point/point.h": 0.65, "src/grid/grid.h": 0.62, "src/particles/particles.h": 0.60,
+        "src/space/space.h": 0.51, "src/bc/bc.h": 0.36}
+
+INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
+SYMBOL = re.compile(r"^(?:[0-9a-f]+)? +(\w) (\w+)$", re.MULTILINE)
+QUOTED = re.compile(r"""/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'""", re.DOTALL)
+BODY = re.compile(r"^(?P<head>(?:[A-Za-z_][^\n]*\n(?:[ \t][^\n]*\n)*))\{\n.*?^\}", re.MULTILINE | re.DOTALL)
+STRUCT = re.compile(r"^(?:typedef )?struct(?: \w+)? \{\n(.*?)^\}", re.MULTILINE | re.DOTALL)
+
+Fault = namedtuple("Fault", "kind path text")  # kind `wide`: no fault, but worth a line
+
+
+def blank(match):
+    """A comment or a literal as blanks of the same lines."""
+    return re.sub(r"[^\n]", " ", match.group())
+
+
+def layer(path):
+    """The folder that a path belongs to: one of LAYERS, `include`, `talus/point`, or one of KERNELS."""
+    parts = path.split("/")
+    if parts[0] == "src":
+        return parts[1]
+    return "talus/point" if path.startswith("include/talus/point/") else parts[0]
+
+
+def allowed(user, used):
+    """May a file of the folder `user` include one of the folder `used`?"""
+    if used == "talus/point":
+        return True
+    if user == "talus/point":
+        return False
+    if used == "include":
+        return user not in KERNELS
+    if user in LAYERS and used in LAYERS:
+        return LAYERS.index(used) <= LAYERS.index(user)
+    return user == used
+
+
+def pieces(text, separator):
+    """Splits at a separator that stands outside of parentheses and brackets."""
+    depth, found = 0, [""]
+    for letter in text:
+        depth += (letter in "([{") - (letter in ")]}")
+        if letter == separator and not depth:
+            found.append("")
+        else:
+            found[-1] += letter
+    return [piece for piece in found if piece.strip()]
+
+
+class Sources:
+    """The C files below a root: their texts, what they include, and the headers that each sees."""
+
+    def __init__(self, root):
+        self.root = root
+        paths = [path for folder in ("src", "include", *KERNELS) for path in sorted((root / folder).rglob("*.[ch]"))]
+        self.text = {str(path.relative_to(root)): path.read_text(encoding="utf-8") for path in paths}
+        self.plain = {path: QUOTED.sub(blank, text) for path, text in self.text.items()}
+        self.includes = {path: self._find_includes(path) for path in self.text}
+
+    def _find_includes(self, path):
+        found = []
+        for name in INCLUDE.findall(self.text[path]):
+            beside = str(Path(path).parent / name)
+            places = [place for place in (beside, "src/" + name, "include/" + name) if place in self.text]
+            if places or not GENERATED.fullmatch(name):
+                found.append(places[0] if places else name)
+        return found
+
+    def seen(self, path):
+        """All headers that a file sees."""
+        found, ways = set(), list(self.includes[path])
+        while ways:
+            header = ways.pop()
+            if header not in found:
+                found.add(header)
+                ways += self.includes.get(header, ())
+        return found
+
+
+def check_includes(sources):
+    for path, includes in sources.includes.items():
+        for header in includes:
+            if header not in sources.text:
+                yield Fault("include", path, f"includes {header}, which does not exist")
+            elif not allowed(layer(path), layer(header)):
+                yield Fault("include", path, f"includes {header}")
+        if path in sources.seen(path):
+            yield Fault("circle", path, "includes itself by way of " + " and ".join(
+                header for header in includes if path in sources.seen(header)))
+
+
+def check_shares(sources):
+    """Headers that too many files see, and what is wrong with the list of exceptions."""
+    files = [path for path in sources.text if path.startswith("src/") and path.endswith(".c")]
+    count = {path: 0 for path in sources.text if path.endswith(".h")}
+    for path in files:
+        for header in sources.seen(path) & count.keys():
+            count[header] += 1
+    for header, number in sorted(count.items(), key=lambda item: -item[1]):
+        if layer(header) in ("base", "include", "talus/point"):
+            continue
+        limit, share = WIDE.get(header, SHARE), number / len(files)
+        if share > limit:
+            yield Fault("share", header, f"is seen by {number} of {len(files)} files, more than {limit:.0%}")
+        elif header in WIDE and share <= SHARE:
+            yield Fault("share", header, f"is seen by {number} of {len(files)} files and needs no limit of its own")
+        elif header in WIDE:
+            yield Fault("wide", header, f"is seen by {number} of {len(files)} files, {share:.0%} of at most {limit:.0%}")
+    for header in WIDE.keys() - count.keys():
+        yield Fault("share", header, "has a limit of its own and does not exist")
+
+
+def check_sizes(sources):
+    for path, text in sources.plain.items():
+        lines = text.count("\n")
+        if lines > FILE_LINES:
+            yield Fault("file", path, f"{lines} lines, more than {FILE_LINES}")
+        for match in BODY.finditer(text):
+            head, lines = match.group("head"), match.group().count("\n") + 1
+            called = re.search(r"(\w+)\s*\((.*)\)\s*$", re.sub(r"(?m)^#.*\n", "", head), re.DOTALL)
+            if not called:
+                continue
+            if lines > FUNCTION_LINES:
+                yield Fault("function", path, f"{called.group(1)}() has {lines} lines, more than {FUNCTION_LINES}")
+            count = len(pieces(called.group(2), ","))
+            if count > FUNCTION_ARGUMENTS and called.group(1) not in CALLBACKS:
+                yield Fault("arguments", path, f"{called.group(1)}() has {count} arguments, more than {FUNCTION_ARGUMENTS}")
+        for match in STRUCT.finditer(text):
+            count = sum(len(pieces(member, ",")) for member in pieces(match.group(1), ";"))
+            if count > STRUCT_MEMBERS:
+                name = re.match(r"\s*(\w*)", text[match.end():]).group(1)
+                yield Fault("struct", path, f"{name or 'a struct'} has {count} members, more than {STRUCT_MEMBERS}")
+
+
+def read_objects(build):
+    """For each source whose object file is in the build tree: the symbols that it defines, and those that it uses."""
+    found = {}
+    for path in sorted(build.glob("CMakeFiles/*.dir/**/*.o")):
+        source = str(path.relative_to(build)).split(".dir/", 1)[1][: -len(".o")]
+        if source.split("/")[0] not in ("src", *KERNELS) or not (ROOT / source).exists():
+            continue
+        listed = SYMBOL.findall(subprocess.run(["nm", path], capture_output=True, text=True, check=True).stdout)
+        defined, used = found.setdefault(source, (set(), set()))
+        defined |= {name for kind, name in listed if kind.isupper() and kind != "U"}
+        used |= {name for kind, name in listed if kind == "U"}
+    return found
+
+
+def check_symbols(objects):
+    home = {name: source for source, (defined, _) in objects.items() for name in defined}
+    for source, (_, used) in objects.items():
+        kernel = layer(source) in KERNELS or source in ENGINE_KERNELS
+        for name in sorted(used & home.keys()):
+            if home[name] == source:
+                continue
+            if kernel or not (allowed(layer(source), layer(home[name])) or layer(home[name]) in KERNELS):
+                yield Fault("symbol", source, f"uses {name} of {home[name]}")
+
+
+def find_faults(sources, objects):
+    for check in (check_includes, check_shares, check_sizes):
+        yield from check(sources)
+    yield from check_symbols(objects)
+
+
+def plant(folder, objects):
+    """Puts faults into a copy of the sources; the kind and the file of each, and the symbols with one more use."""
+    def add(path, text):
+        (folder / path).write_text((folder / path).read_text(encoding="utf-8") + text, encoding="utf-8")
+
+    add("src/grid/shape.c", '#include "time/time.h"\n')
+    add("materials/j2.c", '#include "point/point.h"\n')
+    add("src/io/xdmf.h", '#include "io/hdf5_rows.h"\n')
+    add("src/io/hdf5_rows.h", '#include "io/xdmf.h"\n')
+    for path in sorted((folder / "src").rglob("*.c")):
+        if path.parent.name == "run":
+            add(path.relative_to(folder), '#include "solve/pc_band.h"\n')
+    for path in sorted((folder / "src").rglob("*.c")):
+        if path.parent.name in ("run", "time", "solve", "terms"):
+            add(path.relative_to(folder), '#include "run/planted.h"\n')
+    (folder / "src/run/planted.h").write_text("#pragma once\n", encoding="utf-8")
+    arguments = ", ".join(f"int a{k}" for k in range(FUNCTION_ARGUMENTS + 1))
+    add("src/bc/dirichlet.c", f"\nstatic int Many({arguments})\n{{\n  return a0;\n}}\n")
+    add("src/bc/node_frames.c", "\nstatic int Long(void)\n{\n" + "  ;\n" * FUNCTION_LINES + "  return 0;\n}\n")
+    add("src/bc/bc.h", "\ntypedef struct {\n" + "  int a, *b;\n" * (STRUCT_MEMBERS // 2 + 1) + "} Large;\n")
+    add("src/base/monitor.c", "\n" * FILE_LINES)
+    objects = {source: (set(defined), set(used)) for source, (defined, used) in objects.items()}
+    objects["src/bc/dirichlet.c"][1].add("MpmStageBegin")
+    objects["physics/solid.c"][1].add("MpmRealText")
+    return objects, (("include", "src/grid/shape.c"), ("include", "materials/j2.c"), ("circle", "src/io/xdmf.h"),
+                     ("circle", "src/io/hdf5_rows.h"), ("share", "src/run/planted.h"),
+                     ("arguments", "src/bc/dirichlet.c"), ("function", "src/bc/node_frames.c"),
+                     ("struct", "src/bc/bc.h"), ("file", "src/base/monitor.c"), ("symbol", "src/bc/dirichlet.c"),
+                     ("symbol", "physics/solid.c"))
+
+
+def main():
+    with Test() as test:
+        sources, objects = Sources(ROOT), read_objects(test.program.parent)
+        compiled = [path for path in sources.text if path.endswith(".c")]
+        test.check("files", len(compiled), lower=60)
+        test.check("files_without_object", len(set(compiled) - objects.keys()), upper=0)
+        faults = list(find_faults(sources, objects))
+        for fault in faults:
+            print(f"{fault.path}: {fault.text}")
+        for kind in ("include", "circle", "symbol", "share", "function", "arguments", "struct", "file"):
+            test.check(f"{kind}_faults", sum(fault.kind == kind for fault in faults), upper=0)
+
+        folder = test.folder()
+        for name in ("src", "include", *KERNELS):
+            shutil.copytree(ROOT / name, folder / name)
+        objects, planted = plant(folder, objects)
+        found = {(fault.kind, fault.path) for fault in find_faults(Sources(folder), objects)}
+        for kind, path in planted:
+            test.check(f"finds_{kind}:{path}", int((kind, path) in found), lower=1)
+
+
+if __name__ == "__main__":
+    main()
