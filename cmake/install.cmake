@@ -34,7 +34,8 @@ install(DIRECTORY include/talus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MA
 install(FILES ${PROJECT_BINARY_DIR}/generated/TalusConfig.cmake ${PROJECT_BINARY_DIR}/generated/TalusConfigVersion.cmake
   cmake/TalusKernels.cmake cmake/plugin.c.in DESTINATION ${package})
 # The prefix is known only when it is installed to.
-install(CODE "set(talus_source \"${PROJECT_SOURCE_DIR}\")
+install(CODE "get_filename_component(CMAKE_INSTALL_PREFIX \"\${CMAKE_INSTALL_PREFIX}\" ABSOLUTE)
+set(talus_source \"${PROJECT_SOURCE_DIR}\")
 set(PROJECT_VERSION \"${PROJECT_VERSION}\")
 set(TALUS_PC_INCLUDES \"${TALUS_PC_INCLUDES}\")
 set(TALUS_PC_PUBLIC \"${TALUS_PC_PUBLIC}\")

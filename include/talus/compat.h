@@ -30,3 +30,6 @@
 #else
 #define MPM_SNES_DIVERGED_NAN SNES_DIVERGED_FUNCTION_NANORINF
 #endif
+
+/* The error code of a scene or an option that is wrong. */
+#define MPM_ERR_INPUT PETSC_ERR_USER_INPUT

@@ -34,9 +34,6 @@
 
 #define MPM_VERSION "0.1.0"
 
-/* The error code of a scene or an option that is wrong. */
-#define MPM_ERR_INPUT PETSC_ERR_USER_INPUT
-
 /* Exit statuses of the program. */
 #define MPM_EXIT_INPUT  2 /* the scene or an option is wrong: nothing was written */
 #define MPM_EXIT_GAVEUP 3 /* the run gave up: results so far, a checkpoint and the summary are there */
@@ -116,7 +113,7 @@ extern const char *const MpmJacobianTypes[];
 
   Input Parameters:
 + count     - number of instances
-- instances - for each law all that the build compiles: in 2D and 3D, with 0, 1 and dim^2 directions. Names and functions
+- instances - for each law all that the build compiles: each MpmForm in 2D and in 3D. Names and functions
               are borrowed until PetscFinalize()
 
   Notes:

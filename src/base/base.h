@@ -11,8 +11,6 @@
 
 #define MPM_MAX_DIM 3
 
-#define MPM_ERR_INPUT PETSC_ERR_USER_INPUT
-
 /*
   Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the
   same on all ranks.

@@ -154,6 +154,13 @@ static PetscErrorCode TakeOne(MpmDatabase *database, const Pair *pair, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmDatabaseCreate(MpmDatabase **database)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(database));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmDatabaseTake(MpmDatabase *database, const char prefix[])
 {
   const size_t length = prefix ? strlen(prefix) : 0;
@@ -249,12 +256,13 @@ PetscErrorCode MpmDatabaseLeave(MpmDatabase *database)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDatabaseDestroy(MpmDatabase *database)
+PetscErrorCode MpmDatabaseDestroy(MpmDatabase **database)
 {
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < database->count; k++) PetscCall(PetscFree(database->taken[k].there));
-  PetscCall(PetscFree(database->taken));
-  database->count = 0;
-  if (database->options) PetscCall(PetscOptionsDestroy(&database->options));
+  if (!*database) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < (*database)->count; k++) PetscCall(PetscFree((*database)->taken[k].there));
+  PetscCall(PetscFree((*database)->taken));
+  if ((*database)->options) PetscCall(PetscOptionsDestroy(&(*database)->options));
+  PetscCall(PetscFree(*database));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

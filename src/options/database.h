@@ -1,9 +1,8 @@
 #pragma once
 /*
-  The options database in force, and the one that a model has of its own.
+  The options database in force, and those of the models.
 */
-#include <petscsys.h>
-#include "talus/compat.h"
+#include "base/base.h"
 
 /*
   The options database in force. `name` has no leading dash. PETSc's look-up takes -a_b for -a_1_b when the latter is
@@ -40,6 +39,7 @@ typedef struct MpmDatabase {
   MpmTakenOption *taken;
 } MpmDatabase;
 
+PetscErrorCode MpmDatabaseCreate(MpmDatabase **database);
 /* Copies the options in force that begin with the prefix, without it; all of them where it is NULL. Once only. */
 PetscErrorCode MpmDatabaseTake(MpmDatabase *database, const char prefix[]);
 /* Adds options as they would stand on a command line, files among them. Collective on the model's communicator. */
@@ -50,7 +50,7 @@ PetscErrorCode MpmDatabaseInsert(MpmDatabase *database, MPI_Comm comm, const cha
 */
 PetscErrorCode MpmDatabaseEnter(MpmDatabase *database);
 PetscErrorCode MpmDatabaseLeave(MpmDatabase *database);
-PetscErrorCode MpmDatabaseDestroy(MpmDatabase *database);
+PetscErrorCode MpmDatabaseDestroy(MpmDatabase **database);
 /* A call with the model's options in force, which are left also where it fails. */
 #define MpmDatabaseCall(database, call) \
   do { \

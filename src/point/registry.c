@@ -7,6 +7,7 @@
 */
 #include <dlfcn.h>
 #include "options/options.h"
+#include "options/record.h"
 #include "point/point.h"
 #include "talus/plugin.h"
 
@@ -52,8 +53,6 @@ static const MpmLawInstance *FindInstance(PetscInt count, const MpmLawInstance l
   return NULL;
 }
 
-static const char *const forms[] = {"residual", "direction", "tangent", "sensitivity"};
-
 /* All forms must be there, and the name must be free; `known`: it has been registered before, just so. */
 static PetscErrorCode CheckLaw(PetscInt count, const MpmLawInstance list[], const MpmLawInstance *law, PetscBool *known)
 {
@@ -68,7 +67,7 @@ static PetscErrorCode CheckLaw(PetscInt count, const MpmLawInstance list[], cons
   for (PetscInt dim = 2; dim <= 3; dim++) {
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
       MpmCheckInput(FindInstance(count, list, law->name, dim, (MpmForm)form),
-                    "law %s: it is not compiled for %dD in the %s form", law->name, (int)dim, forms[form]);
+                    "law %s: it is not compiled for %dD in the form %d", law->name, (int)dim, (int)form);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

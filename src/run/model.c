@@ -1,6 +1,7 @@
 /*
   The model: its life, the scene read from options, and what is made of it.
 */
+#include "options/database.h"
 #include "options/options.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
@@ -17,9 +18,10 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   PetscCallMPI(MPI_Comm_size(comm, &(*model)->size));
   PetscCall(MpmRecordCreate(&(*model)->record));
   PetscCall(PetscNew(&(*model)->results));
-  (*model)->solver.disc     = &(*model)->disc;
-  (*model)->solver.monitor  = &(*model)->monitor;
-  (*model)->solver.database = &(*model)->database;
+  (*model)->solver.disc    = &(*model)->disc;
+  (*model)->solver.monitor = &(*model)->monitor;
+  PetscCall(MpmDatabaseCreate(&(*model)->database));
+  (*model)->solver.database = (*model)->database;
   PetscCall(MpmMonitorCreate(&(*model)->monitor));
   (*model)->monitor.message  = MpmTerminalMessage;
   (*model)->monitor.ctx      = *model;
@@ -39,7 +41,7 @@ PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
 {
   PetscFunctionBeginUser;
   PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
-  PetscCall(MpmDatabaseInsert(&model->database, model->comm, options));
+  PetscCall(MpmDatabaseInsert(model->database, model->comm, options));
   model->caller.own = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -81,7 +83,7 @@ PetscErrorCode MpmModelEnter(MpmModel model)
   PetscFunctionBeginUser;
   PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE,
              "a hook must not set up, step or run its own model");
-  PetscCall(MpmDatabaseEnter(&model->database));
+  PetscCall(MpmDatabaseEnter(model->database));
   model->caller.busy = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -90,7 +92,7 @@ PetscErrorCode MpmModelLeave(MpmModel model)
 {
   PetscFunctionBeginUser;
   model->caller.busy = PETSC_FALSE;
-  PetscCall(MpmDatabaseLeave(&model->database));
+  PetscCall(MpmDatabaseLeave(model->database));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -400,7 +402,7 @@ static PetscErrorCode TakeOptions(MpmModel model)
 {
   PetscFunctionBeginUser;
   PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
-  if (!model->caller.own) PetscCall(MpmDatabaseTake(&model->database, model->caller.prefix));
+  if (!model->caller.own) PetscCall(MpmDatabaseTake(model->database, model->caller.prefix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

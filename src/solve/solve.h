@@ -40,13 +40,13 @@ typedef struct {
 
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
-  MpmDiscretization *disc;
-  MpmMonitor        *monitor;
-  MpmDatabase       *database; /* the model's options: presets go there */
-  MpmJacobianType    jacobian_type;
-  char              *name, *why; /* the preset; why `auto` took it, or NULL */
-  PetscBool          symmetric;
-  char               mat_type[64], vec_type[64];
+  MpmDiscretization  *disc;
+  MpmMonitor         *monitor;
+  struct MpmDatabase *database; /* the model's options: presets go there */
+  MpmJacobianType     jacobian_type;
+  char               *name, *why; /* the preset; why `auto` took it, or NULL */
+  PetscBool           symmetric;
+  char                mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
   PetscBool      indefinite;        /* it has */
   PetscBool      factorises;        /* the preconditioner is a direct solver */

@@ -5,6 +5,7 @@
 #include "options/record.h"
 #include "terms/discretization.h"
 #include "terms/sparsity.h"
+#include "options/database.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
 
@@ -294,7 +295,7 @@ PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *di
   copy->jacobian = copy->shell = NULL;
   copy->x = copy->f = NULL;
   copy->name = copy->why = NULL;
-  PetscCall(CreateSNES(copy));
+  MpmDatabaseCall(copy->database, CreateSNES(copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

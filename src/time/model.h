@@ -2,13 +2,13 @@
 /*
   The parts of a model: what was read, what moves on, and what a step works with.
 */
-#include "options/database.h"
 #include "particles/body.h"
 #include "solve/solve.h"
 #include "terms/discretization.h"
 #include "terms/load.h"
 
 typedef struct _p_MpmRecord *MpmRecord;
+typedef struct MpmDatabase   MpmDatabase;
 
 /* How time is cut into steps. */
 typedef struct {
@@ -123,7 +123,7 @@ typedef struct MpmResults MpmResults;
 struct _p_MpmModel {
   MPI_Comm          comm;
   PetscMPIInt       rank, size;
-  MpmDatabase       database;
+  MpmDatabase      *database;
   MpmCaller         caller;
   MpmRecord         record;
   MpmMonitor        monitor;

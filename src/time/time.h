@@ -64,10 +64,7 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* Where a run would give up, once: a firmer ghost penalty from here on. */
 PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why);
+/* The end of the step that starts now, and its length. */
+PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
 /* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why);
-/*
-  The end of the step that starts now, about dt long, and its length: multiples of the nominal step are met exactly, and so is
-  the end of the run.
-*/
-PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);

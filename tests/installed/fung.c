@@ -10,13 +10,13 @@
 #include "talus/point/elasticity.h"
 
 static const MpmParameter parameters[] = {
-  ELASTIC_PARAMETERS, {"stiffening", "-", 0.5, 0, 0., 100., 0, "exponent k of the stiffening", NULL}};
+  ELASTIC_PARAMETERS, {MPM_NUMBER, "stiffening", "-", 0.5, 0, 0., 100., 0, "exponent k of the stiffening", NULL}};
 
 static const MpmStateVariable states[] = {{"largest_stretch", MPM_STATE_SCALAR, 3., "-"}};
 
 MPM_FN int MpmMaterialEvaluate_fung(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const double k    = point->parameter[sizeof(parameters) / sizeof(parameters[0]) - 1];
+  const Real   k    = point->parameter[sizeof(parameters) / sizeof(parameters[0]) - 1];
   const Lame   lame = LameFromParameters(point->parameter);
   const Tensor F    = TensorMulArray(dF, point->F_n);
   const Sym    b    = SymLeftCauchyGreen(&F);
@@ -28,7 +28,11 @@ MPM_FN int MpmMaterialEvaluate_fung(const MpmLawPoint *point, const Tensor *dF, 
   growth    = ScalarScale(lame.mu, ScalarExp(ScalarScale(k, ScalarShift(I, -3.))));
   stretched = SymScale(growth, &b);
   *tau      = SymShift(&stretched, ScalarShift(ScalarScale(lame.lambda, ScalarLog(J)), -lame.mu));
-  if (point->state) point->state[0] = fmax(point->state_n[0], ScalarValue(I));
+  if (point->state) {
+    const Real before = point->state_n[0], now = ScalarReal(I);
+
+    point->state[0] = RealValue(now) > RealValue(before) ? now : before;
+  }
   return 0;
 }
 

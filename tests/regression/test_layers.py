@@ -26,8 +26,8 @@ SHARE = 1 / 3  # of the .c files of src/: as many may see a header
 CALLBACKS = ("HandleError",)  # functions whose arguments are PETSc's
 # What the sums over points work with, and whatever touches them: headers that more files see, with the largest share that
 # is accepted. One that no longer needs a limit of its own is a failure, too.
-WIDE = {"src/point/point.h": 0.63, "src/grid/grid.h": 0.62, "src/particles/particles.h": 0.60,
-        "src/space/space.h": 0.51}
+WIDE = {"src/point/point.h": 0.65, "src/grid/grid.h": 0.62, "src/particles/particles.h": 0.60,
+        "src/space/space.h": 0.51, "src/bc/bc.h": 0.36}
 
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 SYMBOL = re.compile(r"^(?:[0-9a-f]+)? +(\w) (\w+)$", re.MULTILINE)
