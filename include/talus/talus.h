@@ -142,6 +142,13 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model);
 PetscErrorCode MpmModelDestroy(MpmModel *model);
 
 /*@
+  MpmModelView - writes what the model consists of: scene, grid, space of the last step, solver
+
+  Collective; after MpmModelSetUp(). The viewer must be one for text. -mpm_view does it at the end of a run.
+@*/
+PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer);
+
+/*@
   MpmModelSetOptions - the model's options, as they would stand on a command line; before MpmModelSetFromOptions()
 
   Input Parameter:

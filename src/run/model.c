@@ -226,6 +226,7 @@ static PetscErrorCode CheckPrefix(MpmModel model)
 static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
 {
   const MpmOptions block = {options->comm, "mpm_output_", options->record};
+  char            *view;
 
   PetscFunctionBeginUser;
   model->results->output_every = 1;
@@ -236,6 +237,11 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->output_every, NULL));
   PetscCall(MpmOutputSetFromOptions(model, &block));
+  PetscCall(MpmOptionsText(options, "view",
+                           "at the end of the run, what the model consists of: alone to the terminal, or a "
+                           "PETSc viewer such as ascii:FILE",
+                           NULL, MPM_OPTIONAL, &view));
+  PetscCall(PetscFree(view));
   PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->results->quiet, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

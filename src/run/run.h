@@ -145,3 +145,8 @@ PetscErrorCode MpmWeldsPrint(MpmModel model);
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmStabilizationSettle(MpmModel model);
 PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[]);
+
+/* ---- view.c ---- */
+
+/* Views the model where -mpm_view says so. */
+PetscErrorCode MpmModelViewFromOptions(MpmModel model);

@@ -145,6 +145,7 @@ static PetscErrorCode Run(MpmModel model)
   }
   if (AtEnd(model)) model->caller.stop = PETSC_FALSE;
   PetscCall(Finish(model, interrupted));
+  PetscCall(MpmModelViewFromOptions(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

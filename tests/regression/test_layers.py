@@ -5,6 +5,8 @@ A folder of src/ includes and uses only the folders before it (LAYERS); include/
 materials/ and physics/ include only talus/point and use nothing of the engine. What a file includes is read from its
 text, what it uses from the symbols of its object file beside the program. What a header declares is defined in its
 folder. One line a failure: the file, and what is wrong. The same reading of a copy with faults put in must find each of them.
+
+Quick.
 """
 import re
 import shutil

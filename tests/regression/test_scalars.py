@@ -3,6 +3,8 @@
 
 A row of the table: the scene (below the repository), further options, a column of the history, the time, the value, and
 how near a run has to come, relatively and absolutely. --update writes the values of this program into the table.
+
+Quick.
 """
 import csv
 import sys

@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Cook's membrane: with F-bar the corner is where high-order finite elements put it, at any nu; without, it locks."""
+"""Cook's membrane: with F-bar the corner is where high-order finite elements put it, at any nu; without, it locks.
+
+Quick.
+"""
 import sys
 from pathlib import Path
 

@@ -3,6 +3,8 @@
 Installs into an empty prefix, and builds tests/installed/ against that alone, once through find_package() and once through
 pkg-config: a program in which two models exchange loads through hooks, with the shared library and with the static one,
 and a plugin with a law and a physics of two fields, whose Jacobian must be the same in all forms.
+
+Quick.
 """
 import shutil
 import sys

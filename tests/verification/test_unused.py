@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""What a scene does not use costs nothing and leaves nothing: empty space, options, memory, iterations."""
+"""What a scene does not use costs nothing and leaves nothing: empty space, options, memory, iterations.
+
+Quick.
+"""
 import re
 import sys
 from pathlib import Path
