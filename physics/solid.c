@@ -43,3 +43,7 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
 }
 
 MPM_KERNEL(solid, MPM_DIM *MPM_DIM, SolidKernel)
+
+#ifdef MPM_PHYSICS
+MPM_PHYSICS(solid, MPM_PHYSICS_SYMMETRIC, "quasi-static solid at finite strain", solid_fields, "solid_fbar")
+#endif

@@ -35,3 +35,8 @@ MPM_FN void SolidKeep(const MpmKernelPoint *point, const Sym *tau, const Tensor 
     SymStore(point->stress, &sigma);
   }
 }
+
+#ifdef MPM_PHYSICS
+static const MpmField solid_fields[] = {
+  {.name = "displacement", .gradient = 1, .increment = 1, .unit = "m", .near_null = MPM_NEAR_NULL_RIGID}};
+#endif

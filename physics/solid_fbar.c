@@ -164,3 +164,8 @@ static int SolidFbarTangent(const MpmKernelPoint *point, const double input[], d
 #endif
 
 MPM_KERNEL_MEAN(solid_fbar, INPUTS, SolidFbarKernel, SolidFbarMean, SolidFbarTangent)
+
+#ifdef MPM_PHYSICS
+MPM_PHYSICS(solid_fbar, MPM_PHYSICS_SYMMETRIC | MPM_PHYSICS_INTERNAL,
+            "quasi-static solid with the volume change averaged over cells", solid_fields, NULL)
+#endif

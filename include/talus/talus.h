@@ -39,38 +39,6 @@
 #define MPM_EXIT_GAVEUP 3 /* the run gave up: results so far, a checkpoint and the summary are there */
 #define MPM_EXIT_FILE   4 /* a file could not be written: results so far and the last checkpoint are there */
 
-/*
-  One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.
-
-  An increment field (the displacement) restarts at zero each step. Any other field is solved for as a total. With
-  `rate` the engine keeps the field's value at the points, hands it to the kernel as value_n, and starts the step from
-  its projection to the nodes.
-*/
-typedef struct {
-  const char *name;
-  PetscInt    components; /* 0: as many as the space has dimensions */
-  PetscBool   value;      /* is the value an input of the kernel? */
-  PetscBool   gradient;   /* is the gradient? */
-  PetscBool   increment;
-  PetscBool   rate;
-} MpmField;
-
-/*
-  A physics: its fields, in the order of their unknowns at a node, and its kernel. Inputs of the kernel, in this order:
-  for every field, for every component, its value (if used) and then its derivatives along the axes (if used).
-
-  The first field must be the displacement increment with as many components as dimensions: it moves the points.
-*/
-typedef struct {
-  const char     *name;
-  const char     *summary;
-  PetscInt        field_count;
-  const MpmField *fields;
-  MpmKernelSet    kernels[4]; /* [2] and [3] are used */
-  PetscInt        parameter_count;
-  const double   *parameters;
-} MpmPhysics;
-
 /* How the Jacobian is made; the names are the values of -mpm_jacobian. */
 typedef enum {
   MPM_JACOBIAN_AUTO,

@@ -14,8 +14,10 @@
 /* The component of this name in the layout, or -1. */
 static PetscInt FindComponent(const MpmLayout *layout, const char *name)
 {
-  for (PetscInt c = 0; c < layout->block; c++)
+  for (PetscInt c = 0; c < layout->block; c++) {
     if (!strcmp(layout->component_name[c], name)) return c;
+    if (layout->component_symbol[c] && !strcmp(layout->component_symbol[c], name)) return c;
+  }
   return -1;
 }
 
@@ -55,13 +57,14 @@ static PetscErrorCode ReadComponents(const MpmOptions *block, const MpmLayout *l
   PetscInt count;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsNames(block, "components", "which unknowns are prescribed: x, y, z, p (or give a normal)",
-                            MPM_REQUIRED, &count, &components));
+  PetscCall(
+    MpmOptionsNames(block, "components",
+                    "which unknowns are prescribed: x, y, z, or those of the physics' other fields (or give a normal)",
+                    MPM_REQUIRED, &count, &components));
   MpmCheckInput(count <= layout->block, "-%scomponents: %" PetscInt_FMT " given, a node has %" PetscInt_FMT " unknowns",
                 block->prefix, count, layout->block);
   for (PetscInt k = 0; k < count; k++) {
     bc->component[k] = FindComponent(layout, components[k]);
-    if (bc->component[k] < 0 && !strcmp(components[k], "p")) bc->component[k] = FindComponent(layout, "pressure");
     MpmCheckInput(bc->component[k] >= 0, "-%scomponents %s: this scene has no such unknown", block->prefix,
                   components[k]);
   }

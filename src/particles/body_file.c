@@ -232,7 +232,7 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
 static int TakeStress(const MpmImported imported, const MpmInitial *initial, PetscInt row, PetscBool has_state,
                       PetscInt p, MpmPoints *points, PetscReal state[])
 {
-  const PetscInt  dim = initial->model_dim, size = dim == 2 ? 4 : 6;
+  const PetscInt  dim = initial->model_dim, size = MpmSymSize(dim);
   const PetscBool has_F  = (PetscBool)(imported->quantity[DEFORMATION].value != NULL);
   PetscReal      *stress = &points->stress[p * size], *F = &points->F[p * dim * dim], own[MPM_INITIAL_STATE],
             found[MPM_MAX_DIM * MPM_MAX_DIM], U[MPM_MAX_DIM], J;

@@ -45,7 +45,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   PetscCall(Register(particles, "position0", dim, PETSC_REAL));
   PetscCall(Register(particles, "F", dim * dim, PETSC_REAL));
   PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
-  PetscCall(Register(particles, "stress", dim == 2 ? 4 : 6, PETSC_REAL));
+  PetscCall(Register(particles, "stress", MpmSymSize(dim), PETSC_REAL));
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
   if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (fields->state_size) PetscCall(Register(particles, "state", fields->state_size, PETSC_REAL));
@@ -54,7 +54,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   for (PetscInt e = 0; e < fields->extra_count; e++) PetscCall(Register(particles, fields->extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
   particles->dim             = dim;
-  particles->stress_size     = dim == 2 ? 4 : 6;
+  particles->stress_size     = MpmSymSize(dim);
   particles->state_size      = fields->state_size;
   particles->rates           = fields->rates;
   particles->has_half_length = fields->half_length;

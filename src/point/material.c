@@ -47,7 +47,7 @@ PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *i
 
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
 {
-  return variable->kind == MPM_STATE_SCALAR ? 1 : dim == 2 ? 4 : 6;
+  return variable->kind == MPM_STATE_SCALAR ? 1 : MpmSymSize(dim);
 }
 
 /* The names of all laws, NULL-terminated; free the array only. */

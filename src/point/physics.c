@@ -21,26 +21,39 @@ static const struct {
 #undef MPM_KERNEL_INSTANCE
 };
 
-static const MpmField solid_fields[] = {
-  {"displacement", 0, PETSC_FALSE, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE},
+#define MPM_PHYSICS_NAME(name) void MpmPhysicsDescribe_##name(MpmPhysics *physics);
+#include "mpm_physics.h"
+#undef MPM_PHYSICS_NAME
+
+static void (*const describe[])(MpmPhysics *physics) = {
+#define MPM_PHYSICS_NAME(name) MpmPhysicsDescribe_##name,
+#include "mpm_physics.h"
+#undef MPM_PHYSICS_NAME
 };
 
-static const MpmPhysics physics_list[] = {
-  {.name = "solid", .summary = "quasi-static solid at finite strain", .field_count = 1, .fields = solid_fields},
-  {.name        = "solid_fbar",
-   .summary     = "quasi-static solid with the volume change averaged over cells",
-   .field_count = 1,
-   .fields      = solid_fields},
-};
+PetscErrorCode MpmPhysicsList(char **words)
+{
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(describe); k++) {
+    MpmPhysics physics = {.name = NULL};
+
+    describe[k](&physics);
+    if (!(physics.traits & MPM_PHYSICS_INTERNAL))
+      PetscCall(MpmTextAppend(words, "%s%s", *words ? ", " : "", physics.name));
+  }
+  for (PetscInt k = 0; MpmPhysicsRegistered(k); k++)
+    PetscCall(MpmTextAppend(words, ", %s", MpmPhysicsRegistered(k)->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found)
 {
   PetscFunctionBeginUser;
   *found = PETSC_FALSE;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(physics_list); k++) {
-    if (strcmp(physics_list[k].name, name)) continue;
-    *physics = physics_list[k];
-    *found   = PETSC_TRUE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(describe) && !*found; k++) {
+    PetscCall(PetscMemzero(physics, sizeof(*physics)));
+    describe[k](physics);
+    *found = (PetscBool)!strcmp(physics->name, name);
   }
   for (PetscInt k = 0; !*found && MpmPhysicsRegistered(k); k++) {
     if (strcmp(MpmPhysicsRegistered(k)->name, name)) continue;
@@ -74,9 +87,11 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 
       PetscCheck(b < MPM_MAX_BLOCK, PETSC_COMM_SELF, PETSC_ERR_SUP, "physics %s has more than %d unknowns a node",
                  physics->name, MPM_MAX_BLOCK);
-      layout->component_name[b] = field->increment ? (const char *const[]){"x", "y", "z"}[c] : field->name;
-      layout->increment[b]      = field->increment;
-      layout->basis_first[b]    = field->value ? 0 : 1;
+      layout->component_name[b]   = field->increment ? (const char *const[]){"x", "y", "z"}[c] : field->name;
+      layout->component_symbol[b] = field->symbol;
+      layout->near_null[b]        = field->near_null;
+      layout->increment[b]        = (PetscBool)field->increment;
+      layout->basis_first[b]      = field->value ? 0 : 1;
       if (field->rate) layout->rate_component[layout->rates++] = b;
       for (PetscInt basis = layout->basis_first[b]; basis <= (field->gradient ? dim : 0); basis++) {
         PetscCheck(layout->inputs < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP,

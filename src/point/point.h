@@ -75,13 +75,22 @@ typedef struct MpmLayout {
   PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
   PetscInt  means;                         /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
   PetscBool increment[MPM_MAX_BLOCK];
-  const char         *component_name[MPM_MAX_BLOCK];
-  PetscBool           solid; /* the displacement's gradient is all that the kernel sees */
+  const char *component_name[MPM_MAX_BLOCK], *component_symbol[MPM_MAX_BLOCK]; /* symbol: NULL where it has none */
+  MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */
+  PetscBool   solid; /* the displacement's gradient is all that the kernel sees */
   const MpmKernelSet *kernel;
 } MpmLayout;
 
+/* Components of a symmetric tensor at a point: in plane strain xx, yy, zz, xy. */
+static inline PetscInt MpmSymSize(PetscInt dim)
+{
+  return dim == 2 ? 4 : 6;
+}
+
 /* A built-in physics with its compiled kernels. */
 PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
+/* Appends the names of all physics that scenes may ask for. */
+PetscErrorCode MpmPhysicsList(char **words);
 PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout);
 /* Do any of the kernel's inputs need the weights, not only their derivatives? */
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout);

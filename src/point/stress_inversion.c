@@ -262,7 +262,7 @@ PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmIn
 int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
                    PetscReal state[])
 {
-  const PetscInt dim = initial->model_dim, size = dim == 2 ? 4 : 6;
+  const PetscInt dim = initial->model_dim, size = MpmSymSize(dim);
   PetscReal      before[MPM_INITIAL_STATE], after[MPM_INITIAL_STATE], full[9], h[SYM_MAX], goal[SYM_MAX] = {0.},
                                                                                       reached[SYM_MAX];
   int moved;

@@ -162,11 +162,10 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
 
   PetscFunctionBeginUser;
   if (!model->scene.physics.name) {
-    PetscCall(MpmTextAppend(&words, "solid"));
-    for (PetscInt k = 0; MpmPhysicsRegistered(k); k++)
-      PetscCall(MpmTextAppend(&words, ", %s", MpmPhysicsRegistered(k)->name));
-    if (strcmp(name, "solid_fbar")) PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
-    MpmCheckInput(found, "-mpm_physics %s: must be one of %s", name, words);
+    PetscCall(MpmPhysicsList(&words));
+    PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
+    MpmCheckInput(found && !(model->scene.physics.traits & MPM_PHYSICS_INTERNAL), "-mpm_physics %s: must be one of %s",
+                  name, words);
     PetscCall(PetscFree(words));
   }
   PetscCall(MpmLayoutCreate(&model->scene.physics, dim, &model->disc.layout));
@@ -261,7 +260,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
     if (!(model->scene.materials.at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->scene.materials.at[m].stiffness);
   }
-  if (model->scene.physics.field_count > 1) model->solver.symmetric = PETSC_FALSE;
+  if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
   model->disc.diagonal = stiffest * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
   PetscCall(MpmOptionsBlocks(options, "bodies",
                              "names of the body blocks; bodies must not overlap, and are welded where they share "

@@ -15,7 +15,7 @@ typedef struct {
 /* Symmetric tensors are written with six components: xx, yy, zz, xy, yz, xz. */
 static void CopySym(PetscInt dim, const PetscReal from[], PetscReal to[])
 {
-  for (PetscInt c = 0; c < 6; c++) to[c] = c < (dim == 2 ? 4 : 6) ? from[c] : 0.;
+  for (PetscInt c = 0; c < 6; c++) to[c] = c < MpmSymSize(dim) ? from[c] : 0.;
 }
 
 /* In plane strain the third axis does not stretch. */

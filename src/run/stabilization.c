@@ -127,19 +127,19 @@ static PetscErrorCode ChooseFbar(MpmModel model)
 
 PetscErrorCode MpmStabilizationSettle(MpmModel model)
 {
-  const PetscBool ours = (PetscBool)!strcmp(model->scene.physics.name, "solid");
-  PetscBool       found;
+  const MpmPhysics physics = model->scene.physics;
+  PetscBool        found;
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->scene.fbar_auto && ours) PetscCall(ChooseFbar(model));
-  MpmCheckInput(ours || !model->scene.fbar,
+  if (model->scene.fbar_auto && physics.fbar) PetscCall(ChooseFbar(model));
+  MpmCheckInput(physics.fbar || !model->scene.fbar,
                 "-mpm_stabilization_fbar true: not available for physics %s, must be auto or false",
                 model->scene.physics.name);
   if (!model->scene.fbar) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPhysicsCreate("solid_fbar", &model->scene.physics, &found));
-  PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics solid_fbar is not compiled in");
-  model->scene.physics.name = "solid";
+  PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
+  PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);
+  model->scene.physics.name = physics.name;
   PetscCall(MpmLayoutCreate(&model->scene.physics, model->disc.grid.dim, &model->disc.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -335,22 +335,44 @@ static void RigidMode(PetscInt dim, PetscInt k, const PetscReal x[], PetscScalar
   }
 }
 
+/* Modes that the physics names for its fields: rigid body modes of the displacement, then constants of components. */
+static PetscInt CountModes(const MpmLayout *layout)
+{
+  PetscInt count = 0;
+
+  if (layout->near_null[0] == MPM_NEAR_NULL_RIGID) count = layout->dim == 2 ? 3 : 6;
+  for (PetscInt c = 0; c < layout->block; c++) count += layout->near_null[c] == MPM_NEAR_NULL_CONSTANT;
+  return count;
+}
+
+static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], PetscScalar mode[])
+{
+  const PetscInt rigid = layout->near_null[0] != MPM_NEAR_NULL_RIGID ? 0 : layout->dim == 2 ? 3 : 6;
+  PetscInt       at    = rigid;
+
+  if (k < rigid) RigidMode(layout->dim, k, x, mode);
+  for (PetscInt c = 0; c < layout->block; c++)
+    if (layout->near_null[c] == MPM_NEAR_NULL_CONSTANT && at++ == k) mode[c] = 1.;
+}
+
 /*
-  Rigid body modes for multigrid. Constrained unknowns do not move, so the modes are zero there; what is left is made
+  Modes of little energy for multigrid. Constrained unknowns do not move, so the modes are zero there; what is left is made
   orthonormal.
 */
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
 {
-  const PetscInt dim = solver->disc->grid.dim, bs = solver->disc->layout.block, modes = dim == 2 ? 3 : 6;
-  MatNullSpace   space;
-  Vec            mode[6];
-  PetscScalar    dot[6];
-  PetscInt       kept = 0;
+  const MpmLayout *layout = &solver->disc->layout;
+  const PetscInt   dim = layout->dim, bs = layout->block, modes = CountModes(layout);
+  MatNullSpace     space;
+  Vec             *mode;
+  PetscScalar     *dot;
+  PetscInt         kept = 0;
 
   PetscFunctionBeginUser;
-  if (!solver->jacobian) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!solver->jacobian || !modes) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatGetNearNullSpace(solver->jacobian, &space));
   if (solver->factorises || space) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2(modes, &mode, modes, &dot));
   for (PetscInt k = 0; k < modes; k++) {
     PetscScalar *values;
     PetscReal    norm;
@@ -363,7 +385,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
 
       for (PetscInt a = 0; a < dim; a++)
         x[a] = solver->disc->grid.h[a] * (PetscReal)solver->disc->space.node[i * dim + a];
-      RigidMode(dim, k, x, &values[i * bs]);
+      SetMode(layout, k, x, &values[i * bs]);
     }
     MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, values);
     for (PetscInt i = 0; i < solver->disc->space.owned * bs; i++)
@@ -382,6 +404,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
   PetscCall(MatSetNearNullSpace(solver->jacobian, space));
   PetscCall(MatNullSpaceDestroy(&space));
   for (PetscInt k = 0; k < kept; k++) PetscCall(VecDestroy(&mode[k]));
+  PetscCall(PetscFree2(mode, dot));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -106,7 +106,7 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
   }
   PetscCall(PetscFree(values));
   PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
-  PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * (dim == 2 ? 4 : 6)));
+  PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
   for (PetscInt p = 0; sum->state_size && p < points->count; p++)
     PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],
                             sum->materials[points->material[p]].state_size));

@@ -172,7 +172,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->state             = NULL;
   point->F                 = NULL;
   point->stress            = NULL;
-  point->stress_n          = sum->rest ? &points->stress[p * (dim == 2 ? 4 : 6)] : NULL;
+  point->stress_n          = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
 }
 
 /* Where the kernel writes what the step's end would be. */
@@ -183,7 +183,7 @@ MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
 
   if (!trial) return;
   point->F      = &trial->F[p * dim * dim];
-  point->stress = &trial->stress[p * (dim == 2 ? 4 : 6)];
+  point->stress = &trial->stress[p * MpmSymSize(dim)];
   if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
 }
 

@@ -13,8 +13,8 @@ void MpmKernelCreate_toy_3d_1(MpmKernelSet *set);
 void MpmKernelCreate_toy_3d_13(MpmKernelSet *set);
 
 static const MpmField fields[] = {
-  {"displacement", 0, PETSC_FALSE, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE},
-  {"concentration", 1, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE},
+  {.name = "displacement", .gradient = 1, .increment = 1, .near_null = MPM_NEAR_NULL_RIGID},
+  {.name = "concentration", .components = 1, .value = 1, .gradient = 1, .rate = 1, .symbol = "c"},
 };
 
 #define DIFFUSIVITY 0.5

@@ -128,3 +128,21 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \
   MPM_KERNEL_CREATE(name_, set->tangent = tangent_; set->mean_tangent = mean_;)
 #endif
+
+/*
+  MPM_PHYSICS(name, traits, summary, fields, fbar) - what a physics says of itself besides its kernel; once, in the first
+  instance. `fields` is the file's static table.
+*/
+#if MPM_DIM == 2 && MPM_DIRECTIONS == 0
+#define MPM_PHYSICS(name_, traits_, summary_, fields_, fbar_) \
+  void MpmPhysicsDescribe_##name_(MpmPhysics *physics); \
+  void MpmPhysicsDescribe_##name_(MpmPhysics *physics) \
+  { \
+    physics->name        = #name_; \
+    physics->summary     = summary_; \
+    physics->traits      = traits_; \
+    physics->field_count = (int)(sizeof(fields_) / sizeof((fields_)[0])); \
+    physics->fields      = fields_; \
+    physics->fbar        = fbar_; \
+  }
+#endif

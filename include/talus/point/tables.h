@@ -166,3 +166,49 @@ typedef struct {
   int (*mean)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
   int (*mean_tangent)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
 } MpmKernelSet;
+
+/* What multigrid is told of a field's modes of little energy. */
+typedef enum { MPM_NEAR_NULL_NONE, MPM_NEAR_NULL_RIGID, MPM_NEAR_NULL_CONSTANT } MpmNearNull;
+
+/*
+  One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.
+
+  An increment field (the displacement) restarts at zero each step. Any other field is solved for as a total. With
+  `rate` the engine keeps the field's value at the points, hands it to the kernel as value_n, and starts the step from
+  its projection to the nodes.
+*/
+typedef struct {
+  const char *name;
+  int         components; /* 0: as many as the space has dimensions */
+  int         value;      /* is the value an input of the kernel? */
+  int         gradient;   /* is the gradient? */
+  int         increment;
+  int         rate;
+  const char *symbol; /* in lists of components, for a field of one; NULL: by its name alone */
+  const char *unit;   /* of the value; NULL: none is told */
+  MpmNearNull near_null;
+} MpmField;
+
+/*
+  MPM_PHYSICS_SYMMETRIC  with laws that derive from a potential, the Jacobian is symmetric
+  MPM_PHYSICS_INTERNAL   takes another physics' place by itself, and is not offered to scenes
+*/
+typedef enum { MPM_PHYSICS_SYMMETRIC = 1, MPM_PHYSICS_INTERNAL = 2 } MpmPhysicsTrait;
+
+/*
+  A physics: its fields, in the order of their unknowns at a node, and its kernel. Inputs of the kernel, in this order:
+  for every field, for every component, its value (if used) and then its derivatives along the axes (if used).
+
+  The first field must be the displacement increment with as many components as dimensions: it moves the points.
+*/
+typedef struct {
+  const char     *name;
+  const char     *summary;
+  int             field_count;
+  const MpmField *fields;
+  MpmKernelSet    kernels[4]; /* [2] and [3] are used */
+  int             parameter_count;
+  const double   *parameters;
+  unsigned        traits; /* MpmPhysicsTrait values, or-ed */
+  const char     *fbar;   /* the physics that takes its place with F-bar; NULL: none */
+} MpmPhysics;
