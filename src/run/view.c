@@ -2,8 +2,6 @@
   -mpm_view: what a model consists of, in PETSc's manner: the model itself, its grid, the space of the last step, and the
   solver's objects, which view themselves.
 */
-#include "options/options.h"
-#include "terms/sparsity.h"
 #include "terms/terms.h"
 #include "run/run.h"
 
