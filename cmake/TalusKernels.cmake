@@ -26,10 +26,10 @@ endfunction()
 #
 # A library NAME.so for -mpm_plugin.
 #   LAWS        files NAME.c with MPM_LAW(NAME, ...), as in materials/: the law NAME
-#   PHYSICS     files NAME.c with MPM_KERNEL(NAME, ...) or MPM_KERNEL_MEAN(NAME, ...), as in physics/: the physics NAME
+#   PHYSICS     files NAME.c with MPM_KERNEL(NAME, ...) or MPM_KERNEL_MEAN(NAME, ...), and MPM_PHYSICS(NAME, ...), as in
+#               physics/: the physics NAME
 #   DIRECTIONS  of a physics that asks no law: as many as its kernel has inputs, in 2D and in 3D
-#   SOURCES     other files; for each physics one of them has `void MpmPhysicsDescribe_NAME(MpmPhysics *physics)`, which
-#               sets all but the kernels
+#   SOURCES     other files
 function(talus_add_plugin name)
   cmake_parse_arguments(PARSE_ARGV 1 plugin "" "" "LAWS;PHYSICS;DIRECTIONS;SOURCES")
   set(physics_instances ${TALUS_INSTANCES})

@@ -45,5 +45,5 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
 MPM_KERNEL(solid, MPM_DIM *MPM_DIM, SolidKernel)
 
 #ifdef MPM_PHYSICS
-MPM_PHYSICS(solid, MPM_PHYSICS_SYMMETRIC, "quasi-static solid at finite strain", solid_fields, "solid_fbar")
+MPM_PHYSICS(solid, MPM_PHYSICS_SYMMETRIC, "quasi-static solid at finite strain", solid_fields, NULL, 0, "solid_fbar")
 #endif

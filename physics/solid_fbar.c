@@ -167,5 +167,5 @@ MPM_KERNEL_MEAN(solid_fbar, INPUTS, SolidFbarKernel, SolidFbarMean, SolidFbarTan
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(solid_fbar, MPM_PHYSICS_SYMMETRIC | MPM_PHYSICS_INTERNAL,
-            "quasi-static solid with the volume change averaged over cells", solid_fields, NULL)
+            "quasi-static solid with the volume change averaged over cells", solid_fields, NULL, 0, NULL)
 #endif

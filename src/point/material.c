@@ -138,11 +138,31 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, MpmMaterial *material)
+{
+  char        prefix[256];
+  MpmOptions  block = {options->comm, prefix, options->record};
+  MpmLawTable unused;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", material->name));
+  PetscCall(PetscCalloc1(physics->parameter_count, &material->physics_parameter));
+  for (int k = 0; k < physics->parameter_count; k++) {
+    const MpmParameter *parameter = &physics->parameters[k];
+
+    PetscCheck(parameter->kind == MPM_NUMBER || parameter->kind == MPM_WORD, options->comm, PETSC_ERR_SUP,
+               "physics %s: its parameter %s must be a number or a word", physics->name, parameter->name);
+    PetscCall(MpmParameterRead(&block, parameter, &material->physics_parameter[k], &unused));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(material->name));
   PetscCall(PetscFree(material->parameter));
+  PetscCall(PetscFree(material->physics_parameter));
   PetscCall(MpmTablesDestroy(material->info.parameter_count, &material->table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -18,7 +18,8 @@ typedef struct MpmMaterial {
   char        *name;
   MpmLawInfo   info;
   double      *parameter;
-  MpmLawTable *table; /* by parameter */
+  double      *physics_parameter; /* what the physics takes of this material */
+  MpmLawTable *table;             /* by parameter */
   MpmFunction  law[MPM_FORM_COUNT];
   PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
   PetscReal    stiffness;   /* at rest, Pa */
@@ -37,6 +38,8 @@ typedef struct {
 /* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
 PetscBool      MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
+/* The parameters of the physics, which stand in the material's block too. */
+PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);

@@ -257,6 +257,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   for (PetscInt m = 0; m < model->scene.materials.count; m++) {
     PetscCall(
       MpmMaterialCreate(options, model->scene.materials.names[m], model->disc.grid.dim, &model->scene.materials.at[m]));
+    PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, &model->scene.materials.at[m]));
     if (!(model->scene.materials.at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->scene.materials.at[m].stiffness);
   }
@@ -453,7 +454,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, &model->scene.materials, &model->scene.boundaries,
-                                   model->scene.physics.parameters, model->state.particles.state_size));
+                                   model->state.particles.state_size));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

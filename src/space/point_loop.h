@@ -160,7 +160,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   const PetscInt     dim      = sum->space->dim;
 
   point->parameter         = material->parameter;
-  point->physics_parameter = sum->physics_parameter;
+  point->physics_parameter = material->physics_parameter;
   point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
   point->F_n               = &points->F[p * dim * dim];
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;

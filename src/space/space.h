@@ -148,7 +148,6 @@ typedef struct MpmSum {
   const MpmLayout   *layout;
   const MpmMaterial *materials;
   const MpmPoints   *points;
-  const double      *physics_parameter;
   PetscInt           state_size;
   PetscReal          dt;
   PetscBool          rest;  /* no motion: stresses are those of the step's start */

@@ -6,18 +6,16 @@
 #include "terms/terms.h"
 
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, const double physics_parameter[],
-                                      PetscInt state_size)
+                                      const MpmBoundaries *boundaries, PetscInt state_size)
 {
   PetscFunctionBeginUser;
   disc->material_count = materials->count;
-  disc->sum            = (MpmSum){.grid              = &disc->grid,
-                                  .space             = &disc->space,
-                                  .layout            = &disc->layout,
-                                  .materials         = materials->at,
-                                  .points            = &disc->points,
-                                  .physics_parameter = physics_parameter,
-                                  .state_size        = state_size};
+  disc->sum            = (MpmSum){.grid       = &disc->grid,
+                                  .space      = &disc->space,
+                                  .layout     = &disc->layout,
+                                  .materials  = materials->at,
+                                  .points     = &disc->points,
+                                  .state_size = state_size};
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, &disc->contacts));
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout.means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));

@@ -32,12 +32,10 @@ typedef struct MpmDiscretization {
 } MpmDiscretization;
 
 /*
-  SetUp, once grid and layout are there, makes what stays from step to step; materials, boundaries and parameters are
-  borrowed. Destroy leaves the grid alone.
+  SetUp, once grid and layout are there, makes what stays from step to step; materials and boundaries are borrowed. Destroy leaves the grid alone.
 */
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, const double physics_parameter[],
-                                      PetscInt state_size);
+                                      const MpmBoundaries *boundaries, PetscInt state_size);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Frees the arrays. */
 PetscErrorCode MpmTrialReset(MpmTrial *trial);

@@ -228,7 +228,7 @@ static PetscErrorCode SecondCreate(Balance *balance)
   second->disc.diagonal =
     balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
   PetscCall(MpmDiscretizationSetUp(&second->disc, &second->scene.materials, &second->scene.boundaries,
-                                   second->scene.physics.parameters, second->state.particles.stress_size));
+                                   second->state.particles.stress_size));
   PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
   second->solver.may_be_indefinite = PETSC_FALSE;
   balance->second                  = second;

@@ -46,3 +46,22 @@ static int SwellingKernel(const MpmKernelPoint *point, const Scalar input[], Sca
 }
 
 MPM_KERNEL(swelling, INPUTS, SwellingKernel)
+
+#ifdef MPM_PHYSICS
+static const MpmField fields[] = {
+  {.name = "displacement", .gradient = 1, .increment = 1, .unit = "m", .near_null = MPM_NEAR_NULL_RIGID},
+  {.name       = "solvent",
+   .components = 1,
+   .value      = 1,
+   .gradient   = 1,
+   .rate       = 1,
+   .symbol     = "s",
+   .near_null  = MPM_NEAR_NULL_CONSTANT},
+};
+static const MpmParameter parameters[] = {
+  {MPM_NUMBER, "push", "Pa", 0.3, 0, -HUGE_VAL, HUGE_VAL, 0, "pressure of the solvent", NULL},
+  {MPM_NUMBER, "source", "1/s", 0.1, 0, -HUGE_VAL, HUGE_VAL, 0, "solvent that comes with the volume", NULL},
+  {MPM_NUMBER, "diffusivity", "m2/s", 0.5, 0, 0., HUGE_VAL, 0, "how fast the solvent spreads", NULL},
+};
+MPM_PHYSICS(swelling, 0, "a solid that swells with what diffuses through it", fields, parameters, 3, NULL)
+#endif

@@ -18,7 +18,11 @@ static const MpmField fields[] = {
 };
 
 #define DIFFUSIVITY 0.5
-static const double parameters[] = {DIFFUSIVITY, 3.}; /* and the coupling */
+#define COUPLING    3.
+static const MpmParameter parameters[] = {
+  {MPM_NUMBER, "diffusivity", "m2/s", DIFFUSIVITY, 0, 0., HUGE_VAL, 0, "how fast the scalar spreads", NULL},
+  {MPM_NUMBER, "coupling", "-", COUPLING, 0, -HUGE_VAL, HUGE_VAL, 0, "what the scalar does to the solid", NULL},
+};
 
 static MpmPhysics Toy(void)
 {

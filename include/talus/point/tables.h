@@ -130,7 +130,7 @@ typedef struct {
 */
 typedef struct {
   const double      *parameter;         /* of the point's material */
-  const double      *physics_parameter; /* of the physics */
+  const double      *physics_parameter; /* of the physics, for that material: in the order of its parameter table */
   const double      *state_n;           /* history at the step's start */
   const double      *F_n;               /* deformation gradient at the step's start, row-major, dim x dim */
   const double      *value_n;           /* values at the step's start of the fields with a rate, in field order */
@@ -202,13 +202,13 @@ typedef enum { MPM_PHYSICS_SYMMETRIC = 1, MPM_PHYSICS_INTERNAL = 2 } MpmPhysicsT
   The first field must be the displacement increment with as many components as dimensions: it moves the points.
 */
 typedef struct {
-  const char     *name;
-  const char     *summary;
-  int             field_count;
-  const MpmField *fields;
-  MpmKernelSet    kernels[4]; /* [2] and [3] are used */
-  int             parameter_count;
-  const double   *parameters;
-  unsigned        traits; /* MpmPhysicsTrait values, or-ed */
-  const char     *fbar;   /* the physics that takes its place with F-bar; NULL: none */
+  const char         *name;
+  const char         *summary;
+  int                 field_count;
+  const MpmField     *fields;
+  MpmKernelSet        kernels[4]; /* [2] and [3] are used */
+  int                 parameter_count;
+  const MpmParameter *parameters; /* numbers and words, options of every material: -mpm_material_<name>_<parameter> */
+  unsigned            traits;     /* MpmPhysicsTrait values, or-ed */
+  const char         *fbar;       /* the physics that takes its place with F-bar; NULL: none */
 } MpmPhysics;
