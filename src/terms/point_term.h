@@ -1,7 +1,7 @@
 #pragma once
 /*
-  The two terms of the points: the physics point by point, and with a mean over the cell. Their parts stand in residual.c and
-  tangent.c.
+  The two terms of the points: the physics point by point, and with a mean over the cell. Their parts stand in residual.c, tangent.c
+  and tangent_diagonal.c.
 */
 #include "space/point_loop.h"
 #include "terms/terms.h"
@@ -10,5 +10,7 @@ PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const Petsc
                                  PetscInt *failed);
 PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed);
+PetscErrorCode MpmPointsDiagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                                 PetscInt *failed);
 /* Boxes of the cells' nodes, and the points' shares in them. */
 PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
