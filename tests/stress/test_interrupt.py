@@ -60,6 +60,7 @@ def interrupt_twice(test):
     folder = test.folder()
     run = Background(test.program, folder, example("cantilever"), ranks=1, mpm_grid_refine=16, mpm_output_every=0)
     run.wait_for(lambda: (folder / "run_history.csv").exists())
+    time.sleep(0.3)  # the first step, which takes seconds, is under way: before it a checkpoint would be written at once
     os.kill(run.process.pid, signal.SIGINT)
     time.sleep(0.2)
     test.check("int_once_still_running", int(run.process.poll() is None), 1, 1)
