@@ -3,7 +3,6 @@
 */
 #include "options/database.h"
 #include "options/options.h"
-#include "terms/sparsity.h"
 #include "terms/terms.h"
 #include "run/run.h"
 

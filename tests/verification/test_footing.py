@@ -33,3 +33,8 @@ with Test() as test:
 
     locked = factor(test, "without", FINE, mpm_stabilization_fbar="false")
     test.check("without.limit", locked / LIMIT, 1.2, 1.5)
+
+    # fine cells and steps as long as before: a line search that lets the slope grow needs a cut and 42 iterations here
+    run = test.run(example("footing"), mpm_grid_refine=4, mpm_time_end=0.04, mpm_quiet=None, mpm_output_every=0)
+    test.check("fine_cells.step_cuts", run.results.summary["step_cuts"], None, 0)
+    test.check("fine_cells.newton_iterations", run.results.summary["newton_iterations"], None, 20)
