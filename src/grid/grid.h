@@ -92,6 +92,8 @@ extern const char *const MpmEdgeTypes[];
 PetscBool MpmShapeHasDomain(MpmShapeType type);
 /* Degree of the grid's spline: 1 for linear basis functions, under GIMP too. */
 PetscInt MpmShapeDegree(MpmShapeType type);
+/* The shape of another degree, 1 to 3, that averages where `type` does, if there is such a one. */
+MpmShapeType MpmShapeOfDegree(MpmShapeType type, PetscInt degree);
 
 /* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);

@@ -63,6 +63,15 @@ PetscInt MpmShapeDegree(MpmShapeType type)
   }
 }
 
+MpmShapeType MpmShapeOfDegree(MpmShapeType type, PetscInt degree)
+{
+  const PetscBool domain = MpmShapeHasDomain(type);
+
+  if (degree == 3) return MPM_SHAPE_BSPLINE3;
+  if (degree == 2) return domain ? MPM_SHAPE_GIMP_BSPLINE2 : MPM_SHAPE_BSPLINE2;
+  return domain ? MPM_SHAPE_GIMP : MPM_SHAPE_LINEAR;
+}
+
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length)
 {
   const PetscInt degree = MpmShapeDegree(type);

@@ -9,6 +9,7 @@ typedef struct MpmOptions MpmOptions;
 
 #define MPM_MAX_BLOCK  8    /* unknowns a node: displacement, pressure, damage, ... */
 #define MPM_MAX_INPUTS 24   /* inputs of a kernel */
+#define MPM_MAX_SHAPES 3    /* of a physics' fields */
 #define MPM_NU_LOCKS   0.45 /* Poisson's ratio above which material is nearly incompressible */
 
 /* ---- material.c ---- */
@@ -66,15 +67,27 @@ PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table);
 
 /* ---- physics.c ---- */
 
+/* A shape that fields share: 0 and 1 in the first one, which is the scene's. */
+typedef struct {
+  PetscInt degree;  /* of its splines; 0: the scene's shape */
+  PetscInt spacing; /* of its nodes, in cells */
+} MpmFieldShape;
+
+/* Basis functions of one shape: its weights, then their derivatives. */
+#define MPM_BASES (MPM_MAX_DIM + 1)
+
 /*
-  The layout that follows from a physics' fields: block size, and which basis function and component each kernel input
-  takes.
+  The layout that follows from a physics' fields: block size, their shapes, and which basis function and component each
+  kernel input takes.
 */
 typedef struct MpmLayout {
-  PetscInt  dim, block, inputs, rates;
+  PetscInt      dim, block, inputs, rates;
+  PetscInt      shape_count;
+  MpmFieldShape shape[MPM_MAX_SHAPES];
+  PetscInt      shape_of[MPM_MAX_BLOCK];
   PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
-  PetscInt  basis_first[MPM_MAX_BLOCK];         /* their basis functions start here: 0 weight, 1.. derivatives */
-  PetscInt  component_of[MPM_MAX_INPUTS], basis_of[MPM_MAX_INPUTS];
+  PetscInt  component_of[MPM_MAX_INPUTS];
+  PetscInt  basis_of[MPM_MAX_INPUTS];      /* shape * MPM_BASES, + 0 weight, + 1.. derivatives */
   PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
   PetscInt  means;                         /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
   PetscBool increment[MPM_MAX_BLOCK];

@@ -188,7 +188,7 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
     arrays->rank[i] = model->rank;
     arrays->held[i] = 0;
     for (PetscInt c = 0; c < block; c++)
-      if (model->disc.constraints.condition[i * block + c] >= 0) arrays->held[i] |= 1 << c;
+      if (!MpmConstraintsFree(&model->disc.constraints, i * block + c)) arrays->held[i] |= 1 << c;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -26,7 +26,7 @@ static PetscErrorCode AddNoise(MpmModel model, PetscReal cells, PetscInt seed, V
     const PetscReal scale = disc->layout.increment[c] ? cells * disc->grid.h[c % dim] : cells;
     const PetscInt  place = node[0] + 31 * node[1] + (dim > 2 ? 977 * node[2] : 0);
 
-    if (disc->constraints.condition[k] < 0) values[k] += scale * Noise(place, seed * MPM_MAX_BLOCK + c);
+    if (MpmConstraintsFree(&disc->constraints, k)) values[k] += scale * Noise(place, seed * MPM_MAX_BLOCK + c);
   }
   PetscCall(VecRestoreArray(x, &values));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -22,8 +22,8 @@ static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayRead(x, &values));
-  for (PetscInt k = 0; k < space->owned * bs; k++)
-    local[k] = free->solver->disc->constraints.condition[k] < 0 ? values[k] : 0.;
+  PetscCall(PetscArraycpy(local, values, space->owned * bs));
+  MpmConstraintsCopy(&free->solver->disc->constraints, space->owned * bs, 0., NULL, local);
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(space, bs, local));
   MpmFramesToAxes(&free->solver->disc->constraints, bs, space->local, local);
@@ -49,8 +49,8 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, free->y);
   PetscCall(VecGetArrayRead(x, &from));
   PetscCall(VecGetArrayWrite(y, &to));
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++)
-    to[k] = solver->disc->constraints.condition[k] < 0 ? free->y[k] : solver->disc->diagonal * from[k];
+  PetscCall(PetscArraycpy(to, free->y, solver->disc->space.owned * bs));
+  MpmConstraintsCopy(&solver->disc->constraints, solver->disc->space.owned * bs, solver->disc->diagonal, from, to);
   PetscCall(VecRestoreArrayWrite(y, &to));
   PetscCall(VecRestoreArrayRead(x, &from));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -67,13 +67,7 @@ static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
   PetscCall(MpmTermsDiagonal(solver->disc->terms, &solver->disc->sum, free->action.u, blocks, &failed));
   PetscCall(MpmSpaceAddToOwners(&solver->disc->space, bs * bs, blocks));
   MpmFramesRotateBlocks(&solver->disc->constraints, bs, solver->disc->space.owned, blocks);
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
-    PetscReal *block = &blocks[k / bs * bs * bs];
-
-    if (solver->disc->constraints.condition[k] < 0) continue;
-    for (PetscInt c = 0; c < bs; c++) block[(k % bs) * bs + c] = block[c * bs + k % bs] = 0.;
-    block[(k % bs) * (bs + 1)] = solver->disc->diagonal;
-  }
+  MpmConstraintsBlocks(&solver->disc->constraints, bs, solver->disc->space.owned, solver->disc->diagonal, blocks);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

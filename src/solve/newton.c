@@ -92,11 +92,9 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, solver->disc->residual);
   PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
-    values[k] = solver->disc->constraints.condition[k] < 0
-                  ? solver->disc->residual[k]
-                  : solver->disc->diagonal * (at[k] - solver->disc->constraints.value[k]);
-  }
+  PetscCall(PetscArraycpy(values, solver->disc->residual, solver->disc->space.owned * bs));
+  MpmConstraintsResidual(&solver->disc->constraints, solver->disc->space.owned * bs, solver->disc->diagonal, at,
+                         values);
   PetscCall(VecRestoreArrayRead(x, &at));
   /* a rank may own no unknown of its failing points: the flag travels apart */
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->grid.comm));

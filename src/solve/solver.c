@@ -388,8 +388,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
       SetMode(layout, k, x, &values[i * bs]);
     }
     MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, values);
-    for (PetscInt i = 0; i < solver->disc->space.owned * bs; i++)
-      if (solver->disc->constraints.condition[i] >= 0) values[i] = 0.;
+    MpmConstraintsCopy(&solver->disc->constraints, solver->disc->space.owned * bs, 0., NULL, values);
     PetscCall(VecRestoreArray(mode[kept], &values));
     for (PetscInt pass = 0; pass < 2 && kept; pass++) {
       PetscCall(VecMDot(mode[kept], kept, mode, dot));

@@ -102,7 +102,7 @@ static PetscErrorCode StartMode(MpmSolver *solver, Vec mode)
     PetscReal       seed = 12.9898 * (PetscReal)node[0] + 78.233 * (PetscReal)node[1] + 3.7 * (PetscReal)(k % bs);
 
     if (dim > 2) seed += 37.719 * (PetscReal)node[2];
-    v[k] = solver->disc->constraints.condition[k] < 0 ? PetscSinReal(seed) : 0.;
+    v[k] = MpmConstraintsFree(&solver->disc->constraints, k) ? PetscSinReal(seed) : 0.;
   }
   PetscCall(VecRestoreArrayWrite(mode, &v));
   PetscFunctionReturn(PETSC_SUCCESS);

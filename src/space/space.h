@@ -59,17 +59,26 @@ typedef struct {
   PetscReal   along[MPM_MAX_DIM][MPM_GHOST_WIDTH * MPM_GHOST_WIDTH]; /* the matrix is their Kronecker product */
 } MpmFace;
 
+/* Weights of a shape: per point and axis `width` values, from the first node of the point's group on; gradients by x. */
+typedef struct {
+  PetscReal *weight, *gradient;
+} MpmWeights;
+
 /*
-  The step's discrete space: weights of every point, and the active nodes. Local nodes are those that this rank's points
-  touch or that it owns: first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes
-  only.
+  The step's discrete spaces, one for each shape that the physics' fields have: weights of every point, and the active
+  nodes. They number their nodes together, so that all unknowns of a node make one block; a node that no point touches
+  with a field's shape has no unknown of that field. Local nodes are those that this rank's points touch or that it owns:
+  first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes only.
 */
 typedef struct MpmSpace {
   PetscInt   dim, width; /* most nodes on an axis */
   PetscInt   point_count;
-  PetscInt  *first, *count;     /* dim values a point */
-  PetscReal *weight, *gradient; /* per point and axis, `width` values; gradients by x */
-  PetscInt  *order;             /* points by group */
+  PetscInt  *first, *count; /* of the nodes touched with the scene's shape, dim values a point */
+  PetscInt   shape_count;
+  MpmWeights shape[MPM_MAX_SHAPES];
+  PetscInt
+    *support;       /* per local node: a bit for each shape with which points touch it; NULL where there is one shape */
+  PetscInt  *order; /* points by group */
   PetscInt   group_count;
   PetscInt   face_begin, face_count; /* faces of the ghost penalty: groups without points, behind the others */
   PetscInt   cell_count;             /* cells with a mean, if the physics has one: their boxes come last */
@@ -93,6 +102,7 @@ typedef struct MpmRules {
   const MpmGrid     *grid;
   MpmShapeType       shape;
   MpmEdgeType        edge;
+  const MpmLayout   *layout;
   PetscInt           wall_count;
   const MpmWall     *walls;
   MpmStretch         stretch;
@@ -109,6 +119,12 @@ typedef struct MpmRules {
 PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why);
 PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
+/*
+  The weights of all points (weights.c); `box_first` and `box_count`, dim values a point, are the nodes touched with any
+  of the shapes. They are the space's own where there is one shape; `why` as above.
+*/
+PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
+                                      PetscInt **box_first, PetscInt **box_count, const char **why);
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /*
@@ -124,13 +140,23 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
 PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal local[]);
 PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[]);
 /*
-  The weights and derivatives of one point at its group's nodes: basis[0] weights, basis[1..dim] derivatives by x, y, z;
-  each of node_count values, x fastest.
+  The weights and derivatives of one point at its group's nodes, shape by shape: basis[0] weights, basis[1..dim]
+  derivatives by x, y, z; each of node_count values, x fastest.
 */
 #define MPM_MAX_WIDTH 16
 typedef struct {
-  PetscReal *basis[MPM_MAX_DIM + 1];
+  PetscReal *basis[MPM_MAX_SHAPES * MPM_BASES];
 } MpmBasis;
+/* Basis functions of a space, and their places in `storage`, which has room for so many times `nodes` numbers. */
+static inline PetscInt MpmBasisCount(const MpmSpace *space)
+{
+  return space->shape_count * MPM_BASES;
+}
+static inline void MpmBasisPlace(const MpmSpace *space, PetscInt nodes, PetscReal storage[], MpmBasis *basis)
+{
+  for (PetscInt b = 0; b < MpmBasisCount(space); b++) basis->basis[b] = storage + b * nodes;
+}
+/* Those of the scene's shape alone. */
 void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);
 
 /* ---- point_loop.h, point_to_node.c, node_to_point.c ---- */
@@ -168,11 +194,15 @@ static inline MpmCell MpmUnitGroups(const MpmSum *sum, PetscInt unit)
 }
 
 /*
-  Values of the points, and their gradients by x where `gradient` is not NULL, at the owned nodes (point_to_node.c). Point p has
-  `components` values from value[p*stride] and components * dim derivatives from gradient[p*stride].
+  Values of the points at the owned nodes, by the weights of one of the space's shapes, and with their gradients by x where
+  `gradient` is not NULL (point_to_node.c). Point p has `components` values from value[p*stride] and components * dim
+  derivatives from gradient[p*stride].
 */
-PetscErrorCode MpmProjectToNodes(const MpmSum *sum, PetscInt components, PetscInt stride, const PetscReal value[],
-                                 const PetscReal gradient[], PetscReal nodal[]);
+typedef struct {
+  PetscInt         shape, components, stride;
+  const PetscReal *value, *gradient;
+} MpmPointValues;
+PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values, PetscReal nodal[]);
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);

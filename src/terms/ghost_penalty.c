@@ -138,20 +138,20 @@ static PetscInt FirstNode(PetscInt degree)
 /*
   The pieces that a group's points may touch: those whose nodes are all in its box, and what an edge has taken from it.
 */
-static void GroupPieces(const MpmGroup *group, const MpmRules *rules, const PetscReal x[], PetscInt lower[],
-                        PetscInt count[])
+static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmRules *rules, const MpmPoints *points,
+                        PetscInt lower[], PetscInt count[])
 {
-  const PetscInt p                 = MpmShapeDegree(rules->shape);
+  const PetscInt p = MpmShapeDegree(rules->shape), one = space->order[group->point_begin] * space->dim;
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
-  MpmSpaceEdges(rules, x, edge, far_edge);
+  MpmSpaceEdges(rules, &points->x[one], edge, far_edge);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt first = group->first[a], last = first + group->count[a] - 1;
-    PetscInt       begin = first - FirstNode(p), end = last - p - FirstNode(p);
-
     lower[a] = 0;
     count[a] = 1;
     if (a >= rules->grid->dim) continue;
+    const PetscInt first = space->first[one + a], last = first + space->count[one + a] - 1;
+    PetscInt       begin = first - FirstNode(p), end = last - p - FirstNode(p);
+
     if (first == edge[a]) begin = first;
     if (last == far_edge[a]) end = last - p % 2;
     lower[a] = PetscMin(begin, end);
@@ -172,7 +172,7 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
-    GroupPieces(group, rules, &points->x[space->order[group->point_begin] * space->dim], lower, count);
+    GroupPieces(space, group, rules, points, lower, count);
     for (PetscInt a = 0; a < space->dim; a++) {
       map->lower[a] = PetscMin(map->lower[a], lower[a] - margin);
       upper[a]      = PetscMax(upper[a], lower[a] + count[a] + margin);
@@ -187,7 +187,7 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
-    GroupPieces(group, rules, &points->x[space->order[group->point_begin] * space->dim], lower, count);
+    GroupPieces(space, group, rules, points, lower, count);
     PetscInt last = 0;
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {

@@ -218,7 +218,8 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    for (PetscInt i = 0; i < group->count[a]; i++) line[a][i] = a < dim ? space->weight[(p * dim + a) * W + i] : 1.;
+    for (PetscInt i = 0; i < group->count[a]; i++)
+      line[a][i] = a < dim ? space->shape[0].weight[(p * dim + a) * W + i] : 1.;
   if (MpmShapeHasDomain(rules->shape)) {
     PetscCheck(!rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);

@@ -180,7 +180,7 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   MpmShapeLine    face = {.weight = weight, .gradient = unused};
 
   if (!half) {
-    for (PetscInt i = 0; i <= last; i++) line[i] = space->weight[(p * dim + a) * space->width + i];
+    for (PetscInt i = 0; i <= last; i++) line[i] = space->shape[0].weight[(p * dim + a) * space->width + i];
     return;
   }
   const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];

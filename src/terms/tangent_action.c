@@ -19,11 +19,11 @@ PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBo
   action->sum   = sum;
   action->terms = terms;
   PetscCall(PetscMalloc1((sum->space->local * bs), &action->u));
-  PetscCall(PetscMalloc1((n * (3 * bs + MPM_MAX_DIM + 1)), &action->storage));
+  PetscCall(PetscMalloc1((n * (3 * bs + MpmBasisCount(sum->space))), &action->storage));
   action->values  = action->storage;
   action->dvalues = action->values + n * bs;
   action->force   = action->dvalues + n * bs;
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) action->basis.basis[b] = action->force + n * (bs + b);
+  MpmBasisPlace(sum->space, n, action->force + n * bs, &action->basis);
   if (stored)
     PetscCall(PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout)), &action->tangent));
   PetscCall(MpmCellWorkCreate(sum, &action->cell));

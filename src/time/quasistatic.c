@@ -7,15 +7,23 @@
 /* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
 static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 {
-  const PetscInt rates = model->disc.layout.rates, bs = model->disc.layout.block;
-  PetscReal     *nodal;
+  const MpmLayout *layout = &model->disc.layout;
+  const PetscInt   rates = layout->rates, bs = layout->block, owned = model->disc.space.owned;
+  PetscReal       *nodal;
 
   PetscFunctionBeginUser;
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((model->disc.space.owned * rates), &nodal));
-  PetscCall(MpmProjectToNodes(&model->disc.sum, rates, rates, model->disc.points.value, NULL, nodal));
-  for (PetscInt k = 0; k < model->disc.space.owned * rates; k++)
-    u[k / rates * bs + model->disc.layout.rate_component[k % rates]] = nodal[k];
+  PetscCall(PetscMalloc1((owned * rates), &nodal));
+  for (PetscInt s = 0; s < layout->shape_count; s++) {
+    const MpmPointValues values = {s, rates, rates, model->disc.points.value, NULL};
+
+    PetscCall(MpmProjectToNodes(&model->disc.sum, &values, nodal));
+    for (PetscInt k = 0; k < owned * rates; k++) {
+      const PetscInt c = layout->rate_component[k % rates];
+
+      if (layout->shape_of[c] == s) u[k / rates * bs + c] = nodal[k];
+    }
+  }
   PetscCall(PetscFree(nodal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -43,7 +51,7 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 
     for (PetscInt k = 0; k < size; k++) expected[p * size + k] = last * increment[k] - before * increment[size + k];
   }
-  PetscCall(MpmProjectToNodes(&model->disc.sum, dim, size, expected, expected + dim, nodal));
+  PetscCall(MpmProjectToNodes(&model->disc.sum, &(MpmPointValues){0, dim, size, expected, expected + dim}, nodal));
   for (PetscInt k = 0; k < model->disc.space.owned * dim; k++) u[k / dim * bs + k % dim] = nodal[k];
   PetscCall(PetscFree2(nodal, expected));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -62,8 +70,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
   MpmFramesToUnknowns(&model->disc.constraints, model->disc.layout.block, model->disc.space.owned, x);
-  for (PetscInt k = 0; k < n; k++)
-    if (model->disc.constraints.condition[k] >= 0) x[k] = model->disc.constraints.value[k];
+  MpmConstraintsPrescribe(&model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -73,6 +80,7 @@ static MpmRules Rules(MpmModel model)
   return (MpmRules){.grid       = &model->disc.grid,
                     .shape      = model->scene.shape,
                     .edge       = model->scene.edge,
+                    .layout     = &model->disc.layout,
                     .wall_count = model->scene.walls.count,
                     .walls      = model->scene.walls.at,
                     .stretch    = model->scene.stretch,

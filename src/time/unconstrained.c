@@ -204,7 +204,7 @@ static void HoldByConditions(Pieces *pieces)
       PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
 
       unit[a] = 1.;
-      if (model->disc.constraints.condition[i * bs + a] >= 0)
+      if (!MpmConstraintsFree(&model->disc.constraints, i * bs + a))
         Hold(pieces, pieces->of[i], frame ? frame->axis[a] : unit, x);
     }
   }

@@ -98,7 +98,7 @@ static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const Pets
     const PetscInt  place = (node[0] * 1000 + node[1]) * 1000 + (dim > 2 ? node[2] : 0);
 
     values[k] = amplitude[k % bs] * SceneRandom(seed, place, k % bs);
-    if (model->disc.constraints.condition[k] >= 0) values[k] = direction ? 0. : model->disc.constraints.value[k];
+    if (!MpmConstraintsFree(&model->disc.constraints, k)) values[k] = direction ? 0. : model->disc.constraints.value[k];
   }
   PetscCall(VecRestoreArrayWrite(x, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
