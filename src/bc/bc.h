@@ -2,10 +2,9 @@
 /*
   Prescribed unknowns: conditions, the constraints that follow from them, and the frames of nodes with a normal.
 */
-#include "space/space.h"
-
-typedef struct _p_MpmRegion *MpmRegion;
-typedef struct _p_MpmRamp   *MpmRamp;
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/point/tables.h"
 
 /* ---- dirichlet.c, node_frames.c ---- */
 
@@ -24,7 +23,7 @@ typedef struct {
 } MpmCondition;
 
 /* Conditions, with the names of their blocks. */
-typedef struct {
+typedef struct MpmConditions {
   PetscInt      count;
   char        **names;
   MpmCondition *at;
@@ -59,7 +58,7 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
 PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
-                                    MpmWall walls[]);
+                                    MpmWall *walls);
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
                                    const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);

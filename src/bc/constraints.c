@@ -4,8 +4,11 @@
 
   A reaction is the force of the support on the body, the internal less the external forces at the constrained nodes.
 */
-#include "bc/bc.h"
 #include "geometry/geometry.h"
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "space/space.h"
+#include "bc/bc.h"
 
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
 {

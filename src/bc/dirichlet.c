@@ -7,6 +7,9 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "space/walls.h"
 #include "bc/bc.h"
 
 /* The component of this name in the layout, or -1. */

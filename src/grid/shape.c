@@ -25,7 +25,7 @@
   in MPM); de Boor (1978), A Practical Guide to Splines, IV (not a knot).
 */
 #include "talus/compat.h"
-#include "grid/grid.h"
+#include "grid/shape.h"
 
 #include <math.h>
 

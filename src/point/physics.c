@@ -1,7 +1,8 @@
 /*
   The physics that are built in, and the layout of unknowns and kernel inputs that follows from a physics' fields.
 */
-#include "point/point.h"
+#include "point/layout.h"
+#include "point/registry.h"
 
 #define MPM_KERNEL_INSTANCE(name, dim, directions) \
   void MpmKernelCreate_##name##_##dim##d_##directions(MpmKernelSet *set);

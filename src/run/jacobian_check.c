@@ -2,6 +2,11 @@
   How far apart the Jacobian's forms are, for who has written a law or a physics: one step is prepared, an increment made up,
   and the Jacobian there made in all ways.
 */
+#include "point/layout.h"
+#include "particles/particles.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "time/time.h"
 #include "run/run.h"
 
 /* A number in [-1, 1] that depends on its arguments alone, not on the ranks. */
@@ -16,17 +21,17 @@ static PetscReal Noise(PetscInt a, PetscInt b)
 static PetscErrorCode AddNoise(MpmModel model, PetscReal cells, PetscInt seed, Vec x)
 {
   const MpmDiscretization *disc = &model->disc;
-  const PetscInt           bs = disc->layout.block, dim = disc->grid.dim;
+  const PetscInt           bs = disc->block, dim = disc->dim;
   PetscScalar             *values;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArray(x, &values));
-  for (PetscInt k = 0; k < disc->space.owned * bs; k++) {
-    const PetscInt *node = &disc->space.node[(k / bs) * dim], c = k % bs;
-    const PetscReal scale = disc->layout.increment[c] ? cells * disc->grid.h[c % dim] : cells;
+  for (PetscInt k = 0; k < disc->space->owned * bs; k++) {
+    const PetscInt *node = &disc->space->node[(k / bs) * dim], c = k % bs;
+    const PetscReal scale = disc->layout->increment[c] ? cells * disc->h[c % dim] : cells;
     const PetscInt  place = node[0] + 31 * node[1] + (dim > 2 ? 977 * node[2] : 0);
 
-    if (MpmConstraintsFree(&disc->constraints, k)) values[k] += scale * Noise(place, seed * MPM_MAX_BLOCK + c);
+    if (MpmConstraintsFree(disc->constraints, k)) values[k] += scale * Noise(place, seed * MPM_MAX_BLOCK + c);
   }
   PetscCall(VecRestoreArray(x, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -104,8 +109,8 @@ static PetscErrorCode Check(MpmModel model, PetscReal cells, MpmJacobianCheck *c
   Vec             x;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
-  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, &why));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   PetscCheck(!why, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", why);
   PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &why));
   PetscCheck(!why, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", why);
@@ -116,7 +121,7 @@ static PetscErrorCode Check(MpmModel model, PetscReal cells, MpmJacobianCheck *c
   PetscCall(AddNoise(model, cells, 0, x));
   PetscCall(Compare(model, x, check));
   PetscCall(VecDestroy(&x));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -99,7 +99,7 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
   PetscReal       *values;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((PetscPowInt(sum->space->width, dim) * sum->layout->block), &values));
+  PetscCall(PetscMalloc1((PetscPowInt(sum->space->width, dim) * sum->block), &values));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 

@@ -4,7 +4,11 @@
   physics are constants where it pays: a point of a solid touches 4 to 9 nodes in 2D and 8 to 27 in 3D, and loops that
   short must be unrolled.
 */
+#include "particles/points.h"
+#include "point/layout.h"
+#include "point/material.h"
 #include "space/space.h"
+#include "space/sum.h"
 
 #define MPM_INLINE static inline __attribute__((always_inline))
 
@@ -90,7 +94,7 @@ typedef struct {
 
 static inline PetscErrorCode MpmWorkspaceCreate(const MpmSum *sum, MpmWorkspace *work)
 {
-  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->layout->block;
+  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->block;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((n * (2 * bs + MpmBasisCount(sum->space))), &work->storage));

@@ -5,6 +5,7 @@
 
   With the gradient a linear field comes out exactly, at the edges of the material too.
 */
+#include "grid/grid.h"
 #include "space/point_loop.h"
 
 /* The points' values, and sums over the points of one group. */

@@ -4,7 +4,9 @@
   Grouping is what makes assembly cheap: nodal values are gathered, and element blocks scattered, once a group instead
   of once a point, and no point pays for more nodes than it touches.
 */
+#include "grid/grid.h"
 #include "space/point_loop.h"
+#include "space/rules.h"
 
 PetscErrorCode MpmSpaceReset(MpmSpace *space)
 {

@@ -5,7 +5,12 @@
   nodes are those of the grid with indices that are multiples of r. What such a shape gives is spread over the grid's
   nodes, with zeros between, and all shapes of a point over the smallest box that holds the nodes of each.
 */
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "particles/points.h"
+#include "space/rules.h"
 #include "space/space.h"
+#include "space/walls.h"
 
 /* Does a wall stand beside this point, that is, does the point project into the wall's extent? */
 static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[])

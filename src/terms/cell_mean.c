@@ -79,7 +79,7 @@ PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *
 PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  n = PetscPowInt(space->width, space->dim), bs = sum->layout->block, all = sum->layout->inputs + 1;
+  const PetscInt  n = PetscPowInt(space->width, space->dim), bs = sum->block, all = sum->layout->inputs + 1;
   const PetscInt  size = MpmBasisCount(space) * n + 3 * all + all * all + MpmTangentSize(sum->layout);
   PetscInt        most = 0;
 

@@ -7,9 +7,9 @@
   ghosts go to their owners through the matrix's stash. Matrices of other types than PETSc's own on the host (those of GPUs,
   hypre's) are given all rows, ghosts' too, as one list of coordinates and values.
 */
+#include "space/space.h"
 #include "bc/bc.h"
 #include "terms/sparsity.h"
-#include "terms/terms.h"
 
 PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
 {

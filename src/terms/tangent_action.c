@@ -3,8 +3,8 @@
   through its own tangent where tangents are kept. The coloured, dense and differenced Jacobians are made of actions on
   seeds.
 */
+#include "space/unit.h"
 #include "terms/action.h"
-#include "terms/cell_mean.h"
 #include "terms/point_term.h"
 
 /* Central differences: the step that balances truncation and rounding for inputs of order one. */
@@ -12,7 +12,7 @@
 
 PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action)
 {
-  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->layout->block;
+  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->block;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(action, sizeof(*action)));
@@ -99,7 +99,7 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
 
   PetscFunctionBeginUser;
   *failed = 0;
-  PetscCall(PetscArraycpy(action->u, u, sum->space->local * sum->layout->block));
+  PetscCall(PetscArraycpy(action->u, u, sum->space->local * sum->block));
   if (sum->layout->means) {
     for (PetscInt c = 0; c < sum->space->cell_count; c++) PetscCall(StoreCell(action, c, failed));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -123,7 +123,7 @@ static PetscErrorCode CreateBlock(MPI_Comm comm, PetscInt dim, const char *shape
 /* How strongly one field's values act on the other's rows: 1-norms of the Jacobian's off-diagonal blocks by their action on ones. */
 static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *on_scalar, PetscReal *on_solid)
 {
-  const PetscInt bs = model->disc.layout.block;
+  const PetscInt bs = model->disc.block;
   Vec            v, Jv;
   PetscScalar   *values;
 
@@ -138,7 +138,7 @@ static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *
     PetscCall(SceneFill(model, seed, amplitude, PETSC_TRUE, v));
     PetscCall(MatMult(J, v, Jv));
     PetscCall(VecGetArray(Jv, &values));
-    for (PetscInt k = 0; k < model->disc.space.owned * bs; k++)
+    for (PetscInt k = 0; k < model->disc.space->owned * bs; k++)
       if ((k % bs == bs - 1) != from) sum += PetscAbsScalar(values[k]);
     PetscCall(VecRestoreArray(Jv, &values));
     PetscCall(MPIU_Allreduce(&sum, result, 1, MPIU_REAL, MPIU_SUM, model->comm));
@@ -150,13 +150,13 @@ static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *
 
 static PetscErrorCode Look(MpmModel model, SceneVerdict *verdict, PetscReal *on_scalar, PetscReal *on_solid)
 {
-  const PetscInt dim = model->disc.grid.dim;
+  const PetscInt dim = model->disc.dim;
   PetscReal      amplitude[MPM_MAX_BLOCK];
   Vec            v;
   Mat            J;
 
   PetscFunctionBeginUser;
-  for (PetscInt c = 0; c <= dim; c++) amplitude[c] = c < dim ? 0.04 * model->disc.grid.h[c] : 1.;
+  for (PetscInt c = 0; c <= dim; c++) amplitude[c] = c < dim ? 0.04 * model->disc.h[c] : 1.;
   PetscCall(SceneBegin(model, 0.1));
   PetscCall(SceneFill(model, 1, amplitude, PETSC_FALSE, model->solver.x));
   PetscCall(SceneCommit(model, model->solver.x));
@@ -236,9 +236,9 @@ static PetscErrorCode Start(MpmModel model, PetscBool mode)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) points.value[p] = mode ? Mode(points.x[2 * p]) : 0.7;
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,9 +252,9 @@ START_TEST(uniform)
   SCENE_CALL(CreateStrip("-mpm_bcs still,left -mpm_bc_left_value 0.7", &model));
   SCENE_CALL(Start(model, PETSC_FALSE));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) worst = PetscMax(worst, PetscAbsReal(points.value[p] - 0.7));
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-13)), "the value is wrong by %g", (double)worst);
   ck_assert_int_eq((int)model->solver.newton_total, 0);
   SCENE_CALL(SceneDestroy(&model));
@@ -284,12 +284,12 @@ START_TEST(decay)
                 &model));
   SCENE_CALL(Start(model, PETSC_TRUE));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     worst = PetscMax(worst, PetscAbsReal(points.value[p] - factor * Mode(points.x[2 * p])));
     moved = PetscMax(moved, PetscAbsReal(points.x[2 * p] - points.x0[2 * p]));
   }
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   ck_assert_msg(PetscAbsReal(rate / (DIFFUSIVITY * PETSC_PI * PETSC_PI) - 1.) < 0.01, "the discrete rate is %g",
                 (double)rate);
   ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-9)), "the mode is wrong by %g", (double)worst);
@@ -319,22 +319,22 @@ START_TEST(inflow)
 
   SCENE_CALL(CreateStrip("-mpm_bcs still,left -mpm_bc_left_value 1", &model));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     worst = PetscMax(worst, PetscAbsReal(points.value[p] - Inflow(points.x[2 * p], model->state.time)));
     content[0] += points.volume0[p] * points.value[p];
   }
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 0.01)), "away from the series by %g", (double)worst);
   /* one more step: what enters through the constrained nodes is what the points gain */
   model->state.time_end = model->state.dt_nominal;
   model->state.time     = 0.;
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) content[1] += points.volume0[p] * points.value[p];
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, content, 2, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  flow = model->disc.reaction[1 * model->disc.layout.block + 2];
+  flow = model->disc.reaction[1 * model->disc.block + 2];
   ck_assert_double_gt(flow, 0.05);
   ck_assert_double_eq_tol(flow, (content[1] - content[0]) / DT, 1e-9 * flow / DT);
   SCENE_CALL(SceneDestroy(&model));

@@ -170,6 +170,11 @@ typedef struct {
 /* What multigrid is told of a field's modes of little energy. */
 typedef enum { MPM_NEAR_NULL_NONE, MPM_NEAR_NULL_RIGID, MPM_NEAR_NULL_CONSTANT } MpmNearNull;
 
+/* At most so many unknowns a node has (displacement, pressure, damage, ...), inputs a kernel, and shapes a physics. */
+#define MPM_MAX_BLOCK  8
+#define MPM_MAX_INPUTS 24
+#define MPM_MAX_SHAPES 3
+
 /*
   One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.
 
