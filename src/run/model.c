@@ -285,6 +285,22 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Fields whose nodes stand some cells apart need a grid that such a lattice fits. */
+static PetscErrorCode CheckLattices(const MpmGrid *grid, const MpmLayout *layout)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt c = 0; c < layout->block && !MpmOptionsHelp(); c++) {
+    const PetscInt spacing = layout->shape[layout->shape_of[c]].spacing;
+
+    for (PetscInt a = 0; a < grid->dim; a++)
+      MpmCheckInput(grid->cells[a] % spacing == 0,
+                    "-mpm_grid_cells %" PetscInt_FMT ": the nodes of %s stand %" PetscInt_FMT
+                    " cells apart on axis %c, must be a multiple of %" PetscInt_FMT,
+                    grid->cells[a], layout->component_name[c], spacing, "xyz"[a], spacing);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *options)
 {
   PetscReal stiffest = 0.;
@@ -463,6 +479,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   PetscCall(ReadKind(model, &options));
   PetscCall(MpmGridSetFromOptions(model->disc.grid, &options, model->disc.layout->dim));
   PetscCall(MpmDiscretizationSize(&model->disc));
+  PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
   PetscCall(MpmStagesRead(model, &options));

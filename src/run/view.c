@@ -82,7 +82,7 @@ static PetscErrorCode ViewSpace(const MpmModel model, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "%" PetscInt_FMT " active nodes, %" PetscInt_FMT " unknowns, at most %" PetscInt_FMT
                                    " nodes a point and axis\n",
-                                   space->global_count, space->global_count * model->disc.block, space->width));
+                                   space->global_count, space->unknown_count, space->width));
   PetscCall(PetscViewerASCIIPushSynchronized(viewer));
   PetscCall(PetscViewerASCIISynchronizedPrintf(
     viewer,

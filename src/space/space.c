@@ -199,11 +199,13 @@ static void MarkTouched(const MpmSpace *space, const MpmGroup *group, PetscInt s
 }
 
 /* With more shapes than one: which of them reach each local node, from the points of any rank. */
-static PetscErrorCode FindSupport(MpmSpace *space)
+static PetscErrorCode FindSupport(MpmSpace *space, const MpmRules *rules)
 {
-  PetscReal *touched;
+  const MpmLayout *layout = rules->layout;
+  PetscReal       *touched;
 
   PetscFunctionBeginUser;
+  space->unknown_count = space->global_count * layout->block;
   if (space->shape_count == 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1((space->local * space->shape_count), &touched));
   for (PetscInt g = 0; g < space->group_count; g++)
@@ -216,6 +218,10 @@ static PetscErrorCode FindSupport(MpmSpace *space)
   for (PetscInt k = 0; k < space->local * space->shape_count; k++)
     if (touched[k] > 0.) space->support[k / space->shape_count] |= 1 << k % space->shape_count;
   PetscCall(PetscFree(touched));
+  space->unknown_count = 0;
+  for (PetscInt k = 0; k < space->owned * layout->block; k++)
+    space->unknown_count += space->support[k / layout->block] >> layout->shape_of[k % layout->block] & 1;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->unknown_count, 1, MPIU_INT, MPI_SUM, rules->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -224,7 +230,7 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   PetscFunctionBeginUser;
   PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));
-  PetscCall(FindSupport(space));
+  PetscCall(FindSupport(space, rules));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

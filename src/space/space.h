@@ -60,7 +60,8 @@ typedef struct MpmSpace {
   PetscInt  *global;       /* number over all ranks, of local nodes */
   PetscInt   global_begin; /* number of the first owned node */
   PetscInt   global_count;
-  PetscSF    sf; /* roots: owned nodes; leaves: ghosts; NULL on one rank */
+  PetscInt   unknown_count; /* over all ranks */
+  PetscSF    sf;            /* roots: owned nodes; leaves: ghosts; NULL on one rank */
 } MpmSpace;
 
 /*

@@ -121,8 +121,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
                          (model->disc.points->count * model->state.particles->stress_size), &model->disc.trial->stress,
                          (model->disc.points->count * model->state.particles->state_size), &model->disc.trial->state,
                          (model->disc.space->local * bs), &model->disc.trial->u));
-  model->state.active_dofs_max =
-    PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->global_count * bs);
+  model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->unknown_count);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
