@@ -2,6 +2,7 @@
   What the model hands to its writers: points, history, summary.
 */
 #include "options/options.h"
+#include "run/laboratory.h"
 #include "run/run.h"
 
 static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)
@@ -173,6 +174,13 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < model->disc.grid.dim; a++) summary.cells *= model->disc.grid.cells[a];
+  if (model->laboratory) {
+    summary.physics  = MPM_STRESS_POINT;
+    summary.shape    = NULL;
+    summary.jacobian = MpmJacobianTypes[MPM_JACOBIAN_LOCAL];
+    summary.solver   = "direct";
+    summary.points   = 1;
+  }
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->results->start;
   PetscCall(PetscArraycpy(summary.time, model->monitor.seconds, MPM_TIME_COUNT));

@@ -2,6 +2,7 @@
   The steps of a model: one at a time for who calls the library, and the run of all of them with its results.
 */
 #include "options/options.h"
+#include "run/laboratory.h"
 #include "run/run.h"
 
 /* ---- one step ---- */
@@ -53,6 +54,7 @@ static PetscErrorCode StepOnce(MpmModel model)
 PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
 {
   PetscFunctionBeginUser;
+  PetscCheck(!model->laboratory, model->comm, PETSC_ERR_SUP, "a stress point is run, not stepped");
   PetscCall(MpmModelSetUp(model));
   *status = MPM_COMPLETED;
   if (AtEnd(model)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -154,6 +156,10 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscFunctionBeginUser;
   PetscCall(MpmModelSetUp(model));
   PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
+  if (model->laboratory) {
+    MpmModelCall(model, MpmLaboratoryRun(model, status));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   MpmModelCall(model, Run(model));
   *status = model->caller.why ? MPM_EXIT_GAVEUP : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
