@@ -9,7 +9,9 @@
 
   A goal outside the yield surface has no solution: the elastic guess is then handed to the law, whose return moves it.
 */
-#include "point/point.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "point/stress_inversion.h"
 
 #define NEWTON_LIMIT 40
 #define SYM_MAX      6

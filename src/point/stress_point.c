@@ -14,8 +14,13 @@
 
   Rank 0 has all unknowns and all equations, so that the solver's monitors speak once; the answer goes to all ranks.
 */
+#include <petscsys.h>
 #include <petscblaslapack.h>
 #include "base/newton_reason.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "point/stress_inversion.h"
 #include "point/stress_point.h"
 
 const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};

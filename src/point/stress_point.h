@@ -6,8 +6,9 @@
   MpmStressPointDestroy(). All are collective, and all ranks have the same state.
 */
 #include <petscsnes.h>
-#include "point/point.h"
+#include "base/types.h"
 #include "point/strain_measure.h"
+#include "talus/talus.h"
 
 typedef enum { MPM_STRESS_CAUCHY, MPM_STRESS_KIRCHHOFF } MpmStressMeasure;
 extern const char *const MpmStressMeasures[]; /* their names, NULL behind the last */

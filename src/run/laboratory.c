@@ -4,7 +4,9 @@
   A step that fails is halved and tried again, and steps grow back; each step that converged is a row. All ranks do the
   same, rank 0 writes.
 */
+#include "point/material.h"
 #include "point/point_path.h"
+#include "point/stress_point.h"
 #include "run/laboratory.h"
 #include "run/run.h"
 
@@ -54,12 +56,12 @@ static PetscErrorCode ReadPoint(MpmLaboratory *laboratory, const MpmOptions *opt
 
 PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, PetscInt dim)
 {
-  MpmMaterials *materials = &model->scene.materials;
+  MpmMaterials *materials = model->scene.materials;
   const char  **names;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&model->laboratory));
-  model->laboratory->dim = model->disc.grid.dim = dim;
+  model->laboratory->dim = model->disc.dim = dim;
   PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED, &materials->count,
                              &materials->names));
   PetscCall(PetscCalloc1(materials->count, &materials->at));
@@ -77,7 +79,7 @@ PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, Pets
 PetscErrorCode MpmLaboratoryPrintHelp(MpmModel model, const MpmOptions *options)
 {
   static const char *const names[]    = {"NAME", NULL};
-  MpmLaboratory            laboratory = {.dim = model->disc.layout.dim};
+  MpmLaboratory            laboratory = {.dim = model->disc.dim};
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, "Point, with physics " MPM_STRESS_POINT ": without grid, bodies and time"));
@@ -98,7 +100,7 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
   PetscFunctionBeginUser;
   if (laboratory->ready) PetscFunctionReturn(PETSC_SUCCESS);
   laboratory->ready = PETSC_TRUE;
-  PetscCall(MpmStressPointCreate(model->comm, &model->scene.materials.at[laboratory->material], laboratory->dim,
+  PetscCall(MpmStressPointCreate(model->comm, &model->scene.materials->at[laboratory->material], laboratory->dim,
                                  path->stress, &laboratory->point));
   laboratory->point.stress_measure = laboratory->stress_measure;
   laboratory->point.strain_measure = laboratory->strain_measure;
@@ -114,7 +116,7 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
 PetscErrorCode MpmLaboratoryText(MpmModel model, size_t length, char text[])
 {
   const MpmLaboratory *laboratory = model->laboratory;
-  const MpmMaterial   *material   = &model->scene.materials.at[laboratory->material];
+  const MpmMaterial   *material   = &model->scene.materials->at[laboratory->material];
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(
@@ -145,7 +147,7 @@ static PetscErrorCode CreateHistory(MpmModel model)
   static const char *const first[]  = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   static const char *const then[]   = {"p", "q", "eps_v", "eps_q"};
   const MpmOptions         options  = {model->comm, "mpm_", model->record};
-  const MpmMaterial       *material = &model->scene.materials.at[model->laboratory->material];
+  const MpmMaterial       *material = &model->scene.materials->at[model->laboratory->material];
   const PetscInt firsts = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first), thens = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(then),
                  columns = firsts + 2 * MPM_SPACE_SYM + thens + material->state_size;
   PetscInt count         = 0;

@@ -3,7 +3,8 @@
   of them. Ranks: 1 2
 */
 #include "options/options.h"
-#include "point/point.h"
+#include "point/material.h"
+#include "point/parameter.h"
 #include "unit.h"
 
 #include <stdio.h>
