@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The laboratory, one point without a grid: closed forms of laws along its paths, what each path holds, tables beside paths
-with a name, steps that are cut, ranks, and scenes that it refuses.
+with a name, Newton's iterations, steps that are cut, ranks, the example triaxial, and scenes that it refuses.
 
 Quick.
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Run, Test, difference  # noqa: E402
+from talus_test import Run, Test, difference, example  # noqa: E402
 
 E, NU = 30e6, 0.25
 MODULUS, LAMBDA, G = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU)), E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
@@ -192,6 +192,26 @@ def check_tables(test):
     test.check("table.stops_at_rows", difference(np.array([1.0, 4.0]), table["time"]), None, 0.0)
 
 
+def check_tangent(test):
+    """Six stresses at once, of a law of another kind, also in plane strain and at small strain: Newton converges as it must."""
+    goal = dict(zip(SYM, (-3e6, 4e6, -2e6, 4e6, 2e6, -1e6)))
+    columns = {"time": [1], **{"stress_" + name: [value] for name, value in goal.items()}}
+    for law in ("neo_hookean", "hencky", "linear_elastic"):
+        for measure in ("cauchy", "kirchhoff"):
+            for strain in ("log", "engineering"):
+                history = follow(test, {**HENCKY, "type": law}, files=(("path.csv", table_text(columns)),), path="table",
+                                 table="path.csv", steps=3, measure=measure, strain=strain,
+                                 stress="-1e6,-2e6,-1.5e6,3e5,-2e5,1e5")
+                label = f"tangent.{law}.{measure}.{strain}"
+                test.check(label, history["newton"].max(), 1, 5)
+                found = np.array([history["stress_" + name][-1] for name in SYM])
+                test.check(label + ".stress", difference(np.array(list(goal.values())), found), None, 1e-12)
+    columns = {"time": [1], "stress_xx": [-2e6], "stress_yy": [3e6], "stress_xy": [2e6]}
+    history = follow(test, {**HENCKY, "type": "neo_hookean"}, files=(("path.csv", table_text(columns)),), path="table",
+                     table="path.csv", steps=2, mpm_dim=2)
+    test.check("tangent.plane", history["newton"].max(), 1, 6)
+
+
 def check_cuts(test):
     """A single step in which Newton's method may not iterate enough is cut, and steps grow back."""
     whole = follow(test, HENCKY, path="triaxial_drained", end=-0.6, steps=50, stress="-3e6,-3e6,-3e6,0,0,0")
@@ -203,7 +223,7 @@ def check_cuts(test):
     run = start(test, HENCKY, path="table", table="path.csv", stress="0,0,0,0,0,0",  # Cauchy stress has a maximum
                 files=(("path.csv", "time,stress_xx,stress_yy,stress_zz\n1,0,1e9,0\n"),))
     test.check("beyond_strength.status", run.status, 3, 3)
-    test.check("beyond_strength.summary", run.results.summary["status"].startswith("DIVERGED"), 1, 1)
+    test.check("beyond_strength.summary", run.results.summary["status"] not in ("", "completed"), 1, 1)
     test.check("beyond_strength.rows", len(run.results.column("time")), 1)
 
 
@@ -211,6 +231,7 @@ def check_ranks(test):
     texts = [[(start(test, PRAGER, ranks=ranks, path="triaxial_drained", end=-0.05, steps=20, stress=CONFINED, mpm_title="r").folder
                / f"run_{name}").read_bytes() for name in ("history.csv", "options.yaml")] for ranks in (1, 2)]
     test.check("ranks.same_files", texts[0] == texts[1], 1, 1)
+    test.check_example("triaxial", test.run(example("triaxial"), ranks=2, mpm_quiet=None), "triaxial")
     run = start(test, HENCKY, path="oedometer", end=-0.1)
     test.check("files", run.files == ["run_history.csv", "run_options.yaml", "run_summary.json", "scene.yaml"], 1, 1)
     again = Run(test.program, run.folder / "run_options.yaml", 1, {"mpm_output_prefix": "again"}, run.folder)
@@ -278,5 +299,5 @@ def check_bad_scenes(test):
 
 with Test() as test:
     for check in (check_oedometer, check_triaxial, check_undrained, check_cauchy, check_shear, check_isotropic,
-                  check_tables, check_cuts, check_ranks, check_bad_scenes):
+                  check_tables, check_tangent, check_cuts, check_ranks, check_bad_scenes):
         check(test)
