@@ -1,6 +1,7 @@
 /*
   One step: space, conditions and loads, Newton, commit.
 */
+#include "base/newton_reason.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
@@ -306,28 +307,6 @@ static PetscErrorCode Commit(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const char *ReasonText(SNESConvergedReason reason)
-{
-  switch (reason) {
-  case SNES_DIVERGED_FUNCTION_DOMAIN:
-    return "a point had no stress (domain error)";
-  case MPM_SNES_DIVERGED_NAN:
-    return "the residual was not finite";
-  case SNES_DIVERGED_LINEAR_SOLVE:
-    return "the linear solver failed";
-  case SNES_DIVERGED_MAX_IT:
-    return "Newton reached its iteration limit";
-  case SNES_DIVERGED_LINE_SEARCH:
-    return "the line search failed";
-  case SNES_DIVERGED_LOCAL_MIN:
-    return "Newton's step does not lower the residual";
-  case SNES_DIVERGED_DTOL:
-    return "the residual grew without bound";
-  default:
-    return "Newton did not converge";
-  }
-}
-
 /* The residual at the step's start, which the tolerance refers to. */
 static PetscErrorCode FindReference(MpmModel model)
 {
@@ -384,9 +363,9 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *ret
   PetscCall(Solve(model, &reason));
   if (reason < 0) {
     *retryable = PETSC_TRUE;
-    *why       = ReasonText(reason);
+    *why       = MpmNewtonReason(reason);
     PetscCall(MpmUnconstrainedExplain(model, why, retryable));
-    if (*why == ReasonText(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
+    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *retryable = PETSC_FALSE;
