@@ -89,23 +89,20 @@ typedef struct {
   PetscInt     spacing;
 } Shape;
 
-/* The weights of a point on one axis; edges and nodes are those of the grid. */
-static void EvaluateLine(const MpmRules *rules, const Shape *shape, PetscInt axis, PetscReal xi, PetscReal half,
-                         PetscInt lower, PetscInt upper, MpmShapeLine *line)
+/* The weights of a point on one axis, gradients by xi; edges and nodes are those of the grid. */
+static void EvaluateLine(const Shape *shape, MpmEdgeType edge, PetscReal xi, PetscReal half, PetscInt lower,
+                         PetscInt upper, MpmShapeLine *line)
 {
   const PetscInt r = shape->spacing;
 
-  if (r > 1) { /* the lattice's nodes on the edges, or next behind them */
-    lower = lower / r;
-    upper = (upper + r - 1) / r;
-    xi /= (PetscReal)r;
-    half /= (PetscReal)r;
+  if (r == 1) {
+    MpmShapeEvaluate(shape->type, edge, xi, half, lower, upper, line);
+    return;
   }
-  MpmShapeEvaluate(shape->type, rules->edge, xi, half, lower, upper, line);
-  for (PetscInt i = 0; i < line->count; i++) line->gradient[i] /= (PetscReal)r * rules->grid->h[axis];
-  if (r == 1) return;
+  /* the lattice's nodes on the edges, or next behind them */
+  MpmShapeEvaluate(shape->type, edge, xi / (PetscReal)r, half / (PetscReal)r, lower / r, (upper + r - 1) / r, line);
   for (PetscInt i = line->count - 1; i >= 0; i--) {
-    const PetscReal weight = line->weight[i], gradient = line->gradient[i];
+    const PetscReal weight = line->weight[i], gradient = line->gradient[i] / (PetscReal)r;
 
     for (PetscInt k = 0; k < r && (k == 0 || i + 1 < line->count); k++)
       line->weight[i * r + k] = line->gradient[i * r + k] = 0.;
@@ -136,7 +133,8 @@ static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *poin
       MpmShapeLine    line = {.weight   = &lines->values.weight[k * lines->width],
                               .gradient = &lines->values.gradient[k * lines->width]};
 
-      EvaluateLine(rules, shape, a, xi, half ? half[k] : 0., lower[a], upper[a], &line);
+      EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
+      for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
       lines->first[k] = line.first;
       lines->count[k] = line.count;
     }
