@@ -175,7 +175,9 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.boundaries->at));
   PetscCall(PetscFree(model->scene.loads->at));
   PetscCall(PetscFree(model->results->tracks.at));
-  PetscCall(PetscFree(model->scene.walls));
+  PetscCall(PetscFree(model->state.bcs));
+  PetscCall(PetscFree(model->state.loads));
+  PetscCall(PetscFree(model->state.walls));
   PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
   PetscCall(PetscFree(model->scene.materials));
@@ -386,7 +388,9 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                              &model->scene.loads->names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
-  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->scene.walls));
+  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls));
+  PetscCall(PetscCalloc1(model->scene.bcs->count, &model->state.bcs));
+  PetscCall(PetscCalloc1(model->scene.loads->count, &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));

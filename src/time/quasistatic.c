@@ -94,8 +94,8 @@ static MpmRules Rules(MpmModel model)
                     .shape      = model->scene.shape,
                     .edge       = model->scene.edge,
                     .layout     = model->disc.layout,
-                    .wall_count = model->scene.wall_count,
-                    .walls      = model->scene.walls,
+                    .wall_count = model->state.wall_count,
+                    .walls      = model->state.walls,
                     .stretch    = model->scene.stretch,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
@@ -137,14 +137,23 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time)
+{
+  const MpmPrescription step = {model->scene.bcs, model->state.bcs, model->state.time, time};
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Conditions and loads at the step's end. */
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmConstraintsSetUp(model->disc.constraints, model->scene.bcs, model->disc.grid, model->disc.layout,
-                                model->disc.space, model->state.time, time));
-  PetscCall(MpmContactsSetUp(model->disc.contacts, rules, model->disc.space, model->disc.points, model->state.particles,
-                             model->state.time, time));
+  PetscCall(MpmModelPrescribe(model, time));
+  PetscCall(MpmTermsPrepare(model->disc.terms,
+                            &(MpmTermStep){rules, model->disc.sum, model->state.particles, model->state.time, time}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     PetscCall(MpmLoadApply(&model->scene.loads->at[l], MpmModelLoadFactor(model, l, time), rules, model->disc.sum,
@@ -285,7 +294,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(FindTrial(model));
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
-  PetscCall(MpmContactsCommit(model->disc.contacts, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
   PetscCall(PetscArrayzero(model->disc.reaction, model->scene.bcs->count * bs));
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
