@@ -246,21 +246,14 @@ MPM_FN int IsotropicFrameCreate(const double values[6], IsotropicFrame *frame)
   return 0;
 }
 
-/*
-  gamma in the order of a Sym: aa, bb, cc, ab, bc, ac. The result's values are sum_a f[a] n_a n_a, and its derivatives
-  those of A under the operator in the head of this file.
-*/
-MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6],
-                              Sym *result)
+/* basis[ab]: the symmetric part of n_a n_b, in the order of a Sym */
+MPM_FN void IsotropicBasis(const double Q[9], double basis[6][6])
 {
-  double basis[6][6], M[6][6], values[6]; /* basis[ab]: the symmetric part of n_a n_b */
-
   for (int i = 0; i < 3; ++i) {
     const int r = i, s = (i + 1) % 3;
 
     for (int a = 0; a < 3; ++a) {
-      const int     b = (a + 1) % 3;
-      const double *Q = frame->Q;
+      const int b = (a + 1) % 3;
 
       basis[a][i]         = Q[3 * i + a] * Q[3 * i + a];
       basis[a][3 + i]     = Q[3 * r + a] * Q[3 * s + a];
@@ -268,6 +261,18 @@ MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const d
       basis[3 + a][3 + i] = 0.5 * (Q[3 * r + a] * Q[3 * s + b] + Q[3 * s + a] * Q[3 * r + b]);
     }
   }
+}
+
+/*
+  gamma in the order of a Sym: aa, bb, cc, ab, bc, ac. The result's values are sum_a f[a] n_a n_a, and its derivatives
+  those of A under the operator in the head of this file.
+*/
+MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6],
+                              Sym *result)
+{
+  double basis[6][6], M[6][6], values[6];
+
+  IsotropicBasis(frame->Q, basis);
   for (int i = 0; i < 6; ++i) values[i] = f[0] * basis[0][i] + f[1] * basis[1][i] + f[2] * basis[2][i];
   for (int i = 0; i < 6 && MPM_DIRECTIONS > 0; ++i) {
     for (int j = 0; j < 6; ++j) {
@@ -366,6 +371,60 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   }
   for (int a = 0; a < 3; ++a) gamma[3 + a] = 1. / (f[a] + f[(a + 1) % 3]);
   IsotropicJoin(A, &frame, f, gamma, result);
+  return 0;
+}
+
+/*
+  Principal values, largest first, without axes, by the cosine of three times Lode's angle. Where two of them coincide
+  they are off by up to 1e-7 |dev A|: good for a test with a margin.
+*/
+MPM_FN void SymPrincipalValues(const Sym *A, double w[3])
+{
+  double values[6], X[6], square[6], mean, norm, J3 = 0., r, angle;
+
+  SymValues(values, A);
+  IsotropicSplitValues(values, &mean, &norm);
+  w[0] = w[1] = w[2] = mean;
+  if (!(norm > DBL_MIN)) return;
+  for (int i = 0; i < 6; ++i) X[i] = (values[i] - (i < 3 ? mean : 0.)) / norm;
+  IsotropicSquare(X, square);
+  for (int i = 0; i < 6; ++i) J3 += (i < 3 ? 1. : 2.) / 3. * square[i] * X[i];
+  r     = sqrt(2. / 3.) * norm;
+  angle = acos(fmax(-1., fmin(1., sqrt(54.) * J3))) / 3.; /* of the largest */
+  w[0] += r * cos(angle);
+  w[2] += r * cos(angle + 2.0943951023931954923); /* 2 pi/3 */
+  w[1] = fmax(w[2], fmin(w[0], 3. * mean - w[0] - w[2]));
+}
+
+/*
+  Non-zero when A is not finite. The deviator is what is rotated: differences of its principal values are exact to
+  rounding of it, however large the mean.
+*/
+MPM_FN int SymPrincipalCreate(const Sym *A, SymPrincipal *principal)
+{
+  IsotropicFrame frame;
+  double         values[6], Q[9], mean, norm;
+  int            order[3] = {0, 1, 2};
+
+  SymValues(values, A);
+  IsotropicSplitValues(values, &mean, &norm);
+  for (int i = 0; i < 3; ++i) values[i] -= mean;
+  if (IsotropicFrameCreate(values, &frame)) return 1;
+  for (int k = 0; k < 3; ++k) { /* three exchanges sort three */
+    const int a = k % 2, first = order[a];
+
+    if (frame.w[first] >= frame.w[order[a + 1]]) continue;
+    order[a]     = order[a + 1];
+    order[a + 1] = first;
+  }
+  for (int a = 0; a < 3; ++a) {
+    principal->value[a]   = mean + frame.w[order[a]];
+    principal->pair[a][0] = a;
+    principal->pair[a][1] = (a + 1) % 3;
+    principal->gap[a]     = frame.w[order[a]] - frame.w[order[(a + 1) % 3]];
+    for (int i = 0; i < 3; ++i) Q[3 * i + a] = frame.Q[3 * i + order[a]];
+  }
+  IsotropicBasis(Q, principal->basis);
   return 0;
 }
 
