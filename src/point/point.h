@@ -121,7 +121,8 @@ typedef struct {
   MpmKernelSet       kernel;
   MpmFunction        law[MPM_FORM_COUNT];
   PetscInt           dim, model_dim; /* of the kernel, and of the model */
-  PetscBool          stateful;
+  int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
+  PetscBool stateful;
 } MpmInitial;
 
 #define MPM_INITIAL_STATE 64 /* most values of a history in 3D */

@@ -59,9 +59,9 @@ static const MpmField fields[] = {
    .near_null  = MPM_NEAR_NULL_CONSTANT},
 };
 static const MpmParameter parameters[] = {
-  {MPM_NUMBER, "push", "Pa", 0.3, 0, -HUGE_VAL, HUGE_VAL, 0, "pressure of the solvent", NULL},
-  {MPM_NUMBER, "source", "1/s", 0.1, 0, -HUGE_VAL, HUGE_VAL, 0, "solvent that comes with the volume", NULL},
-  {MPM_NUMBER, "diffusivity", "m2/s", 0.5, 0, 0., HUGE_VAL, 0, "how fast the solvent spreads", NULL},
+  {MPM_NUMBER, "push", "Pa", 0.3, 0, -HUGE_VAL, HUGE_VAL, 0, "pressure of the solvent", NULL, 0., NULL},
+  {MPM_NUMBER, "source", "1/s", 0.1, 0, -HUGE_VAL, HUGE_VAL, 0, "solvent that comes with the volume", NULL, 0., NULL},
+  {MPM_NUMBER, "diffusivity", "m2/s", 0.5, 0, 0., HUGE_VAL, 0, "how fast the solvent spreads", NULL, 0., NULL},
 };
 MPM_PHYSICS(swelling, 0, "a solid that swells with what diffuses through it", fields, parameters, 3, NULL)
 #endif

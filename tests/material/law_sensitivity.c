@@ -141,8 +141,9 @@ static void CheckComponent(const Setting *setting, Kind kind, int k, int sample,
   double     expected[MAX_ANSWER];
 
   if (!x) return;
-  along.point.law             = law;
-  scale                       = Scale(setting, kind, k, *x);
+  along.point.law = law;
+  scale           = Scale(setting, kind, k, *x);
+  if (kind == PARAMETER && *x - 1e-2 * scale < law->info[PLAIN].parameters[k].lower) return; /* no difference there */
   *Component(&along, kind, k) = scale;
   ck_assert_int_eq(Derivative(setting, &along, answer, derivative), 0);
   Difference(setting, kind, k, scale, n, expected, &doubt);

@@ -15,8 +15,9 @@ void MpmMaterialCreate_data_law_2d_sensitivity(MpmLawInfo *info);
 enum { DENSITY, G, TABLE }; /* of both laws */
 
 static const MpmOptions   block = {MPI_COMM_WORLD, "mpm_material_a_", NULL};
-static const MpmParameter table = {MPM_TABLE, "curve", "-:Pa", 0., 1, 0., 100., 0, "stress over strain", NULL};
-static const MpmParameter data  = {MPM_DATA, "numbers", "Pa", 0., 0, 0., HUGE_VAL, 1, "moduli", NULL};
+static const MpmParameter table = {MPM_TABLE, "curve", "-:Pa", 0., 1, 0., 100., 0, "stress over strain",
+                                   NULL,      0.,      NULL};
+static const MpmParameter data  = {MPM_DATA, "numbers", "Pa", 0., 0, 0., HUGE_VAL, 1, "moduli", NULL, 0., NULL};
 
 /* Runs with one and with two ranks may go on side by side. */
 static const char *FileName(void)

@@ -10,9 +10,9 @@ enum { ELASTIC_DENSITY, ELASTIC_E, ELASTIC_NU, ELASTIC_COUNT };
 
 /* clang-format off */
 #define ELASTIC_PARAMETERS \
-  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL}, \
-  {MPM_NUMBER, "E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
-  {MPM_NUMBER, "nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL}
+  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL, 2000., NULL}, \
+  {MPM_NUMBER, "E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL, 30e6, NULL}, \
+  {MPM_NUMBER, "nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL, 0.3, NULL}
 /* clang-format on */
 
 /* Pa */
