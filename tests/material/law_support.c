@@ -154,6 +154,7 @@ static double RandomParameter(const MpmParameter *parameter, double E, int degen
 
   if (parameter->kind == MPM_WORD) return floor(RandomUniform(parameter->lower, parameter->upper + 1.));
   if (degenerate && !parameter->open && RandomUniform(0., 1.) < 0.25) return parameter->lower;
+  if (isinf(parameter->fallback) && RandomUniform(0., 1.) < 0.25) return parameter->fallback; /* left out */
   if (!strcmp(parameter->name, "E") || (!strcmp(parameter->name, "G") && typical == 0.)) return E;
   if (!strcmp(parameter->name, "nu")) return RandomUniform(-0.3, 0.48);
   if (typical == 0. && !strcmp(parameter->unit, "Pa")) return E * pow(10., RandomUniform(-4., -2.));
@@ -187,13 +188,16 @@ void PointCreate(const Law *law, int degenerate, Point *point)
   memset(point, 0, sizeof *point);
   point->law = law;
   do {
-    const double E = TYPICAL_E * pow(10., RandomUniform(-1., 1.));
+    const double E    = TYPICAL_E * pow(10., RandomUniform(-1., 1.));
+    double       left = 0.; /* the least share of parameters that are the defaults of others: all of it, or 0.3 */
 
     for (size_t p = 0; p < info->parameter_count; ++p) {
       if (info->parameters[p].kind >= MPM_TABLE) RandomData(&info->parameters[p], E, point->data[p]);
-      else if (info->parameters[p].same_as) /* at most as much as that one: a strength that is left, say */
-        point->parameter[p] = RandomUniform(0.3, 1.) * point->parameter[LawParameter(law, info->parameters[p].same_as)];
-      else point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
+      else if (info->parameters[p].same_as) {
+        if (left == 0.) left = RandomUniform(0., 1.) < 0.3 ? 1. : 0.3;
+        point->parameter[p] =
+          RandomUniform(left, 1.) * point->parameter[LawParameter(law, info->parameters[p].same_as)];
+      } else point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
     }
     PointInput(point, NULL, table);
   } while (info->check && !info->check(point->parameter, table, &fault));

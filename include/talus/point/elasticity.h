@@ -80,6 +80,24 @@ MPM_FN int ElasticLeftCauchyGreen(const Sym *e, Sym *b)
   return SymExp(&twice, b);
 }
 
+/*
+  History that begins with the elastic left Cauchy-Green tensor b, from a wanted Kirchhoff stress of Hencky's elasticity:
+  b = exp(2 e), e = (tau - lambda/(3 lambda + 2 mu) tr(tau) I)/(2 mu). The rest stays.
+*/
+MPM_FN int ElasticHistory(const double *parameter, const MpmLawTable *table, const double *stress, double *state)
+{
+  const Lame   lame   = LameFromValues(parameter);
+  const double lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
+  const double mean = lambda / (3. * lambda + 2. * mu) * (stress[0] + stress[1] + stress[2]);
+  Sym          e, b;
+
+  (void)table;
+  for (int i = 0; i < MPM_SYM; ++i) e.a[i] = ScalarConstant((stress[i] - (i < 3 ? mean : 0.)) / (2. * mu));
+  if (ElasticLeftCauchyGreen(&e, &b)) return 1;
+  SymValues(state, &b);
+  return 0;
+}
+
 /* Whether det F, F = dF F_n, is a positive finite number: no law has an answer otherwise. False for NaN. */
 MPM_FN int ElasticIsRegular(const MpmLawPoint *point, const Tensor *dF)
 {

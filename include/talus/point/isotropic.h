@@ -88,7 +88,8 @@ MPM_FN void IsotropicHyperbolic(double q, double *c, double *h, double *dh)
 
 /*
   (y_a - y_b)/(w_a - w_b) of pair k. Where the principal values w nearly coincide, the difference is lost in rounding and
-  its limit stands in, dy_a/dw_a - dy_a/dw_b, as the mean of both ends; it does wherever the difference cannot tell.
+  its limit stands in, dy_a/dw_a - dy_a/dw_b, as the mean of both ends; and wherever else the difference cannot tell it
+  from that.
 */
 MPM_FN double IsotropicDivided(const SymPrincipal *principal, const Dual y[3], int k)
 {
@@ -96,9 +97,24 @@ MPM_FN double IsotropicDivided(const SymPrincipal *principal, const Dual y[3], i
   const double gap = principal->gap[k], difference = DualValue(y[a]) - DualValue(y[b]);
   const double slope =
     0.5 * (DualDirection(y[a], a) - DualDirection(y[a], b) + DualDirection(y[b], b) - DualDirection(y[b], a));
-  const double size = fabs(DualValue(y[a])) + fabs(slope * principal->value[a]);
+  const double largest = fmax(fabs(principal->value[0]), fabs(principal->value[2]));
+  const double noise   = 16. * DBL_EPSILON * (fabs(DualValue(y[a])) + fabs(slope) * largest);
 
-  return gap == 0. || fabs(difference - slope * gap) <= 16. * DBL_EPSILON * size ? slope : difference / gap;
+  return fabs(gap) <= 1e-8 * largest || fabs(difference - slope * gap) <= noise ? slope : difference / gap;
+}
+
+/* A number f that is a function of A's principal values alone, with its derivatives by them in directions 0, 1, 2 */
+MPM_FN Scalar SymInvariant(const Sym *A, const SymPrincipal *principal, Dual f)
+{
+  Scalar c = ScalarConstant(DualReal(f));
+
+  for (int j = 0; j < MPM_SYM && MPM_DIRECTIONS > 0; ++j) {
+    double slope = 0.;
+
+    for (int a = 0; a < 3; ++a) slope += DualDirection(f, a) * principal->basis[a][j];
+    ScalarAddDirections(&c, (j < 3 ? 1. : 2.) * slope, &A->a[j]);
+  }
+  return c;
 }
 
 /*
