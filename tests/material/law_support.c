@@ -281,6 +281,19 @@ void PointSet(Point *point, const char *parameter, double value)
   point->parameter[LawParameter(point->law, parameter)] = value;
 }
 
+void PointSetPrincipal(Point *point, const double *stress)
+{
+  const double E  = point->parameter[LawParameter(point->law, "E")];
+  const double nu = point->parameter[LawParameter(point->law, "nu")];
+  double      *b  = &point->state[LawState(point->law, "elastic_left_cauchy_green")];
+
+  for (int i = 0; i < SYM; ++i) {
+    const double e = i < 3 ? (stress[i] - nu * (stress[(i + 1) % 3] + stress[(i + 2) % 3])) / E : 0.;
+
+    b[i] = i < 3 ? exp(2. * e) : 0.;
+  }
+}
+
 /* ---- small matrices ---- */
 
 void Identity(double *A)
