@@ -17,7 +17,7 @@
   Return, in principal values of tau and e, C being Hooke's law: t = t_trial - C sum_i dg_i r_i, dg_i >= 0, where the active
   planes n_i . t = h_i of the list
 
-    13, tension 1, both, 13 and 12, 13 and 23, tension 1 and 2, and the corners: apex t = c cot phi; with a tension
+    13, 13 and 12, 13 and 23, tension 1, 13 and tension 1, tension 1 and 2, and the corners: apex t = c cot phi; with a tension
     strength below that, (T, T, T), (T, S, S), (T, T, S), S = ((1 + sin phi) T - 2 c cos phi)/(1 - sin phi)
 
   are the first that leave no plane violated. The regions of trial stress that belong to them are those of the closest
@@ -74,40 +74,43 @@ static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STAT
 /* ---- strength ---- */
 
 typedef struct {
-  Dual sin_phi, sin_psi;
+  Dual sin_phi;
   Dual shear;   /* 2 c cos phi */
   Dual tension; /* used where `cut` */
   int  cut;
 } Strength;
 
-/* From a value to the residual one, in degrees where they are angles */
-MPM_FN Dual Soften(const Real *parameter, int peak, int residual, Dual part)
+/* How much of the way to the residual strength an equivalent plastic strain has gone */
+MPM_FN Dual SoftPart(const Real *parameter, Dual kappa)
 {
-  return DualAdd(DualConstant(parameter[peak]), DualScale(parameter[residual] - parameter[peak], part));
+  if (!(RealValue(parameter[SOFTENING_STRAIN]) <= DBL_MAX)) return DualConstant(0.);
+  if (DualValue(kappa) >= RealValue(parameter[SOFTENING_STRAIN])) return DualConstant(1.);
+  return DualDiv(kappa, DualConstant(parameter[SOFTENING_STRAIN]));
 }
 
-/* At an equivalent plastic strain */
-MPM_FN Strength StrengthAt(const Real *parameter, Dual kappa)
+MPM_FN Dual Soften(const Real *parameter, int peak, int residual, Dual part)
 {
-  const double degree = 3.14159265358979323846 / 180.;
-  const int    soft   = RealValue(parameter[SOFTENING_STRAIN]) <= DBL_MAX;
-  Dual         part   = DualConstant(0.), c, phi, psi;
-  Strength     strength;
+  return DualShift(DualScale(parameter[residual] - parameter[peak], part), parameter[peak]);
+}
 
-  if (soft && DualValue(kappa) < RealValue(parameter[SOFTENING_STRAIN]))
-    part = DualDiv(kappa, DualConstant(parameter[SOFTENING_STRAIN]));
-  else if (soft) part = DualConstant(1.);
-  c   = Soften(parameter, COHESION, COHESION_RESIDUAL, part);
-  phi = DualScale(degree, Soften(parameter, FRICTION, FRICTION_RESIDUAL, part));
-  psi = DualScale(degree, Soften(parameter, DILATION, DILATION_RESIDUAL, part));
+MPM_FN Dual SoftAngle(const Real *parameter, int peak, int residual, Dual part)
+{
+  return DualScale(3.14159265358979323846 / 180., Soften(parameter, peak, residual, part));
+}
+
+MPM_FN Strength StrengthAt(const Real *parameter, Dual part)
+{
+  const Dual c   = Soften(parameter, COHESION, COHESION_RESIDUAL, part);
+  const Dual phi = SoftAngle(parameter, FRICTION, FRICTION_RESIDUAL, part);
+  Strength   strength;
 
   strength.sin_phi = DualSin(phi);
-  strength.sin_psi = DualSin(psi);
   strength.shear   = DualScale(2., DualMul(c, DualCos(phi)));
   strength.cut     = RealValue(parameter[TENSION]) <= DBL_MAX;
-  strength.tension = DualConstant(strength.cut ? parameter[TENSION] : 0.);
-  if (RealValue(parameter[COHESION]) > 0.)
-    strength.tension = DualMul(strength.tension, DualDiv(c, DualConstant(parameter[COHESION])));
+  strength.tension = DualConstant(0.);
+  if (strength.cut && RealValue(parameter[COHESION]) > 0.)
+    strength.tension = DualScale(parameter[TENSION] / parameter[COHESION], c);
+  else if (strength.cut) strength.tension = DualConstant(parameter[TENSION]);
   return strength;
 }
 
@@ -149,46 +152,62 @@ MPM_FN int IsSurelyElastic(const Strength *strength, Lame lame, const Sym *e)
 
 /* ---- return in principal stresses ---- */
 
-/* n . t <= h, with flow along r */
+/*
+  The planes: of Mohr-Coulomb between principal values i > j, n = (1 + sin phi) e_i - (1 - sin phi) e_j, and of tension,
+  n = e_i. What flow takes from the stress, C r: along i, along j, and along the third.
+*/
+typedef enum { PLANE_13, PLANE_12, PLANE_23, TENSION_1, TENSION_2, NO_PLANE } Plane;
+
 typedef struct {
-  Dual n[3], r[3], h;
-} Plane;
+  Lame lame;
+  Dual plus, minus;                /* 1 + sin phi, 1 - sin phi */
+  Dual sin_psi, at_i, at_j, third; /* of C r */
+} Flow;
 
-typedef enum { PLANE_13, PLANE_12, PLANE_23, TENSION_1, TENSION_2, PLANES } PlaneName;
-
-MPM_FN Plane PlaneCreate(const Strength *strength, PlaneName name)
+MPM_FN Flow FlowCreate(const Real *parameter, const Strength *strength, Dual part)
 {
-  const int    i = name == PLANE_23 || name == TENSION_2 ? 1 : 0, j = name == PLANE_12 ? 1 : 2;
-  const double one = 1.;
-  Plane        plane;
+  Flow flow;
 
-  for (int a = 0; a < 3; ++a) plane.n[a] = plane.r[a] = DualConstant(0.);
-  if (name >= TENSION_1) {
-    plane.n[i] = plane.r[i] = DualConstant(one);
-    plane.h                 = strength->tension;
-  } else {
-    plane.n[i] = DualShift(strength->sin_phi, one);
-    plane.n[j] = DualShift(strength->sin_phi, -one);
-    plane.r[i] = DualShift(strength->sin_psi, one);
-    plane.r[j] = DualShift(strength->sin_psi, -one);
-    plane.h    = strength->shear;
+  flow.lame    = LameFromParameters(parameter);
+  flow.plus    = DualShift(strength->sin_phi, 1.);
+  flow.minus   = DualNeg(DualShift(strength->sin_phi, -1.));
+  flow.sin_psi = DualSin(SoftAngle(parameter, DILATION, DILATION_RESIDUAL, part));
+  flow.third   = DualScale(2. * flow.lame.lambda, flow.sin_psi);
+  flow.at_i    = DualAdd(flow.third, DualScale(2. * flow.lame.mu, DualShift(flow.sin_psi, 1.)));
+  flow.at_j    = DualAdd(flow.third, DualScale(2. * flow.lame.mu, DualShift(flow.sin_psi, -1.)));
+  return flow;
+}
+
+MPM_FN int PlaneMajor(Plane plane)
+{
+  return plane == PLANE_23 || plane == TENSION_2 ? 1 : 0;
+}
+
+MPM_FN int PlaneMinor(Plane plane)
+{
+  return plane == PLANE_12 ? 1 : 2;
+}
+
+/* n . v */
+MPM_FN Dual PlaneNormal(const Flow *flow, Plane plane, const Dual v[3])
+{
+  if (plane >= TENSION_1) return v[PlaneMajor(plane)];
+  return DualSub(DualMul(flow->plus, v[PlaneMajor(plane)]), DualMul(flow->minus, v[PlaneMinor(plane)]));
+}
+
+/* C r */
+MPM_FN void PlaneFlow(const Flow *flow, Plane plane, Dual v[3])
+{
+  const int  i = PlaneMajor(plane), j = PlaneMinor(plane);
+  const Real lambda = flow->lame.lambda, mu = flow->lame.mu;
+
+  for (int k = 0; k < 3; ++k) {
+    if (plane >= TENSION_1) v[k] = DualConstant(k == i ? lambda + 2. * mu : lambda);
+    else v[k] = k == i ? flow->at_i : k == j ? flow->at_j : flow->third;
   }
-  return plane;
 }
 
-MPM_FN Dual Dot(const Dual a[3], const Dual b[3])
-{
-  return DualAdd(DualAdd(DualMul(a[0], b[0]), DualMul(a[1], b[1])), DualMul(a[2], b[2]));
-}
-
-/* C v and its inverse, for principal values of strain and stress */
-MPM_FN void PrincipalStress(Lame lame, const Dual v[3], Dual t[3])
-{
-  const Dual mean = DualScale(lame.lambda, DualAdd(DualAdd(v[0], v[1]), v[2]));
-
-  for (int a = 0; a < 3; ++a) t[a] = DualAdd(mean, DualScale(2. * lame.mu, v[a]));
-}
-
+/* C^-1 t in principal values */
 MPM_FN void PrincipalStrain(Lame lame, const Dual t[3], Dual v[3])
 {
   const Real factor = lame.lambda / (3. * lame.lambda + 2. * lame.mu);
@@ -197,18 +216,19 @@ MPM_FN void PrincipalStrain(Lame lame, const Dual t[3], Dual v[3])
   for (int a = 0; a < 3; ++a) v[a] = DualScale(0.5 / lame.mu, DualSub(t[a], mean));
 }
 
-/* Takes t to `count` planes, one or two, along their flow. Returns the least multiplier, times 2 mu. */
-MPM_FN double ReturnToPlanes(Lame lame, const Plane plane[2], int count, Dual t[3])
+/* Takes t to one plane, or to two, along their flow. Returns the lesser multiplier, times 2 mu. */
+MPM_FN double ReturnToPlanes(const Strength *strength, const Flow *flow, const Plane plane[2], Dual t[3])
 {
-  Dual   flow[2][3], a[2][2], f[2], dg[2];
-  double least = HUGE_VAL;
+  const int count = plane[1] == NO_PLANE ? 1 : 2;
+  Dual      lost[2][3], a[2][2], f[2], dg[2];
+  double    least = HUGE_VAL;
 
   for (int i = 0; i < count; ++i) {
-    PrincipalStress(lame, plane[i].r, flow[i]);
-    f[i] = DualSub(Dot(plane[i].n, t), plane[i].h);
+    PlaneFlow(flow, plane[i], lost[i]);
+    f[i] = DualSub(PlaneNormal(flow, plane[i], t), plane[i] >= TENSION_1 ? strength->tension : strength->shear);
   }
   for (int i = 0; i < count; ++i)
-    for (int j = 0; j < count; ++j) a[i][j] = Dot(plane[i].n, flow[j]);
+    for (int j = 0; j < count; ++j) a[i][j] = PlaneNormal(flow, plane[i], lost[j]);
   if (count == 1) {
     dg[0] = DualDiv(f[0], a[0][0]);
   } else {
@@ -218,61 +238,57 @@ MPM_FN double ReturnToPlanes(Lame lame, const Plane plane[2], int count, Dual t[
     dg[1] = DualDiv(DualSub(DualMul(a[0][0], f[1]), DualMul(a[1][0], f[0])), det);
   }
   for (int i = 0; i < count; ++i) {
-    least = fmin(least, 2. * RealValue(lame.mu) * DualValue(dg[i]));
-    for (int k = 0; k < 3; ++k) t[k] = DualSub(t[k], DualMul(dg[i], flow[i][k]));
+    least = fmin(least, 2. * RealValue(flow->lame.mu) * DualValue(dg[i]));
+    for (int k = 0; k < 3; ++k) t[k] = DualSub(t[k], DualMul(dg[i], lost[i][k]));
   }
   return least;
 }
 
 /* The corner to which no other region leads. Non-zero where there is none: without friction. */
-MPM_FN int ReturnToCorner(const Strength *strength, Lame lame, Dual t[3])
+MPM_FN int ReturnToCorner(const Strength *strength, const Flow *flow, Dual t[3])
 {
-  const Dual T = strength->tension, plus = DualShift(strength->sin_phi, 1.), minus = DualShift(strength->sin_phi, -1.);
-  const double up = 1. + DualValue(strength->sin_psi), down = 1. - DualValue(strength->sin_psi);
+  const Dual   T  = strength->tension;
+  const double up = 1. + DualValue(flow->sin_psi), down = 1. - DualValue(flow->sin_psi);
   Dual         S, out[3], v[3];
 
   if (!strength->cut) {
     if (!(DualValue(strength->sin_phi) > 0.)) return 1;
-    for (int a = 0; a < 3; ++a) t[a] = DualDiv(DualScale(0.5, strength->shear), strength->sin_phi);
+    t[0] = t[1] = t[2] = DualDiv(DualScale(0.5, strength->shear), strength->sin_phi);
     return 0;
   }
-  S = DualDiv(DualSub(strength->shear, DualMul(plus, T)), minus);
   for (int a = 0; a < 3; ++a) out[a] = DualSub(t[a], T);
-  PrincipalStrain(lame, out, v);
+  PrincipalStrain(flow->lame, out, v);
   t[0] = t[1] = t[2] = T;
   if (DualValue(v[0]) >= 0. && DualValue(v[1]) >= 0. && DualValue(v[2]) >= 0.) return 0;
+  S = DualDiv(DualSub(DualMul(flow->plus, T), strength->shear), flow->minus);
   /* multipliers of tension 1, 13 and 12 at (T, S, S) */
   for (int a = 1; a < 3; ++a) out[a] = DualAdd(out[a], DualSub(T, S));
-  PrincipalStrain(lame, out, v);
+  PrincipalStrain(flow->lame, out, v);
   t[2] = S;
   if (DualValue(v[1]) <= 0. && DualValue(v[0]) + up / down * (DualValue(v[1]) + DualValue(v[2])) >= 0.) t[1] = S;
   return 0;
 }
 
 /* Takes principal stresses t, largest first, to the yield surface, of which they are outside. */
-MPM_FN int ReturnMap(const Strength *strength, Lame lame, Dual t[3])
+MPM_FN int ReturnMap(const Strength *strength, const Flow *flow, Dual t[3])
 {
-  const PlaneName list[6][2] = {{PLANE_13, PLANES},   {TENSION_1, PLANES},  {PLANE_13, TENSION_1},
-                                {PLANE_13, PLANE_12}, {PLANE_13, PLANE_23}, {TENSION_1, TENSION_2}};
-  const double    size       = fabs(DualValue(t[0])) + fabs(DualValue(t[2])) + DualValue(strength->shear);
+  const Plane  list[6][2] = {{PLANE_13, NO_PLANE},  {PLANE_13, PLANE_12},  {PLANE_13, PLANE_23},
+                             {TENSION_1, NO_PLANE}, {PLANE_13, TENSION_1}, {TENSION_1, TENSION_2}};
+  const double size       = fabs(DualValue(t[0])) + fabs(DualValue(t[2])) + DualValue(strength->shear);
 
-  for (int k = 0; k < 6; ++k) {
-    const int count = list[k][1] == PLANES ? 1 : 2;
-    Plane     plane[2];
-    Dual      s[3];
-    double    fault;
+  for (int k = 0; k < (strength->cut ? 6 : 3); ++k) {
+    Dual   s[3];
+    double fault;
 
-    if (!strength->cut && (list[k][0] >= TENSION_1 || (count == 2 && list[k][1] >= TENSION_1))) continue;
-    for (int i = 0; i < count; ++i) plane[i] = PlaneCreate(strength, list[k][i]);
     for (int a = 0; a < 3; ++a) s[a] = t[a];
-    fault = -ReturnToPlanes(lame, plane, count, s);
+    fault = -ReturnToPlanes(strength, flow, list[k], s);
     fault = fmax(fault, fmax(DualValue(s[1]) - DualValue(s[0]), DualValue(s[2]) - DualValue(s[1])));
     fault = fmax(fault, Excess(strength, DualValue(s[0]), DualValue(s[2])));
     if (!(fault <= 1e-12 * size)) continue; /* one of two neighbours takes what lies between them */
     for (int a = 0; a < 3; ++a) t[a] = s[a];
     return 0;
   }
-  return ReturnToCorner(strength, lame, t);
+  return ReturnToCorner(strength, flow, t);
 }
 
 /* The growth of kappa between two principal stresses */
@@ -282,7 +298,7 @@ MPM_FN Dual PlasticStrain(Lame lame, const Dual trial[3], const Dual t[3])
 
   for (int a = 0; a < 3; ++a) lost[a] = DualSub(trial[a], t[a]);
   PrincipalStrain(lame, lost, v);
-  square = DualScale(2. / 3., Dot(v, v));
+  square = DualScale(2. / 3., DualAdd(DualAdd(DualSquare(v[0]), DualSquare(v[1])), DualSquare(v[2])));
   return DualValue(square) > 0. ? DualSqrt(square) : DualConstant(0.);
 }
 
@@ -291,12 +307,13 @@ MPM_FN Dual PlasticStrain(Lame lame, const Dual trial[3], const Dual t[3])
 /* Return with the strength at the end of a growth x of kappa; x becomes what the return makes it. */
 MPM_FN int ReturnWith(const MpmLawPoint *point, const Dual trial[3], Dual *x, Dual t[3])
 {
-  const Lame     lame     = LameFromParameters(point->parameter);
-  const Strength strength = StrengthAt(point->parameter, DualShift(*x, point->state_n[STATE_KAPPA]));
+  const Dual     part     = SoftPart(point->parameter, DualShift(*x, point->state_n[STATE_KAPPA]));
+  const Strength strength = StrengthAt(point->parameter, part);
+  const Flow     flow     = FlowCreate(point->parameter, &strength, part);
 
   for (int a = 0; a < 3; ++a) t[a] = trial[a];
-  if (ReturnMap(&strength, lame, t)) return 1;
-  *x = PlasticStrain(lame, trial, t);
+  if (ReturnMap(&strength, &flow, t)) return 1;
+  *x = PlasticStrain(flow.lame, trial, t);
   return 0;
 }
 
@@ -330,12 +347,13 @@ MPM_FN int ReturnSoftening(const MpmLawPoint *point, const Dual trial[3], Dual *
 /* ---- the law ---- */
 
 /* Takes the trial strain e to its stress, and writes the plastic history. */
-MPM_FN int Flow(const MpmLawPoint *point, Lame lame, const SymPrincipal *principal, const Sym *e, Sym *tau)
+MPM_FN int Yield(const MpmLawPoint *point, Lame lame, const SymPrincipal *principal, const Sym *e, Sym *tau)
 {
-  Dual w[3], trial[3], t[3], x;
+  Dual w[3], trial[3], t[3], mean, x;
 
   for (int a = 0; a < 3; ++a) w[a] = DualSeed(principal->value[a], a);
-  PrincipalStress(lame, w, trial);
+  mean = DualScale(lame.lambda, DualAdd(DualAdd(w[0], w[1]), w[2]));
+  for (int a = 0; a < 3; ++a) trial[a] = DualAdd(mean, DualScale(2. * lame.mu, w[a]));
   if (ReturnSoftening(point, trial, &x, t)) return 1;
   *tau = SymIsotropic(e, principal, t);
   if (point->state) {
@@ -353,7 +371,8 @@ MPM_FN int Flow(const MpmLawPoint *point, Lame lame, const SymPrincipal *princip
 MPM_FN int MpmMaterialEvaluate_mohr_coulomb(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Lame     lame     = LameFromParameters(point->parameter);
-  const Strength strength = StrengthAt(point->parameter, DualConstant(point->state_n[STATE_KAPPA]));
+  const Dual     part     = SoftPart(point->parameter, DualConstant(point->state_n[STATE_KAPPA]));
+  const Strength strength = StrengthAt(point->parameter, part);
   const Sym      b        = SymPush(dF, &point->state_n[STATE_B]);
   SymPrincipal   principal;
   Sym            e;
@@ -366,7 +385,7 @@ MPM_FN int MpmMaterialEvaluate_mohr_coulomb(const MpmLawPoint *point, const Tens
     for (int a = 0; a < 3; ++a) mean += RealValue(lame.lambda) * principal.value[a];
     if (Excess(&strength, mean + 2. * RealValue(lame.mu) * principal.value[0],
                mean + 2. * RealValue(lame.mu) * principal.value[2]) > Noise(lame))
-      return Flow(point, lame, &principal, &e, tau);
+      return Yield(point, lame, &principal, &e, tau);
   }
   *tau = ElasticStress(lame, &e);
   if (point->state) {
