@@ -28,7 +28,7 @@ endfunction()
 #   LAWS        files NAME.c with MPM_LAW(NAME, ...), as in materials/: the law NAME
 #   PHYSICS     files NAME.c with MPM_KERNEL(NAME, ...) or MPM_KERNEL_MEAN(NAME, ...), and MPM_PHYSICS(NAME, ...), as in
 #               physics/: the physics NAME
-#   DIRECTIONS  of a physics that asks no law: as many as its kernel has inputs, in 2D and in 3D
+#   DIRECTIONS  of the physics' kernel, as many as it has inputs, in 2D and in 3D; without it dim^2, those of dF
 #   SOURCES     other files
 function(talus_add_plugin name)
   cmake_parse_arguments(PARSE_ARGV 1 plugin "" "" "LAWS;PHYSICS;DIRECTIONS;SOURCES")

@@ -22,10 +22,7 @@
 /* The law's answer; in a stage without motion, the stress that is there already. */
 MPM_FN int Stress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
-  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt, point->table};
-  const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
-
-  if (!point->stress_n) return law(&law_point, dF, tau);
+  if (!point->stress_n) return LawStress(point, dF, tau);
   *tau = SymLoad(point->stress_n);
   if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_DIM, point->F_n), tau);
   return 0;

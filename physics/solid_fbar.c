@@ -70,12 +70,10 @@ MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scala
 /* The fluxes from dF, dF_bar and m_bar. */
 MPM_FN int Fluxes(const MpmKernelPoint *point, const Tensor *dF, const Tensor *dF_bar, Scalar mean, Scalar flux[])
 {
-  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt, point->table};
-  const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
-  Scalar pressure                = ScalarConstant(0.); /* tr tau/d */
+  Scalar pressure = ScalarConstant(0.); /* tr tau/d */
   Sym    tau, rest;
 
-  if (law(&law_point, dF_bar, &tau)) return 1;
+  if (LawStress(point, dF_bar, &tau)) return 1;
   for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&pressure, 1. / MPM_DIM, &tau.a[SymIndex(a, a)]);
   rest = SymShift(&tau, ScalarNeg(pressure));
   SolidFlux(point, &rest, dF, flux);

@@ -14,6 +14,12 @@
   Lines on the terminal, for a program to read: a key, and then a form and a number, or just a number. The hand-coded
   tangent goes in as a physics of its own, whose other functions are the built-in solid's.
 */
+#include "point/material.h"
+#include "point/registry.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "time/time.h"
 #include "run/run.h"
 #include "hencky_tangent.h"
 
@@ -91,9 +97,9 @@ static PetscErrorCode CreateModel(Bench *bench)
   PetscCall(MpmModelUseTerminal(bench->model));
   PetscCall(MpmModelSetFromOptions(bench->model));
   PetscCall(MpmModelSetUp(bench->model));
-  PetscCheck(bench->model->disc.grid.dim == 2, bench->model->comm, PETSC_ERR_SUP, "the scene must be plane");
-  for (PetscInt k = 0; k < bench->model->scene.materials.count; k++) {
-    PetscCheck(!strcmp(bench->model->scene.materials.at[k].info.name, "hencky"), bench->model->comm, PETSC_ERR_SUP,
+  PetscCheck(bench->model->disc.dim == 2, bench->model->comm, PETSC_ERR_SUP, "the scene must be plane");
+  for (PetscInt k = 0; k < bench->model->scene.materials->count; k++) {
+    PetscCheck(!strcmp(bench->model->scene.materials->at[k].info.name, "hencky"), bench->model->comm, PETSC_ERR_SUP,
                "every material must be hencky");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,12 +116,12 @@ static PetscErrorCode Deform(MpmModel model, PetscInt steps)
   for (model->state.step = 0; model->state.step < steps; model->state.step++) {
     const PetscReal next = model->state.dt_nominal * (PetscReal)(model->state.step + 1);
 
-    PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+    PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
     PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &retryable));
     PetscCheck(!why, model->comm, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", model->state.step, why);
     model->state.time = next;
   }
-  PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+  PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscCall(
     MpmStepPrepare(model, model->state.time + model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &why));
   PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
@@ -172,7 +178,7 @@ static PetscErrorCode PrintDifference(Bench *bench, PetscInt form, Mat local)
 */
 static PetscReal ExpectDense(MpmModel model, PetscReal coloring)
 {
-  const MpmSpace *space   = &model->disc.space;
+  const MpmSpace *space   = model->disc.space;
   PetscReal       touched = 0., points = 0., box = 1.;
 
   for (PetscInt g = 0; g < space->group_count; g++) {
@@ -230,11 +236,11 @@ static PetscErrorCode Compare(Bench *bench)
 
 static void PointOf(const MpmModel model, PetscInt p, MpmKernelPoint *point)
 {
-  const MpmMaterial *material = &model->scene.materials.at[model->disc.points.material[p]];
+  const MpmMaterial *material = &model->scene.materials->at[model->disc.points->material[p]];
 
   *point = (MpmKernelPoint){.parameter = material->parameter,
-                            .F_n       = &model->disc.points.F[p * 4],
-                            .volume0   = model->disc.points.volume0[p],
+                            .F_n       = &model->disc.points->F[p * 4],
+                            .volume0   = model->disc.points->volume0[p],
                             .dt        = model->state.dt_nominal,
                             .traits    = material->info.traits,
                             .law       = material->law,
@@ -250,7 +256,7 @@ static void InputOf(PetscInt p, PetscReal size, double input[])
 /* Nanoseconds a point of one tangent alone, away from the sums; `sink` keeps the compiler from leaving it out. */
 static PetscErrorCode TimeTangent(MpmModel model, Tangent tangent, PetscReal *nanoseconds, PetscReal *sink)
 {
-  const PetscInt turns = 1 + BENCH_POINTS / PetscMax(model->disc.points.count, 1);
+  const PetscInt turns = 1 + BENCH_POINTS / PetscMax(model->disc.points->count, 1);
   PetscLogDouble begin, end;
   double         input[4], flux[4], D[16];
 
@@ -258,7 +264,7 @@ static PetscErrorCode TimeTangent(MpmModel model, Tangent tangent, PetscReal *na
   InputOf(1, 0.01, input);
   PetscCall(PetscTime(&begin));
   for (PetscInt turn = 0; turn < turns; turn++) {
-    for (PetscInt p = 0; p < model->disc.points.count; p++) {
+    for (PetscInt p = 0; p < model->disc.points->count; p++) {
       MpmKernelPoint point;
 
       PointOf(model, p, &point);
@@ -267,7 +273,7 @@ static PetscErrorCode TimeTangent(MpmModel model, Tangent tangent, PetscReal *na
     }
   }
   PetscCall(PetscTime(&end));
-  *nanoseconds = 1e9 * (end - begin) / (PetscReal)(turns * model->disc.points.count);
+  *nanoseconds = 1e9 * (end - begin) / (PetscReal)(turns * model->disc.points->count);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,7 +284,7 @@ static PetscReal TangentDifference(const Bench *bench)
   static const double    identity[4] = {1., 0., 0., 1.};
   PetscReal              difference  = 0.;
 
-  for (PetscInt p = 0; p < bench->model->disc.points.count; p++) {
+  for (PetscInt p = 0; p < bench->model->disc.points->count; p++) {
     MpmKernelPoint point;
     double         input[4], flux[2][4], D[2][16], largest = 0., apart = 0.;
 
@@ -329,8 +335,8 @@ int main(int argc, char **argv)
     bench.model->scene.physics.kernels[2].tangent = bench.dual;
     PetscCall(Deform(bench.model, bench.steps));
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "points %" PetscInt_FMT "\nunknowns %" PetscInt_FMT "\n",
-                          bench.model->disc.points.count,
-                          bench.model->disc.space.global_count * bench.model->disc.layout.block));
+                          bench.model->disc.points->count,
+                          bench.model->disc.space->global_count * bench.model->disc.block));
     PetscCall(Compare(&bench));
     PetscCall(CompareTangents(&bench));
   }

@@ -10,6 +10,7 @@
 #include "talus/point/dense.h"
 
 #define MPM_MAX_DIM 3
+#define MPM_BASES   (MPM_MAX_DIM + 1) /* basis functions of one shape: its weights, then their derivatives */
 
 /*
   Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the

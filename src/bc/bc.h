@@ -2,10 +2,9 @@
 /*
   Prescribed unknowns: conditions, the constraints that follow from them, and the frames of nodes with a normal.
 */
-#include "space/space.h"
-
-typedef struct _p_MpmRegion *MpmRegion;
-typedef struct _p_MpmRamp   *MpmRamp;
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/point/tables.h"
 
 /* ---- dirichlet.c, node_frames.c ---- */
 
@@ -24,7 +23,7 @@ typedef struct {
 } MpmCondition;
 
 /* Conditions, with the names of their blocks. */
-typedef struct {
+typedef struct MpmConditions {
   PetscInt      count;
   char        **names;
   MpmCondition *at;
@@ -38,12 +37,15 @@ typedef struct {
   PetscReal factor[MPM_MAX_DIM][MPM_MAX_DIM]; /* L_kr */
 } MpmFrame;
 
+#define MPM_FREE        (-1) /* an unknown that is solved for */
+#define MPM_UNSUPPORTED (-2) /* one of a field whose shape no point touches the node with: zero */
+
 /*
   The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement are
   its components in the frame.
 */
 typedef struct MpmConstraints {
-  PetscInt  *condition; /* per local unknown: which condition holds it, or -1 */
+  PetscInt  *condition; /* per local unknown: which condition holds it, or one of the two below */
   PetscReal *value;     /* the value that it takes */
   PetscBool  any;
   PetscInt   dim;
@@ -56,10 +58,26 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
 PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
-                                    MpmWall walls[]);
+                                    MpmWall *walls);
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
                                    const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
+/* Is the local unknown solved for? */
+static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, PetscInt unknown)
+{
+  return (PetscBool)(constraints->condition[unknown] == MPM_FREE);
+}
+/* Of the first `count` local unknowns: those that are not free become what they are prescribed to be, */
+void MpmConstraintsPrescribe(const MpmConstraints *constraints, PetscInt count, PetscScalar x[]);
+/* `factor` times what `from` has there (0: zero), */
+void MpmConstraintsCopy(const MpmConstraints *constraints, PetscInt count, PetscReal factor, const PetscScalar from[],
+                        PetscScalar to[]);
+/* or `diagonal` times their distance from it: the residual there. */
+void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, PetscReal diagonal,
+                            const PetscScalar x[], PetscScalar residual[]);
+/* Rows and columns of unknowns that are not free in the first diagonal blocks of `nodes` nodes become those of `diagonal`. */
+void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal diagonal,
+                          PetscReal blocks[]);
 /*
   Adds the forces of the supports on the body, those that the owned nodes' residual lacks in balance; reaction[b*block + c]
   for condition b and component c.

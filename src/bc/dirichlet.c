@@ -4,11 +4,12 @@
   A condition holds components of the unknowns at the nodes of its region, or the displacement along a normal, where the
   tangential motion is free. Its value is the total since the start, value times ramp; a step prescribes what is added to
   it from the step's beginning to its end, whatever came before at the node. Nodes do not move with the material.
-
-  A reaction is the force of the support on the body, the internal less the external forces at the constrained nodes.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "space/walls.h"
 #include "bc/bc.h"
 
 /* The component of this name in the layout, or -1. */
@@ -194,150 +195,4 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree(constraints->condition));
-  PetscCall(PetscFree(constraints->value));
-  PetscCall(PetscFree(constraints->frame_of));
-  PetscCall(PetscFree(constraints->frames));
-  constraints->any = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What a ramp adds in the step, or its factor at the step's end for unknowns that are totals. */
-static PetscReal StepFactor(const MpmCondition *bc, PetscBool increment, PetscReal time_n, PetscReal time)
-{
-  const PetscReal before = increment && time_n > bc->start ? MpmRampEvaluate(bc->ramp, time_n - bc->start) : 0.;
-
-  return MpmRampEvaluate(bc->ramp, time - bc->start) - before;
-}
-
-static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
-{
-  for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * (PetscReal)space->node[node * grid->dim + a];
-}
-
-/* The frame of a node from all conditions that hold it; the last one counts first. */
-static void MakeFrame(PetscInt bc_count, const MpmCondition bcs[], const PetscReal x[], PetscInt dim, PetscReal time_n,
-                      PetscReal time, MpmFrame *frame)
-{
-  for (PetscInt b = bc_count - 1; b >= 0; b--) {
-    const MpmCondition *bc     = &bcs[b];
-    const PetscReal     factor = StepFactor(bc, PETSC_TRUE, time_n, time);
-
-    if (!bc->active || !MpmRegionContains(bc->region, x)) continue;
-    if (bc->inclined) {
-      MpmFrameAdd(frame, dim, bc->normal, bc->value[0] * factor, b);
-      continue;
-    }
-    for (PetscInt k = 0; k < bc->component_count; k++) {
-      PetscReal axis[MPM_MAX_DIM] = {0., 0., 0.};
-
-      if (bc->component[k] >= dim) continue;
-      axis[bc->component[k]] = 1.;
-      MpmFrameAdd(frame, dim, axis, bc->value[k] * factor, b);
-    }
-  }
-  MpmFrameComplete(frame, dim);
-}
-
-/* The frames of this step's nodes, and what they hold. */
-static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
-                                  PetscInt bs, const MpmSpace *space, PetscReal time_n, PetscReal time)
-{
-  const MpmCondition *bcs   = conditions->at;
-  PetscInt            count = 0;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(space->local, &constraints->frame_of));
-  for (PetscInt i = 0; i < space->local; i++) {
-    PetscReal x[MPM_MAX_DIM];
-
-    constraints->frame_of[i] = -1;
-    NodePosition(grid, space, i, x);
-    for (PetscInt b = 0; b < conditions->count && constraints->frame_of[i] < 0; b++)
-      if (bcs[b].active && bcs[b].inclined && MpmRegionContains(bcs[b].region, x)) constraints->frame_of[i] = count++;
-  }
-  PetscCall(PetscCalloc1(count, &constraints->frames));
-  for (PetscInt i = 0; i < space->local; i++) {
-    PetscReal x[MPM_MAX_DIM];
-
-    if (constraints->frame_of[i] < 0) continue;
-    MpmFrame *frame = &constraints->frames[constraints->frame_of[i]];
-
-    NodePosition(grid, space, i, x);
-    MakeFrame(conditions->count, bcs, x, grid->dim, time_n, time, frame);
-    for (PetscInt r = 0; r < grid->dim; r++) {
-      constraints->condition[i * bs + r] = r < frame->constrained ? frame->condition[r] : -1;
-      constraints->value[i * bs + r]     = r < frame->constrained ? frame->value[r] : 0.;
-    }
-    constraints->any = PETSC_TRUE;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time)
-{
-  const MpmCondition *bcs      = conditions->at;
-  const PetscInt      bs       = layout->block;
-  PetscBool           inclined = PETSC_FALSE;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmConstraintsReset(constraints));
-  constraints->dim = grid->dim;
-  PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
-  PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
-  for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = -1;
-  for (PetscInt b = 0; b < conditions->count; b++) {
-    if (bcs[b].active && bcs[b].inclined) inclined = PETSC_TRUE;
-    for (PetscInt i = 0; i < space->local && bcs[b].active && !bcs[b].inclined; i++) {
-      PetscReal x[MPM_MAX_DIM];
-
-      NodePosition(grid, space, i, x);
-      if (!MpmRegionContains(bcs[b].region, x)) continue;
-      for (PetscInt k = 0; k < bcs[b].component_count; k++) {
-        const PetscInt c = bcs[b].component[k];
-
-        constraints->condition[i * bs + c] = b;
-        constraints->value[i * bs + c]     = bcs[b].value[k] * StepFactor(&bcs[b], layout->increment[c], time_n, time);
-        constraints->any                   = PETSC_TRUE;
-      }
-    }
-  }
-  if (inclined) PetscCall(SetUpFrames(constraints, conditions, grid, bs, space, time_n, time));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A node with a frame: each equation a_r . u = g_r has its own force, along a_r. */
-static void AddFrameReactions(const MpmFrame *frame, PetscInt dim, PetscInt block, const PetscReal force[],
-                              PetscReal reaction[])
-{
-  PetscReal amount[MPM_MAX_DIM];
-
-  MpmFrameForces(frame, dim, force, amount);
-  for (PetscInt r = 0; r < frame->constrained; r++) {
-    for (PetscInt c = 0; c < dim; c++) {
-      PetscReal a = 0.;
-
-      for (PetscInt k = 0; k <= r; k++) a += frame->factor[r][k] * frame->axis[k][c];
-      reaction[frame->condition[r] * block + c] += amount[r] * a;
-    }
-  }
-}
-
-void MpmConstraintsAddReactions(const MpmConstraints *constraints, PetscInt block, PetscInt owned,
-                                const PetscReal residual[], PetscReal reaction[])
-{
-  for (PetscInt k = 0; k < owned * block; k++) {
-    const MpmFrame *frame = MpmConstraintsFrame(constraints, k / block);
-
-    if (frame && k % block == 0) AddFrameReactions(frame, constraints->dim, block, &residual[k], reaction);
-    if (frame && k % block < constraints->dim) continue;
-    if (constraints->condition[k] >= 0) reaction[constraints->condition[k] * block + k % block] += residual[k];
-  }
 }

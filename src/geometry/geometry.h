@@ -5,8 +5,7 @@
   MpmRamp   - a piecewise linear factor of time, read from "time:factor" pairs.
 */
 #include "base/base.h"
-
-typedef struct MpmOptions MpmOptions;
+#include "base/types.h"
 
 typedef enum {
   MPM_REGION_ALL,

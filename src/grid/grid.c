@@ -8,6 +8,7 @@
 */
 #include "options/options.h"
 #include "grid/grid.h"
+#include "grid/partition.h"
 
 /* Points on the fullest rank over their mean from which on to look for other splits: one look costs some hundredth of a
    step's work on the points (scripts/bench.py balance). */

@@ -25,7 +25,7 @@
   in MPM); de Boor (1978), A Practical Guide to Splines, IV (not a knot).
 */
 #include "talus/compat.h"
-#include "grid/grid.h"
+#include "grid/shape.h"
 
 #include <math.h>
 
@@ -61,6 +61,15 @@ PetscInt MpmShapeDegree(MpmShapeType type)
   default:
     return 1;
   }
+}
+
+MpmShapeType MpmShapeOfDegree(MpmShapeType type, PetscInt degree)
+{
+  const PetscBool domain = MpmShapeHasDomain(type);
+
+  if (degree == 3) return MPM_SHAPE_BSPLINE3;
+  if (degree == 2) return domain ? MPM_SHAPE_GIMP_BSPLINE2 : MPM_SHAPE_BSPLINE2;
+  return domain ? MPM_SHAPE_GIMP : MPM_SHAPE_LINEAR;
 }
 
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length)

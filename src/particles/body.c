@@ -4,8 +4,12 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "point/material.h"
+#include "grid/grid.h"
 #include "particles/body.h"
+#include "particles/body_file.h"
 #include "particles/particles.h"
+#include "particles/points.h"
 
 struct _p_MpmBody {
   char       *name;

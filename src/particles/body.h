@@ -1,39 +1,26 @@
 #pragma once
 /*
-  The bodies that points are made from, and what is above a point.
+  The bodies that points are made from.
 */
-#include "particles/particles.h"
-
-/* ---- body_file.c ---- */
-
-/* The points of a body that come from a file, this rank's. */
-typedef struct _p_MpmImported *MpmImported;
-PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
-                                 MpmImported *imported);
-PetscErrorCode MpmImportedDestroy(MpmImported *imported);
-PetscInt       MpmImportedCount(MpmImported imported);
-/* Writes them from point `first` on, all but id and material. */
-PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
-                               PetscInt state_size, PetscInt first, MpmPoints *points);
-
-/* ---- body.c ---- */
+#include "base/base.h"
+#include "base/types.h"
 
 typedef struct _p_MpmBody *MpmBody;
 /* Bodies, with the names of their blocks. */
-typedef struct {
+typedef struct MpmBodies {
   PetscInt count;
   char   **names;
   MpmBody *at;
 } MpmBodies;
 
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
-                             const MpmMaterial materials[], MpmBody *body);
+                             const MpmMaterial *materials, MpmBody *body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
                                PetscReal *points);
 /* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
-PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial *materials,
                                  const MpmGrid *grid, MpmParticles *particles);
 /* Where a place is to the region of a body; one from a file has none. */
 typedef enum { MPM_HOLD_NONE, MPM_HOLD_EDGE, MPM_HOLD_INSIDE } MpmHold;
@@ -53,22 +40,6 @@ PetscInt  MpmBodyMaterial(MpmBody body);
 /* Which body each point belongs to; ids ascend from body to body. */
 void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[]);
 
-/* ---- memory_estimate.c ---- */
-
 /* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count. */
 PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, PetscInt count, const MpmBody bodies[],
                               char *const names[]);
-
-/* ---- overburden.c ---- */
-
-/*
-  The weight above each point per area of its domain: the integral of the weight density over the vertical column above
-  the point's centre, through all domains, averaged over the domain's width. `axis` is the vertical one, `up` +1 or -1
-  along it, gravity in m/s2.
-*/
-typedef struct {
-  PetscInt  axis, up;
-  PetscReal gravity;
-} MpmVertical;
-PetscErrorCode MpmOverburden(const MpmGrid *grid, const MpmPoints *points, const MpmVertical *vertical,
-                             const PetscReal half_length[], PetscReal pressure[]);

@@ -18,8 +18,12 @@
 #include "options/options.h"
 #include "io/io.h"
 #include "io/point_table.h"
-#include "particles/body.h"
-#include "particles/particles.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "point/stress_inversion.h"
+#include "grid/grid.h"
+#include "particles/body_file.h"
+#include "particles/points.h"
 
 enum { POSITION, VOLUME, DEFORMATION, HALF_LENGTH, MASS, STRESS, STATES };
 

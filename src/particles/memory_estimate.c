@@ -4,8 +4,8 @@
 */
 #include <unistd.h>
 #include "options/options.h"
+#include "grid/grid.h"
 #include "particles/body.h"
-#include "particles/particles.h"
 
 /* Measured with direct and multigrid solvers, from below: most scenes take more. */
 #define BYTES_PER_POINT_2D 500.

@@ -12,8 +12,9 @@
   which rank holds. There, boxes of the same width stand in piles, sorted from above with running sums: a point asks each
   pile once, by bisection.
 */
-#include "particles/body.h"
-#include "particles/particles.h"
+#include "grid/grid.h"
+#include "particles/overburden.h"
+#include "particles/points.h"
 
 /* A domain, or the part of it in one column: horizontal extent, centre's height and half height, weight per volume. */
 typedef struct {

@@ -5,7 +5,11 @@
   Ownership is arithmetic on the grid: the rank that owns a cell's lower node owns the points in it, so a point goes to
   its rank in one message however far it moved.
 */
+#include "point/material.h"
+#include "grid/grid.h"
+#include "grid/partition.h"
 #include "particles/particles.h"
+#include "particles/points.h"
 
 /* Another partition is taken when the fullest rank then holds this much less. */
 #define BALANCE_GAIN 1.02
@@ -410,4 +414,9 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
   parked->count = 0;
   PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial *materials, PetscInt p)
+{
+  return points->mass ? points->mass[p] : points->volume0[p] * materials[points->material[p]].density;
 }

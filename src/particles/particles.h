@@ -1,28 +1,10 @@
 #pragma once
 /*
-  The points: their fields, and how they go from rank to rank.
+  The points as a swarm: what fields they have, and how they go from rank to rank.
 */
 #include <petscdmswarm.h>
-#include "grid/grid.h"
-#include "point/point.h"
-
-#define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
-
-/* The points' fields, lent by MpmParticlesGetArrays(); NULL where a field is not registered. */
-typedef struct MpmPoints {
-  PetscInt   count;
-  PetscInt  *id, *material;
-  PetscReal *x, *x0;      /* position now and at the start, m */
-  PetscReal *F;           /* dim x dim, row-major */
-  PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
-  PetscReal *volume0;
-  PetscReal *mass;   /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
-  PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
-  PetscReal *state;  /* state_size values */
-  PetscReal *value;  /* rate values */
-  PetscReal
-    *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
-} MpmPoints;
+#include "base/base.h"
+#include "base/types.h"
 
 /* A field of the swarm, by its name there. */
 typedef struct {
@@ -46,7 +28,7 @@ typedef struct MpmParticles {
 } MpmParticles;
 
 /* Points that are not there yet, or no longer: all their fields, one point after the other. */
-typedef struct {
+typedef struct MpmParked {
   PetscInt count;
   char    *data;
 } MpmParked;
@@ -73,11 +55,6 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 /* Places that DMSwarm keeps free: with none, it reallocates all fields for each point that leaves; it clears them, too. */
 #define MPM_PARTICLES_SPARE 16
-/* A point's mass, kg. */
-static inline PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial materials[], PetscInt p)
-{
-  return points->mass ? points->mass[p] : points->volume0[p] * materials[points->material[p]].density;
-}
 /*
   Moves the partition, not the points, when the fullest rank holds too many and another partition has a good part fewer,
   or `always`; `moved` tells.

@@ -3,7 +3,8 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
-#include "particles/particles.h"
+#include "grid/grid.h"
+#include "particles/points.h"
 #include "particles/selection.h"
 
 PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, MpmSelection *selection)

@@ -2,9 +2,8 @@
 /*
   Points picked in the initial state, by place or by region.
 */
-#include "particles/particles.h"
-
-typedef struct _p_MpmRegion *MpmRegion;
+#include "base/base.h"
+#include "base/types.h"
 
 /* Some of the points: those in a region, or, without one, those nearest to a place. */
 typedef struct {

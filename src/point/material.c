@@ -3,7 +3,9 @@
   and lists every law's constructor, once per kernel instance, in mpm_laws.h.
 */
 #include "options/options.h"
-#include "point/point.h"
+#include "point/material.h"
+#include "point/parameter.h"
+#include "point/registry.h"
 
 #define MPM_LAW_INSTANCE(name, dim, instance, form) \
   void MpmMaterialCreate_##name##_##dim##d_##instance(MpmLawInfo *info);

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "options/options.h"
-#include "point/point.h"
+#include "point/parameter.h"
 
 #define MESSAGE_LENGTH 256
 

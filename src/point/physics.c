@@ -1,7 +1,8 @@
 /*
   The physics that are built in, and the layout of unknowns and kernel inputs that follows from a physics' fields.
 */
-#include "point/point.h"
+#include "point/layout.h"
+#include "point/registry.h"
 
 #define MPM_KERNEL_INSTANCE(name, dim, directions) \
   void MpmKernelCreate_##name##_##dim##d_##directions(MpmKernelSet *set);
@@ -72,6 +73,27 @@ MpmStretch MpmStretchFind(PetscInt dim)
   return dim == 2 ? MpmStretchDiagonal_2d_0 : MpmStretchDiagonal_3d_0;
 }
 
+/* The shape that a field asks for, among those that others have asked for. */
+static PetscErrorCode FindShape(const MpmPhysics *physics, PetscInt f, MpmLayout *layout, PetscInt *shape)
+{
+  const MpmField     *field  = &physics->fields[f];
+  const MpmFieldShape wanted = {field->degree, PetscMax(field->spacing, 1)};
+
+  PetscFunctionBeginUser;
+  PetscCheck(wanted.degree >= 0 && wanted.degree <= 3 && field->spacing >= 0, PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "physics %s, field %s: degree %d must be 0 to 3, spacing %d at least 0", physics->name, field->name,
+             field->degree, field->spacing);
+  if (!f) layout->shape[layout->shape_count++] = (MpmFieldShape){0, 1};
+  for (*shape = 0; *shape < layout->shape_count; (*shape)++)
+    if (layout->shape[*shape].degree == wanted.degree && layout->shape[*shape].spacing == wanted.spacing) break;
+  PetscCheck(f || !*shape, PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "physics %s, field %s: the first field has the scene's shape", physics->name, field->name);
+  PetscCheck(*shape < MPM_MAX_SHAPES, PETSC_COMM_SELF, PETSC_ERR_SUP, "physics %s has fields of more than %d shapes",
+             physics->name, MPM_MAX_SHAPES);
+  if (*shape == layout->shape_count) layout->shape[layout->shape_count++] = wanted;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout)
 {
   PetscFunctionBeginUser;
@@ -81,6 +103,9 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
   for (PetscInt f = 0; f < physics->field_count; f++) {
     const MpmField *field      = &physics->fields[f];
     const PetscInt  components = field->components ? field->components : dim;
+    PetscInt        shape;
+
+    PetscCall(FindShape(physics, f, layout, &shape));
 
     for (PetscInt c = 0; c < components; c++) {
       const PetscInt b = layout->block++;
@@ -91,13 +116,13 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->component_symbol[b] = field->symbol;
       layout->near_null[b]        = field->near_null;
       layout->increment[b]        = (PetscBool)field->increment;
-      layout->basis_first[b]      = field->value ? 0 : 1;
+      layout->shape_of[b]         = shape;
       if (field->rate) layout->rate_component[layout->rates++] = b;
-      for (PetscInt basis = layout->basis_first[b]; basis <= (field->gradient ? dim : 0); basis++) {
+      for (PetscInt basis = field->value ? 0 : 1; basis <= (field->gradient ? dim : 0); basis++) {
         PetscCheck(layout->inputs < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP,
                    "physics %s has more than %d kernel inputs", physics->name, MPM_MAX_INPUTS);
         layout->component_of[layout->inputs] = b;
-        layout->basis_of[layout->inputs++]   = basis;
+        layout->basis_of[layout->inputs++]   = shape * MPM_BASES + basis;
       }
       layout->component_first[b + 1] = layout->inputs;
     }
@@ -114,6 +139,6 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
 {
   for (PetscInt k = 0; k < layout->inputs; k++)
-    if (!layout->basis_of[k]) return PETSC_TRUE;
+    if (layout->basis_of[k] % MPM_BASES == 0) return PETSC_TRUE;
   return PETSC_FALSE;
 }

@@ -6,10 +6,10 @@
   their scene.
 */
 #include <dlfcn.h>
+#include "talus/plugin.h"
 #include "options/options.h"
 #include "options/record.h"
-#include "point/point.h"
-#include "talus/plugin.h"
+#include "point/registry.h"
 
 static struct {
   PetscInt        law_count, physics_count, plugin_count;

@@ -11,7 +11,9 @@
 
   A law that gives its history from a stress (MpmLawInfo) is asked instead, and then evaluated at rest.
 */
-#include "point/point.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "point/stress_inversion.h"
 
 #define NEWTON_LIMIT 40
 #define SYM_MAX      6

@@ -1,7 +1,12 @@
 /*
   What a caller of the library sees of a model's points, loads and reactions.
 */
-#include "run/run.h"
+#include "point/material.h"
+#include "particles/particles.h"
+#include "bc/bc.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
+#include "time/model.h"
 
 /* ---- loads and reactions ---- */
 
@@ -9,8 +14,8 @@ static PetscErrorCode FindLoad(MpmModel model, const char name[], MpmLoad **load
 {
   PetscFunctionBeginUser;
   *load = NULL;
-  for (PetscInt l = 0; l < model->scene.loads.count && !*load; l++)
-    if (!strcmp(model->scene.loads.names[l], name)) *load = &model->scene.loads.at[l];
+  for (PetscInt l = 0; l < model->scene.loads->count && !*load; l++)
+    if (!strcmp(model->scene.loads->names[l], name)) *load = &model->scene.loads->at[l];
   PetscCheck(*load, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no load %s", name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -34,7 +39,7 @@ PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const Pet
 
   PetscFunctionBeginUser;
   PetscCall(FindLoad(model, name, &load));
-  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
     PetscCheck(!PetscIsInfOrNanReal(value[a]), PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "load %s: its value is not finite", name);
     load->value[a] = value[a];
@@ -44,14 +49,14 @@ PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const Pet
 
 PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal reaction[])
 {
-  const PetscInt   dim  = model->disc.grid.dim;
+  const PetscInt   dim  = model->disc.dim;
   const PetscReal *from = NULL;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < model->scene.bcs.count; b++)
-    if (!strcmp(model->scene.bcs.names[b], name)) from = &model->disc.reaction[b * model->disc.layout.block];
-  for (PetscInt b = 0; b < model->scene.boundaries.count; b++)
-    if (!strcmp(model->scene.boundaries.names[b], name)) from = model->disc.contacts.reaction[b];
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+    if (!strcmp(model->scene.bcs->names[b], name)) from = &model->disc.reaction[b * model->disc.block];
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
+    if (!strcmp(model->scene.boundaries->names[b], name)) from = model->disc.contacts->reaction[b];
   PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition and no boundary %s", name);
   PetscCall(PetscArraycpy(reaction, from, dim));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -63,8 +68,8 @@ PetscErrorCode MpmModelGetPointCount(MpmModel model, PetscInt *local, PetscInt *
 {
   PetscFunctionBeginUser;
   PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
-  if (local) PetscCall(DMSwarmGetLocalSize(model->state.particles.swarm, local));
-  if (total) *total = (PetscInt)model->state.particles.total;
+  if (local) PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, local));
+  if (total) *total = (PetscInt)model->state.particles->total;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,7 +77,7 @@ PetscErrorCode MpmModelGetPointCount(MpmModel model, PetscInt *local, PetscInt *
 static PetscErrorCode FindField(MpmModel model, const char name[], PetscInt *components)
 {
   static const char *const names[] = {"position", "position0", "F", "volume0", "stress", "state", "value"};
-  const MpmParticles      *points  = &model->state.particles;
+  const MpmParticles      *points  = model->state.particles;
   PetscBool                ours    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
@@ -91,7 +96,7 @@ PetscErrorCode MpmModelGetPoints(MpmModel model, const char name[], PetscInt *co
 
   PetscFunctionBeginUser;
   PetscCall(FindField(model, name, &count));
-  PetscCall(DMSwarmGetField(model->state.particles.swarm, name, NULL, NULL, (void **)array));
+  PetscCall(DMSwarmGetField(model->state.particles->swarm, name, NULL, NULL, (void **)array));
   if (components) *components = count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -102,7 +107,7 @@ PetscErrorCode MpmModelRestorePoints(MpmModel model, const char name[], PetscInt
 
   PetscFunctionBeginUser;
   PetscCall(FindField(model, name, &count));
-  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, name, NULL, NULL, (void **)array));
+  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, name, NULL, NULL, (void **)array));
   if (components) *components = 0;
   *array = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -112,14 +117,14 @@ static PetscErrorCode GetIntegers(MpmModel model, const char name[], const Petsc
 {
   PetscFunctionBeginUser;
   PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
-  PetscCall(DMSwarmGetField(model->state.particles.swarm, name, NULL, NULL, (void **)(uintptr_t)array));
+  PetscCall(DMSwarmGetField(model->state.particles->swarm, name, NULL, NULL, (void **)(uintptr_t)array));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RestoreIntegers(MpmModel model, const char name[], const PetscInt **array)
 {
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, name, NULL, NULL, (void **)(uintptr_t)array));
+  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, name, NULL, NULL, (void **)(uintptr_t)array));
   *array = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -155,12 +160,12 @@ PetscErrorCode MpmModelRestorePointMaterials(MpmModel model, const PetscInt **ma
 PetscErrorCode MpmModelFindState(MpmModel model, const char material[], const char variable[], PetscInt *first,
                                  PetscInt *components)
 {
-  const PetscInt     dim  = model->disc.grid.dim;
+  const PetscInt     dim  = model->disc.dim;
   const MpmMaterial *from = NULL;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->scene.materials.count; m++)
-    if (!strcmp(model->scene.materials.names[m], material)) from = &model->scene.materials.at[m];
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (!strcmp(model->scene.materials->names[m], material)) from = &model->scene.materials->at[m];
   PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no material %s", material);
   *first = 0;
   for (size_t k = 0; k < from->info.state_count; k++) {

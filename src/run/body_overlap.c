@@ -7,6 +7,10 @@
   bodies with the same lattice share, the points are those of the body that is named first.
 */
 #include <stdint.h>
+#include "grid/grid.h"
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "particles/points.h"
 #include "run/run.h"
 
 #define IN_DOMAIN 0.9 /* of a domain's half-length: nearer than that is not a neighbour's place */
@@ -33,13 +37,13 @@ PetscErrorCode MpmBodiesShareEdges(MpmModel model)
   MpmBody *before;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(model->scene.bodies.count, &before));
-  for (PetscInt b = 1; b < model->scene.bodies.count; b++) {
+  PetscCall(PetscMalloc1(model->scene.bodies->count, &before));
+  for (PetscInt b = 1; b < model->scene.bodies->count; b++) {
     PetscInt count = 0;
 
     for (PetscInt c = 0; c < b; c++)
-      if (Meet(model, b, c)) before[count++] = model->scene.bodies.at[c];
-    PetscCall(MpmBodySetBefore(model->scene.bodies.at[b], count, before));
+      if (Meet(model, b, c)) before[count++] = model->scene.bodies->at[c];
+    PetscCall(MpmBodySetBefore(model->scene.bodies->at[b], count, before));
   }
   PetscCall(PetscFree(before));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -167,19 +171,20 @@ static PetscErrorCode Refuse(const MpmModel model, Search *search)
   pair = key / search->total;
   PetscCall(PetscSNPrintf(where, sizeof(where), dim > 2 ? "(%g, %g, %g)" : "(%g, %g)", (double)search->place[0],
                           (double)search->place[1], (double)search->place[2]));
-  MpmCheckInput(
-    PETSC_FALSE, "-mpm_bodies: %s and %s overlap, for example at %s; bodies that are there at the same time must not",
-    model->scene.bodies.names[pair / search->body_count], model->scene.bodies.names[pair % search->body_count], where);
+  MpmCheckInput(PETSC_FALSE,
+                "-mpm_bodies: %s and %s overlap, for example at %s; bodies that are there at the same time must not",
+                model->scene.bodies->names[pair / search->body_count],
+                model->scene.bodies->names[pair % search->body_count], where);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model)
 {
-  const PetscInt n      = model->scene.bodies.count;
-  Search         search = {.grid       = &model->disc.grid,
-                           .bodies     = model->scene.bodies.at,
+  const PetscInt n      = model->scene.bodies->count;
+  Search         search = {.grid       = model->disc.grid,
+                           .bodies     = model->scene.bodies->at,
                            .body_count = n,
-                           .total      = model->state.particles.total,
+                           .total      = model->state.particles->total,
                            .key        = INT64_MAX};
   PetscBool      any = PETSC_FALSE, files = PETSC_FALSE;
 
@@ -189,17 +194,17 @@ PetscErrorCode MpmBodiesCheckOverlap(MpmModel model)
     for (PetscInt c = 0; c < n; c++) {
       search.meet[b * n + c] = (PetscBool)(b != c && Meet(model, b, c));
       any                    = (PetscBool)(any || search.meet[b * n + c]);
-      if (search.meet[b * n + c] && MpmBodyIsImported(model->scene.bodies.at[b])) files = PETSC_TRUE;
+      if (search.meet[b * n + c] && MpmBodyIsImported(model->scene.bodies->at[b])) files = PETSC_TRUE;
     }
   }
   if (any) {
-    PetscCall(MpmParticlesGetArrays(&model->state.particles, &search.points));
+    PetscCall(MpmParticlesGetArrays(model->state.particles, &search.points));
     PetscCall(PetscMalloc1(search.points.count, &search.body_of));
-    MpmBodiesOfPoints(n, model->scene.bodies.at, &search.points, search.body_of);
+    MpmBodiesOfPoints(n, model->scene.bodies->at, &search.points, search.body_of);
     SearchRegions(&search);
     if (files) PetscCall(SearchCells(&search, model->scene.stretch));
     PetscCall(PetscFree(search.body_of));
-    PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &search.points));
+    PetscCall(MpmParticlesRestoreArrays(model->state.particles, &search.points));
     PetscCall(Refuse(model, &search));
   }
   PetscCall(PetscFree(search.meet));

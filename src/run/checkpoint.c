@@ -12,6 +12,8 @@
 #include "options/options.h"
 #include "options/record.h"
 #include "io/io.h"
+#include "grid/partition.h"
+#include "particles/particles.h"
 #include "run/run.h"
 
 #define COLLECTIVE_BYTES (64 << 20)
@@ -173,7 +175,7 @@ static PetscErrorCode BesideSetUp(MpmModel model, Beside *beside)
   PetscFunctionBeginUser;
   memset(beside, 0, sizeof(*beside));
   PetscCall(MpmCheckpointScene(model, PETSC_FALSE, &beside->scene));
-  PetscCall(MpmGridGetPartition(&model->disc.grid, &count, &numbers));
+  PetscCall(MpmGridGetPartition(model->disc.grid, &count, &numbers));
   for (PetscInt k = 0; k < count; k++)
     PetscCall(MpmTextFileAppend(&beside->partition, "%" PetscInt_FMT "\n", numbers[k]));
   PetscCall(PetscFree(numbers));
@@ -202,7 +204,7 @@ static PetscErrorCode BesideDestroy(Beside *beside)
 /* The points into the file; `failed` is the error code of a write that did not work. */
 static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, PetscErrorCode *failed)
 {
-  const MpmParticles *particles = &model->state.particles;
+  const MpmParticles *particles = model->state.particles;
   PetscInt            count, fields = particles->field_count, *place;
   MpmDataset         *set;
   void              **array;

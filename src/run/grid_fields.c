@@ -2,6 +2,14 @@
   The background grid as it is written: the active nodes with what the last step has left there, and the cells that the
   points' shape functions span.
 */
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "time/time.h"
 #include "run/run.h"
 
 #define MAX_CORNERS 8
@@ -134,7 +142,7 @@ static PetscErrorCode FillNodal(const void *ctx, PetscReal values[])
 /* Mass of the points at the local nodes, kg: a small-cut node has little. */
 static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscReal mass[])
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
   const PetscInt  most  = PetscPowInt(space->width, space->dim);
   PetscReal      *storage;
   MpmBasis        basis;
@@ -148,7 +156,7 @@ static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscRe
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt  p  = space->order[s];
-      const PetscReal mp = MpmPointMass(points, model->scene.materials.at, p);
+      const PetscReal mp = MpmPointMass(points, model->disc.sum->materials, p);
 
       MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
@@ -168,8 +176,8 @@ typedef struct {
 
 static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
 {
-  const MpmSpace *space = &model->disc.space;
-  const PetscInt  dim = space->dim, block = model->disc.layout.block;
+  const MpmSpace *space = model->disc.space;
+  const PetscInt  dim = space->dim, block = model->disc.block;
   MpmPoints       points;
 
   PetscFunctionBeginUser;
@@ -178,25 +186,23 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
   PetscCall(PetscArrayzero(arrays->load, space->local * block));
   if (model->disc.committed) PetscCall(PetscArraycpy(arrays->load, model->disc.force, space->local * block));
   PetscCall(MpmSpaceAddToOwners(space, block, arrays->load));
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(NodalMass(model, &points, arrays->mass));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   for (PetscInt i = 0; i < space->owned; i++) {
-    for (PetscInt a = 0; a < dim; a++)
-      arrays->position[i * dim + a] =
-        model->disc.grid.lower[a] + model->disc.grid.h[a] * (PetscReal)space->node[i * dim + a];
+    MpmNodePosition(&model->disc, i, &arrays->position[i * dim]);
     arrays->rank[i] = model->rank;
     arrays->held[i] = 0;
     for (PetscInt c = 0; c < block; c++)
-      if (model->disc.constraints.condition[i * block + c] >= 0) arrays->held[i] |= 1 << c;
+      if (!MpmConstraintsFree(model->disc.constraints, i * block + c)) arrays->held[i] |= 1 << c;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *arrays, const Cells *cells)
 {
-  const MpmSpace  *space = &model->disc.space;
-  const PetscInt   dim = space->dim, block = model->disc.layout.block;
+  const MpmSpace  *space = model->disc.space;
+  const PetscInt   dim = space->dim, block = model->disc.block;
   const Nodal      moved    = {model->disc.committed ? model->disc.u : NULL, space->owned, block, 0, dim};
   const Nodal      reaction = {model->disc.committed ? model->disc.residual : NULL, space->owned, block, 0, dim};
   const Nodal      load     = {arrays->load, space->owned, block, 0, dim};
@@ -215,9 +221,9 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
   sets[count++] = (MpmDataset){.name = "held", .components = 1, .integer = arrays->held};
   sets[count++] = (MpmDataset){.name = "rank", .components = 1, .integer = arrays->rank};
   for (PetscInt c = dim; c < block; c++) {
-    others[c] = (Nodal){moved.value, space->owned, block, c, 1};
-    sets[count++] =
-      (MpmDataset){.name = model->disc.layout.component_name[c], .components = 1, .fill = FillNodal, .ctx = &others[c]};
+    others[c]     = (Nodal){moved.value, space->owned, block, c, 1};
+    sets[count++] = (MpmDataset){
+      .name = model->disc.layout->component_name[c], .components = 1, .fill = FillNodal, .ctx = &others[c]};
   }
   {
     const MpmTable node_table = {space->owned, space->global, count, sets};
@@ -250,11 +256,11 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   if (!model->disc.committed) {
     PetscCall(MpmStepSpace(model, &why));
     if (why) PetscFunctionReturn(PETSC_SUCCESS); /* the step will say so */
-    PetscCall(MpmConstraintsSetUp(&model->disc.constraints, &model->scene.bcs, &model->disc.grid, &model->disc.layout,
-                                  &model->disc.space, model->state.time, model->state.time));
+    PetscCall(MpmConstraintsSetUp(model->disc.constraints, model->scene.bcs, model->disc.grid, model->disc.layout,
+                                  model->disc.space, model->state.time, model->state.time));
   }
   PetscCall(NodeArraysCreate(model, &arrays));
-  PetscCall(CellsCreate(&model->disc.space, &model->disc.grid, &cells));
+  PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));
   PetscCall(WriteNodesAndCells(model, &arrays, &cells));
   PetscCall(PetscFree2(cells.id, cells.nodes));
   PetscCall(PetscFree5(arrays.position, arrays.mass, arrays.load, arrays.held, arrays.rank));

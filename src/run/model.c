@@ -3,10 +3,42 @@
 */
 #include "options/database.h"
 #include "options/options.h"
-#include "terms/terms.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/walls.h"
+#include "bc/bc.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
+#include "time/integrator.h"
+#include "time/time.h"
 #include "run/run.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
+
+/* The parts that the model holds by pointers, empty. */
+static PetscErrorCode CreateParts(MpmModel model)
+{
+  MpmGrid   *grid;
+  MpmLayout *layout;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&model->scene.materials));
+  PetscCall(PetscNew(&model->scene.bodies));
+  PetscCall(PetscNew(&model->scene.bcs));
+  PetscCall(PetscNew(&model->scene.boundaries));
+  PetscCall(PetscNew(&model->scene.loads));
+  PetscCall(PetscNew(&model->state.particles));
+  PetscCall(PetscNew(&grid));
+  PetscCall(PetscNew(&layout));
+  PetscCall(MpmDiscretizationCreate(model->comm, grid, layout, &model->disc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
 {
@@ -25,6 +57,7 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   (*model)->monitor.message  = MpmTerminalMessage;
   (*model)->monitor.ctx      = *model;
   (*model)->state.integrator = &MpmIntegratorQuasistatic;
+  PetscCall(CreateParts(*model));
   {
     PetscLogDouble now;
 
@@ -104,40 +137,48 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscFunctionBeginUser;
   if (!model) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
-  if (model->state.particles.swarm) PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  if (model->state.particles->swarm) PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(PetscFree(model->results->history_row));
   PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));
   PetscCall(MpmOutputDestroy(&model->results->output));
   PetscCall(MpmHistoryDestroy(&model->results->history));
-  PetscCall(MpmParticlesDestroy(&model->state.particles));
-  PetscCall(MpmGridDestroy(&model->disc.grid));
-  for (PetscInt k = 0; model->scene.materials.at && k < model->scene.materials.count; k++)
-    PetscCall(MpmMaterialDestroy(&model->scene.materials.at[k]));
-  for (PetscInt k = 0; model->scene.bodies.at && k < model->scene.bodies.count; k++)
-    PetscCall(MpmBodyDestroy(&model->scene.bodies.at[k]));
-  for (PetscInt k = 0; model->scene.bcs.at && k < model->scene.bcs.count; k++)
-    PetscCall(MpmConditionDestroy(&model->scene.bcs.at[k]));
-  for (PetscInt k = 0; model->scene.boundaries.at && k < model->scene.boundaries.count; k++)
-    PetscCall(MpmBoundaryDestroy(&model->scene.boundaries.at[k]));
-  for (PetscInt k = 0; model->scene.loads.at && k < model->scene.loads.count; k++)
-    PetscCall(MpmLoadDestroy(&model->scene.loads.at[k]));
+  PetscCall(MpmParticlesDestroy(model->state.particles));
+  PetscCall(MpmGridDestroy(model->disc.grid));
+  PetscCall(PetscFree(model->disc.grid));
+  PetscCall(PetscFree(model->disc.layout));
+  PetscCall(PetscFree(model->state.particles));
+  for (PetscInt k = 0; model->scene.materials->at && k < model->scene.materials->count; k++)
+    PetscCall(MpmMaterialDestroy(&model->scene.materials->at[k]));
+  for (PetscInt k = 0; model->scene.bodies->at && k < model->scene.bodies->count; k++)
+    PetscCall(MpmBodyDestroy(&model->scene.bodies->at[k]));
+  for (PetscInt k = 0; model->scene.bcs->at && k < model->scene.bcs->count; k++)
+    PetscCall(MpmConditionDestroy(&model->scene.bcs->at[k]));
+  for (PetscInt k = 0; model->scene.boundaries->at && k < model->scene.boundaries->count; k++)
+    PetscCall(MpmBoundaryDestroy(&model->scene.boundaries->at[k]));
+  for (PetscInt k = 0; model->scene.loads->at && k < model->scene.loads->count; k++)
+    PetscCall(MpmLoadDestroy(&model->scene.loads->at[k]));
   for (PetscInt k = 0; model->results->tracks.at && k < model->results->tracks.count; k++)
     PetscCall(MpmTrackDestroy(&model->results->tracks.at[k]));
-  PetscCall(PetscFree(model->scene.materials.at));
-  PetscCall(PetscFree(model->scene.bodies.at));
-  PetscCall(PetscFree(model->scene.bcs.at));
-  PetscCall(PetscFree(model->scene.boundaries.at));
-  PetscCall(PetscFree(model->scene.loads.at));
+  PetscCall(PetscFree(model->scene.materials->at));
+  PetscCall(PetscFree(model->scene.bodies->at));
+  PetscCall(PetscFree(model->scene.bcs->at));
+  PetscCall(PetscFree(model->scene.boundaries->at));
+  PetscCall(PetscFree(model->scene.loads->at));
   PetscCall(PetscFree(model->results->tracks.at));
-  PetscCall(PetscFree(model->scene.walls.at));
+  PetscCall(PetscFree(model->scene.walls));
   PetscCall(MpmStagesDestroy(model));
-  PetscCall(MpmNamesDestroy(model->scene.materials.count, &model->scene.materials.names));
-  PetscCall(MpmNamesDestroy(model->scene.bodies.count, &model->scene.bodies.names));
-  PetscCall(MpmNamesDestroy(model->scene.bcs.count, &model->scene.bcs.names));
-  PetscCall(MpmNamesDestroy(model->scene.boundaries.count, &model->scene.boundaries.names));
-  PetscCall(MpmNamesDestroy(model->scene.loads.count, &model->scene.loads.names));
+  PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
+  PetscCall(PetscFree(model->scene.materials));
+  PetscCall(MpmNamesDestroy(model->scene.bodies->count, &model->scene.bodies->names));
+  PetscCall(PetscFree(model->scene.bodies));
+  PetscCall(MpmNamesDestroy(model->scene.bcs->count, &model->scene.bcs->names));
+  PetscCall(PetscFree(model->scene.bcs));
+  PetscCall(MpmNamesDestroy(model->scene.boundaries->count, &model->scene.boundaries->names));
+  PetscCall(PetscFree(model->scene.boundaries));
+  PetscCall(MpmNamesDestroy(model->scene.loads->count, &model->scene.loads->names));
+  PetscCall(PetscFree(model->scene.loads));
   PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
   PetscCall(MpmNamesDestroy(model->results->output_field_count, &model->results->output_fields));
   PetscCall(PetscFree(model->scene.title));
@@ -167,7 +208,7 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
                   name, words);
     PetscCall(PetscFree(words));
   }
-  PetscCall(MpmLayoutCreate(&model->scene.physics, dim, &model->disc.layout));
+  PetscCall(MpmLayoutCreate(&model->scene.physics, dim, model->disc.layout));
   model->scene.stretch = MpmStretchFind(dim);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -244,38 +285,54 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Fields whose nodes stand some cells apart need a grid that such a lattice fits. */
+static PetscErrorCode CheckLattices(const MpmGrid *grid, const MpmLayout *layout)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt c = 0; c < layout->block && !MpmOptionsHelp(); c++) {
+    const PetscInt spacing = layout->shape[layout->shape_of[c]].spacing;
+
+    for (PetscInt a = 0; a < grid->dim; a++)
+      MpmCheckInput(grid->cells[a] % spacing == 0,
+                    "-mpm_grid_cells %" PetscInt_FMT ": the nodes of %s stand %" PetscInt_FMT
+                    " cells apart on axis %c, must be a multiple of %" PetscInt_FMT,
+                    grid->cells[a], layout->component_name[c], spacing, "xyz"[a], spacing);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *options)
 {
   PetscReal stiffest = 0.;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED,
-                             &model->scene.materials.count, &model->scene.materials.names));
-  PetscCall(PetscCalloc1(model->scene.materials.count, &model->scene.materials.at));
+                             &model->scene.materials->count, &model->scene.materials->names));
+  PetscCall(PetscCalloc1(model->scene.materials->count, &model->scene.materials->at));
   model->solver.symmetric = PETSC_TRUE;
-  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     PetscCall(
-      MpmMaterialCreate(options, model->scene.materials.names[m], model->disc.grid.dim, &model->scene.materials.at[m]));
-    PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, &model->scene.materials.at[m]));
-    if (!(model->scene.materials.at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
-    stiffest = PetscMax(stiffest, model->scene.materials.at[m].stiffness);
+      MpmMaterialCreate(options, model->scene.materials->names[m], model->disc.dim, &model->scene.materials->at[m]));
+    PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, &model->scene.materials->at[m]));
+    if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
+    stiffest = PetscMax(stiffest, model->scene.materials->at[m].stiffness);
   }
   if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
-  model->disc.diagonal = stiffest * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
+  model->disc.diagonal = stiffest * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
   PetscCall(MpmOptionsBlocks(options, "bodies",
                              "names of the body blocks; bodies must not overlap, and are welded where they share "
                              "nodes",
-                             MPM_REQUIRED, &model->scene.bodies.count, &model->scene.bodies.names));
-  PetscCall(PetscCalloc1(model->scene.bodies.count, &model->scene.bodies.at));
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
-    PetscCall(MpmBodyCreate(options, model->scene.bodies.names[b], &model->disc.grid, model->scene.materials.count,
-                            model->scene.materials.at, &model->scene.bodies.at[b]));
-    MpmMaterial *material = &model->scene.materials.at[MpmBodyMaterial(model->scene.bodies.at[b])];
+                             MPM_REQUIRED, &model->scene.bodies->count, &model->scene.bodies->names));
+  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->scene.bodies->at));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscCall(MpmBodyCreate(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->count,
+                            model->scene.materials->at, &model->scene.bodies->at[b]));
+    MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
 
-    material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies.at[b]));
+    material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
   }
-  PetscCall(MpmMemoryCheck(options, &model->disc.grid, model->scene.bodies.count, model->scene.bodies.at,
-                           model->scene.bodies.names));
+  PetscCall(MpmMemoryCheck(options, model->disc.grid, model->scene.bodies->count, model->scene.bodies->at,
+                           model->scene.bodies->names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -284,15 +341,15 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsBlocks(options, "boundaries", "names of the boundaries that do not follow the grid", MPM_OPTIONAL,
-                             &model->scene.boundaries.count, &model->scene.boundaries.names));
-  PetscCall(PetscCalloc1(model->scene.boundaries.count, &model->scene.boundaries.at));
-  for (PetscInt k = 0; k < model->scene.boundaries.count; k++) {
-    for (PetscInt b = 0; b < model->scene.bcs.count && !MpmOptionsHelp(); b++) {
-      MpmCheckInput(strcmp(model->scene.boundaries.names[k], model->scene.bcs.names[b]),
-                    "-mpm_boundaries %s: there is a condition of this name", model->scene.boundaries.names[k]);
+                             &model->scene.boundaries->count, &model->scene.boundaries->names));
+  PetscCall(PetscCalloc1(model->scene.boundaries->count, &model->scene.boundaries->at));
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
+    for (PetscInt b = 0; b < model->scene.bcs->count && !MpmOptionsHelp(); b++) {
+      MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.bcs->names[b]),
+                    "-mpm_boundaries %s: there is a condition of this name", model->scene.boundaries->names[k]);
     }
     PetscCall(
-      MpmBoundaryCreate(options, model->scene.boundaries.names[k], &model->disc.grid, &model->scene.boundaries.at[k]));
+      MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -300,27 +357,27 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsBlocks(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs.count,
-                             &model->scene.bcs.names));
-  PetscCall(MpmOptionsBlocks(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads.count,
-                             &model->scene.loads.names));
+  PetscCall(MpmOptionsBlocks(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs->count,
+                             &model->scene.bcs->names));
+  PetscCall(MpmOptionsBlocks(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads->count,
+                             &model->scene.loads->names));
   PetscCall(MpmStagesReadLists(model, options));
-  PetscCall(PetscCalloc1(model->scene.bcs.count, &model->scene.bcs.at));
-  PetscCall(PetscMalloc1((model->scene.bcs.count * 2 * MPM_MAX_BLOCK), &model->scene.walls.at));
-  for (PetscInt b = 0; b < model->scene.bcs.count; b++)
-    PetscCall(MpmConditionCreate(options, model->scene.bcs.names[b], &model->disc.grid, &model->disc.layout,
-                                 &model->scene.bcs.at[b]));
-  PetscCall(PetscCalloc1((model->scene.bcs.count * model->disc.layout.block), &model->disc.reaction));
+  PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
+  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->scene.walls));
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+    PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
+                                 &model->scene.bcs->at[b]));
+  PetscCall(PetscCalloc1((model->scene.bcs->count * model->disc.block), &model->disc.reaction));
   PetscCall(ReadBoundaries(model, options));
-  PetscCall(PetscCalloc1(model->scene.loads.count, &model->scene.loads.at));
-  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
-    PetscCall(MpmLoadCreate(options, model->scene.loads.names[l], &model->disc.grid, &model->scene.loads.at[l]));
+  PetscCall(PetscCalloc1(model->scene.loads->count, &model->scene.loads->at));
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    PetscCall(MpmLoadCreate(options, model->scene.loads->names[l], model->disc.grid, &model->scene.loads->at[l]));
     for (PetscInt m = 0;
-         model->scene.loads.at[l].type == MPM_LOAD_GRAVITY && m < model->scene.materials.count && !MpmOptionsHelp();
+         model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && m < model->scene.materials->count && !MpmOptionsHelp();
          m++) {
-      MpmCheckInput(model->scene.materials.at[m].density > 0.,
-                    "-mpm_material_%s_density is missing: load %s is gravity", model->scene.materials.names[m],
-                    model->scene.loads.names[l]);
+      MpmCheckInput(model->scene.materials->at[m].density > 0.,
+                    "-mpm_material_%s_density is missing: load %s is gravity", model->scene.materials->names[m],
+                    model->scene.loads->names[l]);
     }
   }
   PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
@@ -328,7 +385,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->results->tracks.count, &model->results->tracks.at));
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
     PetscCall(
-      MpmTrackCreate(options, model->results->tracks.names[t], &model->disc.grid, &model->results->tracks.at[t]));
+      MpmTrackCreate(options, model->results->tracks.names[t], model->disc.grid, &model->results->tracks.at[t]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -336,34 +393,35 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt  state_size = 0, extra = 0;
-  PetscBool half_length =
-    (PetscBool)(MpmShapeHasDomain(model->scene.shape) || model->scene.boundaries.count || MpmStagesAreGeostatic(model));
+  PetscInt    state_size = 0, extra = 0;
+  PetscBool   half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || model->scene.boundaries->count ||
+                                      MpmStagesAreGeostatic(model));
   const char *why;
   char      **fields;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(
-    (model->scene.loads.count + model->results->tracks.count + model->scene.boundaries.count * MPM_MAX_DIM), &fields));
-  for (PetscInt m = 0; m < model->scene.materials.count; m++)
-    state_size = PetscMax(state_size, model->scene.materials.at[m].state_size);
-  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
-    if (model->scene.loads.at[l].type == MPM_LOAD_TRACTION) half_length = PETSC_TRUE;
-    if (model->scene.loads.at[l].share_field) fields[extra++] = model->scene.loads.at[l].share_field;
+    (model->scene.loads->count + model->results->tracks.count + model->scene.boundaries->count * MPM_MAX_DIM),
+    &fields));
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    if (model->scene.loads->at[l].type == MPM_LOAD_TRACTION) half_length = PETSC_TRUE;
+    if (model->scene.loads->at[l].share_field) fields[extra++] = model->scene.loads->at[l].share_field;
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     fields[extra++] = model->results->tracks.at[t].share_field;
-  for (PetscInt k = 0; k < model->scene.boundaries.count; k++)
-    for (PetscInt a = 0; model->scene.boundaries.at[k].stick && a < model->disc.grid.dim; a++)
-      fields[extra++] = model->scene.boundaries.at[k].slip_field[a];
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    for (PetscInt a = 0; model->scene.boundaries->at[k].stick && a < model->disc.dim; a++)
+      fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
 
-  model->state.particles.has_mass = MpmStagesKeepMass(model);
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++)
-    if (MpmBodyIsImported(model->scene.bodies.at[b])) model->state.particles.has_mass = PETSC_TRUE;
+  model->state.particles->has_mass = MpmStagesKeepMass(model);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(
-    &model->disc.grid,
-    &(MpmParticleFields){state_size, model->disc.layout.rates, half_length, model->state.predict, extra, fields},
-    &model->state.particles));
+    model->disc.grid,
+    &(MpmParticleFields){state_size, model->disc.layout->rates, half_length, model->state.predict, extra, fields},
+    model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
   if (model->results->checkpoint.restart && !model->scene.stages[0].name) {
@@ -371,15 +429,15 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmBodiesShareEdges(model));
-  PetscCall(MpmBodiesGenerate(model->scene.bodies.count, model->scene.bodies.at, model->scene.materials.at,
-                              &model->disc.grid, &model->state.particles));
-  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, &why));
+  PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
+                              model->disc.grid, model->state.particles));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
-  for (PetscInt k = 0; k < model->scene.boundaries.count; k++)
-    PetscCall(MpmBoundaryCheck(&model->scene.boundaries.at[k], &model->disc.grid, &model->state.particles));
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
-    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], &model->disc.grid, &model->state.particles));
+    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
   PetscCall(MpmStagesSelect(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(MpmStageBegin(model, 0));
@@ -393,12 +451,12 @@ static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) volume += points.volume0[p];
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, model->comm));
-  for (PetscInt a = 0; a < model->disc.grid.dim; a++) volume /= model->disc.grid.h[a];
-  *unknowns = volume * (PetscReal)model->disc.layout.block;
+  for (PetscInt a = 0; a < model->disc.dim; a++) volume /= model->disc.h[a];
+  *unknowns = volume * (PetscReal)model->disc.block;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -419,7 +477,9 @@ static PetscErrorCode ReadScene(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(ReadKind(model, &options));
-  PetscCall(MpmGridSetFromOptions(&model->disc.grid, &options, model->disc.layout.dim));
+  PetscCall(MpmGridSetFromOptions(model->disc.grid, &options, model->disc.layout->dim));
+  PetscCall(MpmDiscretizationSize(&model->disc));
+  PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, &options));
   PetscCall(ReadConditions(model, &options));
   PetscCall(MpmStagesRead(model, &options));
@@ -452,8 +512,8 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
-  PetscCall(MpmDiscretizationSetUp(&model->disc, &model->scene.materials, &model->scene.boundaries,
-                                   model->state.particles.state_size));
+  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries,
+                                   model->state.particles->state_size));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

@@ -1,6 +1,11 @@
 /*
   The fields of the points that are written, made one at a time while they are.
 */
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/shape.h"
+#include "particles/particles.h"
+#include "particles/points.h"
 #include "run/run.h"
 
 /* One field: what the functions below need to make it. */
@@ -28,7 +33,7 @@ static void CopyF(PetscInt dim, const PetscReal from[], PetscReal to[])
 static PetscErrorCode FillDisplacement(const void *ctx, PetscReal values[])
 {
   const MpmPoints *points = ((const Source *)ctx)->points;
-  const PetscInt   dim    = ((const Source *)ctx)->model->disc.grid.dim;
+  const PetscInt   dim    = ((const Source *)ctx)->model->disc.dim;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < points->count * dim; k++) values[k] = points->x[k] - points->x0[k];
@@ -41,7 +46,7 @@ static PetscErrorCode FillStress(const void *ctx, PetscReal values[])
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < source->points->count; p++) {
-    CopySym(source->model->disc.grid.dim, &source->points->stress[p * source->model->state.particles.stress_size],
+    CopySym(source->model->disc.dim, &source->points->stress[p * source->model->state.particles->stress_size],
             &values[6 * p]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -50,7 +55,7 @@ static PetscErrorCode FillStress(const void *ctx, PetscReal values[])
 static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
 {
   const MpmPoints *points = ((const Source *)ctx)->points;
-  const PetscInt   dim    = ((const Source *)ctx)->model->disc.grid.dim;
+  const PetscInt   dim    = ((const Source *)ctx)->model->disc.dim;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < points->count; p++)
@@ -61,7 +66,7 @@ static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
 static PetscErrorCode FillMass(const void *ctx, PetscReal values[])
 {
   const MpmPoints   *points    = ((const Source *)ctx)->points;
-  const MpmMaterial *materials = ((const Source *)ctx)->model->scene.materials.at;
+  const MpmMaterial *materials = ((const Source *)ctx)->model->scene.materials->at;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < points->count; p++) values[p] = MpmPointMass(points, materials, p);
@@ -71,7 +76,7 @@ static PetscErrorCode FillMass(const void *ctx, PetscReal values[])
 static PetscErrorCode FillF(const void *ctx, PetscReal values[])
 {
   const MpmPoints *points = ((const Source *)ctx)->points;
-  const PetscInt   dim    = ((const Source *)ctx)->model->disc.grid.dim;
+  const PetscInt   dim    = ((const Source *)ctx)->model->disc.dim;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < points->count; p++) CopyF(dim, &points->F[p * dim * dim], &values[9 * p]);
@@ -87,18 +92,18 @@ static PetscErrorCode FillState(const void *ctx, PetscReal values[])
 
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(values, points->count * source->components));
-  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
-    const MpmLawInfo *info  = &model->scene.materials.at[m].info;
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    const MpmLawInfo *info  = &model->scene.materials->at[m].info;
     PetscInt          first = 0;
     size_t            v     = 0;
 
     while (v < info->state_count && strcmp(info->states[v].name, source->state))
-      first += MpmStateComponents(&info->states[v++], model->disc.grid.dim);
+      first += MpmStateComponents(&info->states[v++], model->disc.dim);
     for (PetscInt p = 0; p < points->count && v < info->state_count; p++) {
-      const PetscReal *state = &points->state[p * model->state.particles.state_size + first];
+      const PetscReal *state = &points->state[p * model->state.particles->state_size + first];
 
       if (points->material[p] != m) continue;
-      if (source->components == 6) CopySym(model->disc.grid.dim, state, &values[6 * p]);
+      if (source->components == 6) CopySym(model->disc.dim, state, &values[6 * p]);
       else values[p] = state[0];
     }
   }
@@ -108,7 +113,7 @@ static PetscErrorCode FillState(const void *ctx, PetscReal values[])
 static PetscErrorCode FillRate(const void *ctx, PetscReal values[])
 {
   const Source  *source = (const Source *)ctx;
-  const PetscInt rates  = source->model->disc.layout.rates;
+  const PetscInt rates  = source->model->disc.layout->rates;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < source->points->count; p++) values[p] = source->points->value[p * rates + source->rate];
@@ -137,7 +142,7 @@ static void Add(Fields *fields, const MpmDataset *set, const Source *source)
 
 static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fields *fields)
 {
-  const PetscInt   dim      = model->disc.grid.dim;
+  const PetscInt   dim      = model->disc.dim;
   Source           source   = {.model = model, .points = points};
   const MpmDataset always[] = {
     {.name = "material", .components = 1, .integer = points ? points->material : NULL},
@@ -149,17 +154,17 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
     {.name = "half_length", .components = dim, .real = points ? points->half_length : NULL},
   };
   const size_t known    = PETSC_STATIC_ARRAY_LENGTH(always) - (MpmShapeHasDomain(model->scene.shape) ? 0 : 1);
-  PetscInt     capacity = (PetscInt)known + model->disc.layout.rates;
+  PetscInt     capacity = (PetscInt)known + model->disc.layout->rates;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->scene.materials.count; m++)
-    capacity += (PetscInt)model->scene.materials.at[m].info.state_count;
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    capacity += (PetscInt)model->scene.materials->at[m].info.state_count;
   fields->count = 0;
   PetscCall(PetscMalloc2(capacity, &fields->set, capacity, &fields->source));
   for (size_t k = 0; k < known; k++) Add(fields, &always[k], &source);
-  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
-    for (size_t v = 0; v < model->scene.materials.at[m].info.state_count; v++) {
-      const MpmStateVariable *variable = &model->scene.materials.at[m].info.states[v];
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    for (size_t v = 0; v < model->scene.materials->at[m].info.state_count; v++) {
+      const MpmStateVariable *variable = &model->scene.materials->at[m].info.states[v];
       const MpmDataset        set      = {
                     .name = variable->name, .components = variable->kind == MPM_STATE_SYM ? 6 : 1, .fill = FillState};
 
@@ -167,8 +172,8 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
       Add(fields, &set, &source);
     }
   }
-  for (source.rate = 0; source.rate < model->disc.layout.rates; source.rate++) {
-    const MpmDataset set = {.name = model->disc.layout.component_name[model->disc.layout.rate_component[source.rate]],
+  for (source.rate = 0; source.rate < model->disc.layout->rates; source.rate++) {
+    const MpmDataset set = {.name = model->disc.layout->component_name[model->disc.layout->rate_component[source.rate]],
                             .components = 1,
                             .fill       = FillRate};
 
@@ -217,14 +222,14 @@ PetscErrorCode MpmFieldsCheck(MpmModel model)
 
 PetscErrorCode MpmFieldsWrite(MpmModel model)
 {
-  const PetscInt dim   = model->disc.grid.dim;
+  const PetscInt dim   = model->disc.dim;
   PetscInt       count = 0;
   MpmPoints      points;
   MpmDataset    *sets;
   Fields         fields;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(FieldsCreate(model, &points, &fields));
   PetscCall(PetscMalloc1((fields.count + 2), &sets));
   sets[count++] = (MpmDataset){.name = "position", .components = dim, .real = points.x};
@@ -237,6 +242,6 @@ PetscErrorCode MpmFieldsWrite(MpmModel model)
     MpmOutputWrite(model->results->output, model->state.step, model->state.time, points.count, points.id, count, sets));
   PetscCall(PetscFree(sets));
   PetscCall(FieldsDestroy(&fields));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,9 @@
   The estimated time left follows recent speed: wall time and progress are summed with a memory of some twenty steps.
 */
 #include <stdarg.h>
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/particles.h"
 #include "run/run.h"
 
 #define MEMORY        0.95 /* weight of what was summed before this step */
@@ -37,7 +40,7 @@ static PetscErrorCode PrintTitles(MpmModel model)
 
 PetscErrorCode MpmTerminalBegin(MpmModel model)
 {
-  const MpmGrid *grid = &model->disc.grid;
+  const MpmGrid *grid = model->disc.grid;
   char          *title, text[512];
 
   PetscFunctionBeginUser;
@@ -55,7 +58,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   PetscCall(MpmStabilizationText(model, sizeof(text), text));
   PetscCall(PetscPrintf(model->comm, "  %s\n", text));
   PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " point%s, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
-                        model->state.particles.total, model->state.particles.total == 1 ? "" : "s", grid->cells[0],
+                        model->state.particles->total, model->state.particles->total == 1 ? "" : "s", grid->cells[0],
                         grid->cells[1]));
   if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %" PetscInt_FMT, grid->cells[2]));
   PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));

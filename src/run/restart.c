@@ -6,8 +6,12 @@
 */
 #include <stdlib.h>
 #include <strings.h>
-#include "io/io.h"
 #include "io/hdf5_rows.h"
+#include "io/io.h"
+#include "grid/partition.h"
+#include "particles/particles.h"
+#include "space/rules.h"
+#include "time/time.h"
 #include "run/run.h"
 
 struct _p_MpmRestart {
@@ -231,7 +235,7 @@ static PetscErrorCode RestorePartition(MpmModel model, PetscBool *same)
   for (const char *c = text; *c; c++) count += *c == '\n';
   PetscCall(PetscMalloc1(count, &numbers));
   for (PetscInt k = 0; k < count; k++, text = end) numbers[k] = (PetscInt)strtoll(text, &end, 10);
-  PetscCall(MpmGridSetPartition(&model->disc.grid, count, numbers, same));
+  PetscCall(MpmGridSetPartition(model->disc.grid, count, numbers, same));
   PetscCall(PetscFree(numbers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -256,7 +260,7 @@ static PetscBool ReadField(MpmRestart restart, hid_t group, const MpmPointField 
 static PetscErrorCode ReadBlock(MpmModel model, PetscInt first, PetscInt rows, PetscInt place[])
 {
   MpmRestart    restart   = model->results->checkpoint.restart;
-  MpmParticles *particles = &model->state.particles;
+  MpmParticles *particles = model->state.particles;
   PetscInt      bad       = particles->field_count + 2;
   MpmPointField before[]  = {{(char[]){"rank"}, 1, PETSC_TRUE}, {(char[]){"place"}, 1, PETSC_TRUE}};
   void         *array;
@@ -332,7 +336,7 @@ static PetscErrorCode OrderPoints(MpmParticles *particles, PetscInt count, Petsc
 PetscErrorCode MpmRestartReadPoints(MpmModel model)
 {
   MpmRestart    restart   = model->results->checkpoint.restart;
-  MpmParticles *particles = &model->state.particles;
+  MpmParticles *particles = model->state.particles;
   PetscInt      rows = restart->points, first = 0, count, *place, *id, *key;
   PetscBool     same, moved;
 
@@ -348,8 +352,8 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   PetscCall(RestorePartition(model, &same));
   if (same && model->size > 1) PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
   if (!same) {
-    PetscCall(MpmParticlesRebalance(particles, &model->disc.grid, PETSC_TRUE, &moved));
-    PetscCall(MpmParticlesMigrate(particles, &model->disc.grid));
+    PetscCall(MpmParticlesRebalance(particles, model->disc.grid, PETSC_TRUE, &moved));
+    PetscCall(MpmParticlesMigrate(particles, model->disc.grid));
   }
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   PetscCall(PetscMalloc1(count, &key));

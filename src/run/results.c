@@ -2,6 +2,14 @@
   What the model hands to its writers: points, history, summary.
 */
 #include "options/options.h"
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/particles.h"
+#include "bc/bc.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
+#include "time/time.h"
 #include "run/run.h"
 
 static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)
@@ -49,33 +57,32 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
 static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
 {
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
-  const PetscInt           dim = model->disc.grid.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
-  PetscInt                 capacity = fixed + model->results->tracks.count * dim +
-                      model->scene.bcs.count * (model->disc.layout.block + 1) +
-                      model->scene.boundaries.count * (dim + 1) + 1;
+  const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
+  PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
+                      model->scene.boundaries->count * (dim + 1) + 1;
   char name[512];
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(capacity, names));
   *count = 0;
   for (PetscInt k = 0; k < fixed; k++) PetscCall(PetscStrallocpy(first[k], &(*names)[(*count)++]));
-  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
-    for (PetscInt k = 0; k < model->scene.bcs.at[b].component_count; k++) {
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->scene.bcs.names[b],
-                              model->disc.layout.component_name[model->scene.bcs.at[b].component[k]]));
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->scene.bcs->names[b],
+                              model->disc.layout->component_name[model->scene.bcs->at[b].component[k]]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
-    if (model->scene.bcs.at[b].inclined) { /* along the normal */
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->scene.bcs.names[b]));
+    if (model->scene.bcs->at[b].inclined) { /* along the normal */
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->scene.bcs->names[b]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
-  for (PetscInt b = 0; b < model->scene.boundaries.count; b++) {
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
     for (PetscInt a = 0; a < dim; a++) {
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.boundaries.names[b], "xyz"[a]));
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.boundaries->names[b], "xyz"[a]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
-    PetscCall(PetscSNPrintf(name, sizeof(name), "depth_%s", model->scene.boundaries.names[b]));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "depth_%s", model->scene.boundaries->names[b]));
     PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
@@ -125,23 +132,23 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->solver.newton;
   row[k++] = (PetscReal)model->solver.linear;
   row[k++] = (PetscReal)model->state.cuts;
-  row[k++] = model->scene.loads.count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
-  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
-    const PetscReal *reaction = &model->disc.reaction[b * model->disc.layout.block];
+  row[k++] = model->scene.loads->count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    const PetscReal *reaction = &model->disc.reaction[b * model->disc.block];
 
-    for (PetscInt c = 0; c < model->scene.bcs.at[b].component_count; c++)
-      row[k++] = reaction[model->scene.bcs.at[b].component[c]];
-    if (!model->scene.bcs.at[b].inclined) continue;
+    for (PetscInt c = 0; c < model->scene.bcs->at[b].component_count; c++)
+      row[k++] = reaction[model->scene.bcs->at[b].component[c]];
+    if (!model->scene.bcs->at[b].inclined) continue;
     row[k] = 0.;
-    for (PetscInt a = 0; a < model->disc.grid.dim; a++) row[k] += reaction[a] * model->scene.bcs.at[b].normal[a];
+    for (PetscInt a = 0; a < model->disc.dim; a++) row[k] += reaction[a] * model->scene.bcs->at[b].normal[a];
     k++;
   }
-  for (PetscInt b = 0; b < model->scene.boundaries.count; b++) {
-    for (PetscInt a = 0; a < model->disc.grid.dim; a++) row[k++] = model->disc.contacts.reaction[b][a];
-    row[k++] = model->disc.contacts.depth[b];
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
+    for (PetscInt a = 0; a < model->disc.dim; a++) row[k++] = model->disc.contacts->reaction[b][a];
+    row[k++] = model->disc.contacts->depth[b];
   }
-  for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.grid.dim)
-    PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], &model->state.particles, &row[k]));
+  for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
+    PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
   if (model->scene.stages[0].name) row[k] = (PetscReal)model->state.stage + 1.;
   PetscCall(MpmHistoryAppend(model->results->history, row));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
@@ -153,26 +160,26 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
 {
   MpmSummary     summary = {.status            = status,
-                            .dim               = model->disc.grid.dim,
+                            .dim               = model->disc.dim,
                             .title             = model->scene.title,
                             .physics           = model->scene.physics.name,
                             .shape             = MpmShapeTypes[model->scene.shape],
                             .jacobian          = MpmJacobianTypes[model->solver.jacobian_type],
                             .solver            = model->solver.name,
-                            .points            = model->state.particles.total,
+                            .points            = model->state.particles->total,
                             .cells             = 1,
                             .active_dofs_max   = model->state.active_dofs_max,
                             .steps             = model->state.step,
                             .step_cuts         = model->state.cuts_total,
                             .newton_iterations = model->solver.newton_total,
                             .linear_iterations = model->solver.linear_total,
-                            .imbalance         = model->state.particles.imbalance,
-                            .rebalances        = model->state.particles.rebalances};
+                            .imbalance         = model->state.particles->imbalance,
+                            .rebalances        = model->state.particles->rebalances};
   char           path[PETSC_MAX_PATH_LEN];
   PetscLogDouble now;
 
   PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < model->disc.grid.dim; a++) summary.cells *= model->disc.grid.cells[a];
+  for (PetscInt a = 0; a < model->disc.dim; a++) summary.cells *= model->disc.grid->cells[a];
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->results->start;
   PetscCall(PetscArraycpy(summary.time, model->monitor.seconds, MPM_TIME_COUNT));

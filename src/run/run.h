@@ -2,13 +2,12 @@
 /*
   The run: reading of scenes, results, progress, checkpoints.
 */
+#include "base/types.h"
 #include "io/io.h"
 #include "run/manual.h"
 #include "run/signals.h"
 #include "run/tracks.h"
-#include "time/time.h"
-
-typedef struct MpmOptions MpmOptions;
+#include "time/model.h"
 
 /* ---- checkpoint.c, restart.c, run_state.c ---- */
 

@@ -12,6 +12,13 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "grid/grid.h"
+#include "particles/body.h"
+#include "space/rules.h"
+#include "bc/bc.h"
 #include "run/run.h"
 
 /* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn. */
@@ -54,15 +61,15 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
 /* The box of all bodies' cells; the grid's where points come from a file. */
 static PetscErrorCode FindBox(const MpmModel model, PetscReal lower[], PetscReal upper[])
 {
-  const MpmGrid *grid               = &model->disc.grid;
+  const MpmGrid *grid               = model->disc.grid;
   PetscInt       first[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, end[MPM_MAX_DIM] = {0, 0, 0};
   PetscReal      points;
   PetscBool      whole = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
-    whole = (PetscBool)(whole || MpmBodyIsImported(model->scene.bodies.at[b]));
-    PetscCall(MpmBodyEstimate(model->scene.bodies.at[b], grid, first, end, &points));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    whole = (PetscBool)(whole || MpmBodyIsImported(model->scene.bodies->at[b]));
+    PetscCall(MpmBodyEstimate(model->scene.bodies->at[b], grid, first, end, &points));
   }
   for (PetscInt a = 0; a < grid->dim; a++) {
     lower[a] = whole ? grid->lower[a] : grid->lower[a] + grid->h[a] * (PetscReal)first[a];
@@ -75,7 +82,7 @@ static PetscErrorCode FindBox(const MpmModel model, PetscReal lower[], PetscReal
 static PetscBool Prescribes(const MpmModel model, PetscInt b, PetscInt component, const PetscReal lower[],
                             const PetscReal upper[])
 {
-  const MpmCondition *bc  = &model->scene.bcs.at[b];
+  const MpmCondition *bc  = &model->scene.bcs->at[b];
   PetscBool           has = PETSC_FALSE;
 
   for (PetscInt k = 0; k < bc->component_count && !bc->inclined; k++)
@@ -91,12 +98,12 @@ static PetscErrorCode CountFree(const MpmModel model, PetscInt *count)
   PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  *count = model->disc.grid.dim;
+  *count = model->disc.dim;
   PetscCall(FindBox(model, lower, upper));
-  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
     PetscBool prescribed = PETSC_FALSE;
 
-    for (PetscInt b = 0; b < model->scene.bcs.count && !prescribed; b++)
+    for (PetscInt b = 0; b < model->scene.bcs->count && !prescribed; b++)
       prescribed = Prescribes(model, b, a, lower, upper);
     if (prescribed) --*count;
   }
@@ -110,8 +117,8 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   PetscInt           count;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->scene.materials.count && !locks; m++) {
-    const MpmMaterial *material = &model->scene.materials.at[m];
+  for (PetscInt m = 0; m < model->scene.materials->count && !locks; m++) {
+    const MpmMaterial *material = &model->scene.materials->at[m];
 
     if ((material->info.traits & MPM_LAW_PLASTIC) || material->nu > MPM_NU_LOCKS) locks = material;
   }
@@ -140,7 +147,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
   PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
   PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);
   model->scene.physics.name = physics.name;
-  PetscCall(MpmLayoutCreate(&model->scene.physics, model->disc.grid.dim, &model->disc.layout));
+  PetscCall(MpmLayoutCreate(&model->scene.physics, model->disc.dim, model->disc.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -151,8 +158,8 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
   PetscBool sparse    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->scene.materials.count; m++)
-    sparse = (PetscBool)(sparse || model->scene.materials.at[m].spacing >= 1.);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    sparse = (PetscBool)(sparse || model->scene.materials->at[m].spacing >= 1.);
   if (model->disc.ghost > 0.)
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "%g%s%s", (double)model->disc.ghost,
                             model->state.ghost_auto ? " (auto)" : "",

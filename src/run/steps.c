@@ -2,6 +2,8 @@
   The steps of a model: one at a time for who calls the library, and the run of all of them with its results.
 */
 #include "options/options.h"
+#include "particles/particles.h"
+#include "time/time.h"
 #include "run/run.h"
 
 /* ---- one step ---- */
@@ -29,13 +31,13 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   stage = &model->scene.stages[model->state.stage];
   if (stage->name && model->state.time == model->state.time_start)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
   if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
     PetscCall(MpmGeostaticRun(model, why));
     *dt = model->state.time - model->state.time_start;
   } else PetscCall(MpmAdvance(model, dt, why));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (!*why && model->caller.after) PetscCall((*model->caller.after)(model, model->caller.after_ctx));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -107,10 +109,10 @@ static PetscErrorCode Report(MpmModel model, PetscReal dt)
 static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
 {
   const char     *why  = model->caller.why;
-  const PetscBool gone = model->state.particles.gone;
+  const PetscBool gone = model->state.particles->gone;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
   if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone)
     PetscCall(MpmModelWriteOutput(model));

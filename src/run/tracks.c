@@ -4,6 +4,9 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "particles/selection.h"
 #include "run/tracks.h"
 
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)

@@ -2,6 +2,8 @@
 /*
   Sets of points that are followed.
 */
+#include "base/base.h"
+#include "base/types.h"
 #include "particles/selection.h"
 
 /* A set of points that is followed; the field holds each point's share of the mean. */

@@ -2,7 +2,18 @@
   -mpm_view: what a model consists of, in PETSc's manner: the model itself, its grid, the space of the last step, and the
   solver's objects, which view themselves.
 */
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
 #include "terms/terms.h"
+#include "time/integrator.h"
 #include "run/run.h"
 
 static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
@@ -13,24 +24,25 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "Model: %s\n", scene->title ? scene->title : "without a title"));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "physics %s, %" PetscInt_FMT "D, shape %s, integrator %s\n",
-                                   scene->physics.name, model->disc.grid.dim, MpmShapeTypes[scene->shape],
+                                   scene->physics.name, model->disc.dim, MpmShapeTypes[scene->shape],
                                    model->state.integrator->name));
   PetscCall(PetscViewerASCIIPrintf(viewer, "unknowns of a node:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
-  for (PetscInt c = 0; c < model->disc.layout.block; c++)
-    PetscCall(PetscViewerASCIIPrintf(viewer, " %s", model->disc.layout.component_name[c]));
+  for (PetscInt c = 0; c < model->disc.block; c++)
+    PetscCall(PetscViewerASCIIPrintf(viewer, " %s", model->disc.layout->component_name[c]));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_TRUE));
-  for (PetscInt m = 0; m < scene->materials.count; m++)
+  for (PetscInt m = 0; m < scene->materials->count; m++)
     PetscCall(PetscViewerASCIIPrintf(viewer, "material %s: %s, constrained modulus %g, density %g\n",
-                                     scene->materials.at[m].name, scene->materials.at[m].info.name,
-                                     (double)scene->materials.at[m].stiffness, (double)scene->materials.at[m].density));
+                                     scene->materials->at[m].name, scene->materials->at[m].info.name,
+                                     (double)scene->materials->at[m].stiffness,
+                                     (double)scene->materials->at[m].density));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "%" PetscInt64_FMT " points of %" PetscInt_FMT " bodies, %" PetscInt_FMT
                                    " conditions, %" PetscInt_FMT " boundaries, %" PetscInt_FMT " loads, %" PetscInt_FMT
                                    " stages\n",
-                                   model->state.particles.total, scene->bodies.count, scene->bcs.count,
-                                   scene->boundaries.count, scene->loads.count, scene->stage_count));
+                                   model->state.particles->total, scene->bodies->count, scene->bcs->count,
+                                   scene->boundaries->count, scene->loads->count, scene->stage_count));
   PetscCall(PetscViewerASCIIPrintf(viewer, "terms:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
   for (PetscInt k = 0; k < model->disc.terms->count; k++)
@@ -43,7 +55,7 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
 
 static PetscErrorCode ViewGrid(const MpmModel model, PetscViewer viewer)
 {
-  const MpmGrid *grid = &model->disc.grid;
+  const MpmGrid *grid = model->disc.grid;
 
   PetscFunctionBeginUser;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Grid\n"));
@@ -54,7 +66,7 @@ static PetscErrorCode ViewGrid(const MpmModel model, PetscViewer viewer)
                                      (double)grid -> upper[a]));
   PetscCall(PetscViewerASCIIPrintf(
     viewer, "points on the fullest rank over their mean %.3g, partition moved %" PetscInt_FMT " times\n",
-    (double)model->state.particles.imbalance, model->state.particles.rebalances));
+    (double)model->state.particles->imbalance, model->state.particles->rebalances));
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -62,7 +74,7 @@ static PetscErrorCode ViewGrid(const MpmModel model, PetscViewer viewer)
 /* The space of the last step; one line a rank. */
 static PetscErrorCode ViewSpace(const MpmModel model, PetscViewer viewer)
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
 
   PetscFunctionBeginUser;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Space of the last step\n"));
@@ -70,7 +82,7 @@ static PetscErrorCode ViewSpace(const MpmModel model, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "%" PetscInt_FMT " active nodes, %" PetscInt_FMT " unknowns, at most %" PetscInt_FMT
                                    " nodes a point and axis\n",
-                                   space->global_count, space->global_count * model->disc.layout.block, space->width));
+                                   space->global_count, space->unknown_count, space->width));
   PetscCall(PetscViewerASCIIPushSynchronized(viewer));
   PetscCall(PetscViewerASCIISynchronizedPrintf(
     viewer,
@@ -94,7 +106,7 @@ PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer)
   PetscCheck(ascii, model->comm, PETSC_ERR_SUP, "a model is viewed as text only");
   PetscCall(ViewScene(model, viewer));
   PetscCall(ViewGrid(model, viewer));
-  if (model->disc.space.order) PetscCall(ViewSpace(model, viewer));
+  if (model->disc.space->order) PetscCall(ViewSpace(model, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Solver: %s, Jacobian %s\n", model->solver.name,
                                    MpmJacobianTypes[model->solver.jacobian_type]));
   PetscCall(PetscViewerASCIIPushTab(viewer));

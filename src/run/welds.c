@@ -1,6 +1,11 @@
 /*
   Bodies that share nodes move as one there: nothing slides or opens between them. The run's header says which do.
 */
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "time/time.h"
 #include "run/run.h"
 
 #define MOST_PAIRS 3 /* that the line names */
@@ -8,7 +13,7 @@
 /* The lowest and the highest of the bodies with points at each owned node. */
 static PetscErrorCode BodiesAtNodes(MpmModel model, const PetscInt body_of[], PetscInt low[], PetscInt high[])
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
 
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < space->local; i++) {
@@ -41,26 +46,26 @@ static PetscErrorCode BodiesAtNodes(MpmModel model, const PetscInt body_of[], Pe
 /* welded[b*n + c], b < c: do both have points at one node? Of three at one node the two outer ones count. */
 static PetscErrorCode FindWelded(MpmModel model, PetscBool welded[])
 {
-  const PetscInt n = model->scene.bodies.count;
+  const PetscInt n = model->scene.bodies->count;
   PetscInt      *body_of, *low, *high;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
-  PetscCall(PetscMalloc3(points.count, &body_of, model->disc.space.local, &low, model->disc.space.local, &high));
-  MpmBodiesOfPoints(model->scene.bodies.count, model->scene.bodies.at, &points, body_of);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscMalloc3(points.count, &body_of, model->disc.space->local, &low, model->disc.space->local, &high));
+  MpmBodiesOfPoints(model->scene.bodies->count, model->scene.bodies->at, &points, body_of);
   PetscCall(BodiesAtNodes(model, body_of, low, high));
-  for (PetscInt i = 0; i < model->disc.space.owned; i++)
+  for (PetscInt i = 0; i < model->disc.space->owned; i++)
     if (low[i] < high[i]) welded[low[i] * n + high[i]] = PETSC_TRUE;
   PetscCall(PetscFree3(body_of, low, high));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, welded, (PetscMPIInt)(n * n), MPIU_BOOL, MPI_LOR, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmWeldsPrint(MpmModel model)
 {
-  const PetscInt n     = model->scene.bodies.count;
+  const PetscInt n     = model->scene.bodies->count;
   PetscInt       count = 0;
   const char    *why;
   char          *text = NULL;
@@ -74,8 +79,8 @@ PetscErrorCode MpmWeldsPrint(MpmModel model)
   PetscCall(FindWelded(model, welded));
   for (PetscInt k = 0; k < n * n; k++) {
     if (!welded[k] || ++count > MOST_PAIRS) continue;
-    PetscCall(MpmTextAppend(&text, "%s%.40s and %.40s", count > 1 ? ", " : "", model->scene.bodies.names[k / n],
-                            model->scene.bodies.names[k % n]));
+    PetscCall(MpmTextAppend(&text, "%s%.40s and %.40s", count > 1 ? ", " : "", model->scene.bodies->names[k / n],
+                            model->scene.bodies->names[k % n]));
   }
   if (count > MOST_PAIRS) PetscCall(MpmTextAppend(&text, ", and %d more", (int)(count - MOST_PAIRS)));
   if (count) PetscCall(PetscPrintf(model->comm, "  bodies that share nodes are welded there: %s\n", text));

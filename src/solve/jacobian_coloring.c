@@ -9,11 +9,11 @@
   With one node a colour the same code is the dense, column-by-column differentiation; with differences of the plain
   kernel in place of duals it is the finite-difference Jacobian. Both are for tests and benchmarks.
 */
-#include "space/space.h"
+#include "grid/grid.h"
+#include "space/unit.h"
 #include "bc/bc.h"
 #include "terms/action.h"
 #include "terms/sparsity.h"
-#include "terms/terms.h"
 #include "solve/solve.h"
 
 typedef struct {
@@ -51,11 +51,11 @@ static PetscBool HasColor(const Seeds *seeds, PetscInt node, const PetscInt colo
 /* The seeds of component c: one at every node of the colour that is not constrained there. */
 static void PlantSeeds(const Seeds *seeds, const PetscInt color[], PetscInt c)
 {
-  const PetscInt bs = seeds->sum->layout->block;
+  const PetscInt bs = seeds->sum->block;
 
   for (PetscInt i = 0; i < seeds->sum->space->local; i++) {
     for (PetscInt k = 0; k < bs; k++) seeds->du[i * bs + k] = 0.;
-    if (HasColor(seeds, i, color) && seeds->constraints->condition[i * bs + c] < 0) seeds->du[i * bs + c] = 1.;
+    if (HasColor(seeds, i, color) && MpmConstraintsFree(seeds->constraints, i * bs + c)) seeds->du[i * bs + c] = 1.;
   }
   MpmFramesToAxes(seeds->constraints, bs, seeds->sum->space->local, seeds->du);
 }
@@ -80,7 +80,7 @@ static void TakeColumn(const Seeds *seeds, const PetscInt color[], PetscInt c, M
     }
     slot = w >= 0 ? pattern->slot[i * pattern->window + w] : -1;
     for (PetscInt r = 0; r < bs; r++) {
-      if (slot >= 0 && constraints->condition[i * bs + r] < 0) {
+      if (slot >= 0 && MpmConstraintsFree(constraints, i * bs + r)) {
         pattern->value[i][(r * count + slot) * bs + c] += seeds->y[i * bs + r];
       }
       seeds->y[i * bs + r] = 0.;
@@ -101,7 +101,7 @@ static PetscErrorCode AddColumns(Seeds *seeds, const PetscInt color[], PetscInt 
     const PetscInt  j = NodeOfColor(seeds, box, color), node = j < 0 ? -1 : space->group_nodes[box->node_offset + j];
 
     /* dense differentiation is kept honest: it evaluates every point for every column */
-    if (!seeds->dense && (node < 0 || seeds->constraints->condition[node * sum->layout->block + c] >= 0)) continue;
+    if (!seeds->dense && (node < 0 || !MpmConstraintsFree(seeds->constraints, node * sum->block + c))) continue;
     PetscCall(MpmActionApplyUnit(&seeds->action, unit, seeds->du, seeds->y, failed));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,7 +140,7 @@ static PetscErrorCode ColorBox(const MpmSum *sum, const MpmPattern *pattern, Pet
 PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, MpmJacobianType type, const PetscReal u[],
                                    MpmPattern *pattern, PetscInt *failed)
 {
-  const PetscInt bs = sum->layout->block;
+  const PetscInt bs = sum->block;
   Seeds    seeds = {.sum = sum, .constraints = pattern->constraints, .dense = (PetscBool)(type == MPM_JACOBIAN_DENSE)};
   PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], color[MPM_MAX_DIM];
 

@@ -2,6 +2,7 @@
   The Jacobian as a PETSc shell: products from the points, and the diagonal and point-block diagonal that smoothers and
   simple preconditioners ask for. Constrained unknowns keep the row `diagonal` times identity.
 */
+#include "bc/bc.h"
 #include "terms/action.h"
 #include "terms/discretization.h"
 #include "solve/solve.h"
@@ -16,17 +17,17 @@ typedef struct {
 /* Local values of a vector, as components along the axes; constrained unknowns are zero. */
 static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
 {
-  const MpmSpace    *space = &free->solver->disc->space;
-  const PetscInt     bs    = free->solver->disc->layout.block;
+  const MpmSpace    *space = free->solver->disc->space;
+  const PetscInt     bs    = free->solver->disc->block;
   const PetscScalar *values;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayRead(x, &values));
-  for (PetscInt k = 0; k < space->owned * bs; k++)
-    local[k] = free->solver->disc->constraints.condition[k] < 0 ? values[k] : 0.;
+  PetscCall(PetscArraycpy(local, values, space->owned * bs));
+  MpmConstraintsCopy(free->solver->disc->constraints, space->owned * bs, 0., NULL, local);
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(space, bs, local));
-  MpmFramesToAxes(&free->solver->disc->constraints, bs, space->local, local);
+  MpmFramesToAxes(free->solver->disc->constraints, bs, space->local, local);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -40,17 +41,17 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   PetscFunctionBeginUser;
   PetscCall(MatShellGetContext(J, &free));
   const MpmSolver *solver = free->solver;
-  const PetscInt   bs     = solver->disc->layout.block;
+  const PetscInt   bs     = solver->disc->block;
 
   PetscCall(Gather(free, x, free->du));
-  PetscCall(PetscArrayzero(free->y, solver->disc->space.local * bs));
+  PetscCall(PetscArrayzero(free->y, solver->disc->space->local * bs));
   PetscCall(MpmActionApply(&free->action, free->du, free->y, &failed));
-  PetscCall(MpmSpaceAddToOwners(&solver->disc->space, bs, free->y));
-  MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, free->y);
+  PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs, free->y));
+  MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, free->y);
   PetscCall(VecGetArrayRead(x, &from));
   PetscCall(VecGetArrayWrite(y, &to));
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++)
-    to[k] = solver->disc->constraints.condition[k] < 0 ? free->y[k] : solver->disc->diagonal * from[k];
+  PetscCall(PetscArraycpy(to, free->y, solver->disc->space->owned * bs));
+  MpmConstraintsCopy(solver->disc->constraints, solver->disc->space->owned * bs, solver->disc->diagonal, from, to);
   PetscCall(VecRestoreArrayWrite(y, &to));
   PetscCall(VecRestoreArrayRead(x, &from));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -60,20 +61,14 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
 static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
 {
   const MpmSolver *solver = free->solver;
-  const PetscInt   bs     = solver->disc->layout.block;
+  const PetscInt   bs     = solver->disc->block;
   PetscInt         failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmTermsDiagonal(solver->disc->terms, &solver->disc->sum, free->action.u, blocks, &failed));
-  PetscCall(MpmSpaceAddToOwners(&solver->disc->space, bs * bs, blocks));
-  MpmFramesRotateBlocks(&solver->disc->constraints, bs, solver->disc->space.owned, blocks);
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
-    PetscReal *block = &blocks[k / bs * bs * bs];
-
-    if (solver->disc->constraints.condition[k] < 0) continue;
-    for (PetscInt c = 0; c < bs; c++) block[(k % bs) * bs + c] = block[c * bs + k % bs] = 0.;
-    block[(k % bs) * (bs + 1)] = solver->disc->diagonal;
-  }
+  PetscCall(MpmTermsDiagonal(solver->disc->terms, solver->disc->sum, free->action.u, blocks, &failed));
+  PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs * bs, blocks));
+  MpmFramesRotateBlocks(solver->disc->constraints, bs, solver->disc->space->owned, blocks);
+  MpmConstraintsBlocks(solver->disc->constraints, bs, solver->disc->space->owned, solver->disc->diagonal, blocks);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -85,12 +80,12 @@ static PetscErrorCode MatGetDiagonal_Matfree(Mat J, Vec diagonal)
 
   PetscFunctionBeginUser;
   PetscCall(MatShellGetContext(J, &free));
-  const PetscInt bs = free->solver->disc->layout.block;
+  const PetscInt bs = free->solver->disc->block;
 
-  PetscCall(PetscMalloc1((free->solver->disc->space.local * bs * bs), &blocks));
+  PetscCall(PetscMalloc1((free->solver->disc->space->local * bs * bs), &blocks));
   PetscCall(Blocks(free, blocks));
   PetscCall(VecGetArrayWrite(diagonal, &to));
-  for (PetscInt k = 0; k < free->solver->disc->space.owned * bs; k++)
+  for (PetscInt k = 0; k < free->solver->disc->space->owned * bs; k++)
     to[k] = blocks[k / bs * bs * bs + (k % bs) * (bs + 1)];
   PetscCall(VecRestoreArrayWrite(diagonal, &to));
   PetscCall(PetscFree(blocks));
@@ -124,10 +119,10 @@ static PetscErrorCode MatInvertBlockDiagonal_Matfree(Mat J, const PetscScalar **
 
   PetscFunctionBeginUser;
   PetscCall(MatShellGetContext(J, &free));
-  const PetscInt bs = free->solver->disc->layout.block, owned = free->solver->disc->space.owned;
+  const PetscInt bs = free->solver->disc->block, owned = free->solver->disc->space->owned;
 
   if (!free->inverse) PetscCall(PetscMalloc1((owned * bs * bs), &free->inverse));
-  PetscCall(PetscMalloc1((free->solver->disc->space.local * bs * bs), &blocks));
+  PetscCall(PetscMalloc1((free->solver->disc->space->local * bs * bs), &blocks));
   PetscCall(Blocks(free, blocks));
   for (PetscInt i = 0; i < owned; i++) {
     PetscReal *block = &blocks[i * bs * bs];
@@ -158,16 +153,16 @@ static PetscErrorCode MatDestroy_Matfree(Mat J)
 
 PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J)
 {
-  const PetscInt bs = solver->disc->layout.block, rows = solver->disc->space.owned * bs;
+  const PetscInt bs = solver->disc->block, rows = solver->disc->space->owned * bs;
   Matfree       *free;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&free));
   free->solver = solver;
-  PetscCall(MpmActionCreate(solver->disc->terms, &solver->disc->sum, stored, &free->action));
-  PetscCall(PetscMalloc2((solver->disc->space.local * bs), &free->du, (solver->disc->space.local * bs), &free->y));
-  PetscCall(MatCreateShell(solver->disc->grid.comm, rows, rows, solver->disc->space.global_count * bs,
-                           solver->disc->space.global_count * bs, free, J));
+  PetscCall(MpmActionCreate(solver->disc->terms, solver->disc->sum, stored, &free->action));
+  PetscCall(PetscMalloc2((solver->disc->space->local * bs), &free->du, (solver->disc->space->local * bs), &free->y));
+  PetscCall(MatCreateShell(solver->disc->comm, rows, rows, solver->disc->space->global_count * bs,
+                           solver->disc->space->global_count * bs, free, J));
   PetscCall(MatSetBlockSize(*J, bs));
   PetscCall(MatShellSetOperation(*J, MATOP_MULT, (MpmFunction)MatMult_Matfree));
   if (solver->symmetric) PetscCall(MatShellSetOperation(*J, MATOP_MULT_TRANSPOSE, (MpmFunction)MatMult_Matfree));
@@ -190,10 +185,10 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x)
   const MpmSolver *solver = free->solver;
 
   PetscCall(VecGetArrayRead(x, &values));
-  PetscCall(PetscArraycpy(free->du, values, solver->disc->space.owned * solver->disc->layout.block));
+  PetscCall(PetscArraycpy(free->du, values, solver->disc->space->owned * solver->disc->block));
   PetscCall(VecRestoreArrayRead(x, &values));
-  PetscCall(MpmSpaceToGhosts(&solver->disc->space, solver->disc->layout.block, free->du));
-  MpmFramesToAxes(&solver->disc->constraints, solver->disc->layout.block, solver->disc->space.local, free->du);
+  PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, free->du));
+  MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, free->du);
   PetscCall(MpmActionSetState(&free->action, free->du, &failed));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY)); /* tells preconditioners that it has changed */
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));

@@ -2,7 +2,12 @@
   Newton's parts: residual and Jacobian as SNES calls them, when a step has converged, and the line search.
 */
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
+#include "point/material.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
 #include "terms/discretization.h"
+#include "terms/rigid.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 #include "solve/solve.h"
@@ -14,24 +19,24 @@ PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayRead(x, &values));
-  PetscCall(PetscArraycpy(solver->disc->u, values, solver->disc->space.owned * solver->disc->layout.block));
+  PetscCall(PetscArraycpy(solver->disc->u, values, solver->disc->space->owned * solver->disc->block));
   PetscCall(VecRestoreArrayRead(x, &values));
-  PetscCall(MpmSpaceToGhosts(&solver->disc->space, solver->disc->layout.block, solver->disc->u));
-  MpmFramesToAxes(&solver->disc->constraints, solver->disc->layout.block, solver->disc->space.local, solver->disc->u);
+  PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, solver->disc->u));
+  MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, solver->disc->u);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
 {
-  const PetscInt count = solver->disc->space.local * solver->disc->layout.block;
+  const PetscInt count = solver->disc->space->local * solver->disc->block;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++) solver->disc->residual[k] = -solver->disc->force[k];
-  solver->disc->sum.trial = solver->disc->sum.rest ? NULL : &solver->disc->trial;
-  PetscCall(MpmTermsResidual(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
-  PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
-  solver->disc->trial.made = (PetscBool)(solver->disc->sum.trial != NULL);
-  if (solver->disc->trial.made) PetscCall(PetscArraycpy(solver->disc->trial.u, solver->disc->u, count));
+  solver->disc->sum->trial = solver->disc->sum->rest ? NULL : solver->disc->trial;
+  PetscCall(MpmTermsResidual(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
+  PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->residual));
+  solver->disc->trial->made = (PetscBool)(solver->disc->sum->trial != NULL);
+  if (solver->disc->trial->made) PetscCall(PetscArraycpy(solver->disc->trial->u, solver->disc->u, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -53,14 +58,14 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
 {
   PetscFunctionBeginUser;
   PetscCall(GetPlace(x, &solver->cache.summed));
-  for (PetscInt k = 0; k < solver->disc->space.local * solver->disc->layout.block; k++)
+  for (PetscInt k = 0; k < solver->disc->space->local * solver->disc->block; k++)
     solver->disc->residual[k] = -solver->disc->force[k];
-  solver->cache.assembled  = PETSC_FALSE;
-  solver->disc->trial.made = PETSC_FALSE;
-  PetscCall(MpmPatternBegin(solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, solver->jacobian));
-  PetscCall(MpmTermsTangent(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->pattern,
+  solver->cache.assembled   = PETSC_FALSE;
+  solver->disc->trial->made = PETSC_FALSE;
+  PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, solver->jacobian));
+  PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->pattern,
                             solver->disc->residual, failed));
-  PetscCall(MpmSpaceAddToOwners(&solver->disc->space, solver->disc->layout.block, solver->disc->residual));
+  PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->residual));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,7 +77,7 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
 static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 {
   MpmSolver         *solver = (MpmSolver *)ctx;
-  const PetscInt     bs     = solver->disc->layout.block;
+  const PetscInt     bs     = solver->disc->block;
   const PetscScalar *at;
   PetscScalar       *values;
   PetscLogDouble     since;
@@ -89,18 +94,16 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(MpmMonitorBegin(solver->monitor, timer, &since));
   if (both) PetscCall(SumBoth(solver, x, &failed));
   else PetscCall(MpmSumResidual(solver, &failed));
-  MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, solver->disc->residual);
+  MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, solver->disc->residual);
   PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
-    values[k] = solver->disc->constraints.condition[k] < 0
-                  ? solver->disc->residual[k]
-                  : solver->disc->diagonal * (at[k] - solver->disc->constraints.value[k]);
-  }
+  PetscCall(PetscArraycpy(values, solver->disc->residual, solver->disc->space->owned * bs));
+  MpmConstraintsResidual(solver->disc->constraints, solver->disc->space->owned * bs, solver->disc->diagonal, at,
+                         values);
   PetscCall(VecRestoreArrayRead(x, &at));
   /* a rank may own no unknown of its failing points: the flag travels apart */
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->grid.comm));
-  if (failed && solver->disc->space.owned) values[0] = PETSC_INFINITY;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->comm));
+  if (failed && solver->disc->space->owned) values[0] = PETSC_INFINITY;
   PetscCall(VecRestoreArrayWrite(f, &values));
   PetscCall(MpmMonitorEnd(solver->monitor, timer, since));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -117,7 +120,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 */
 static PetscErrorCode LiftWeakNodes(MpmSolver *solver, Mat J)
 {
-  const PetscInt bs = solver->disc->layout.block, dim = solver->disc->grid.dim;
+  const PetscInt bs = solver->disc->block, dim = solver->disc->dim;
   Vec            diagonal;
   PetscScalar   *d;
 
@@ -125,7 +128,7 @@ static PetscErrorCode LiftWeakNodes(MpmSolver *solver, Mat J)
   PetscCall(VecDuplicate(solver->x, &diagonal));
   PetscCall(MatGetDiagonal(J, diagonal));
   PetscCall(VecGetArray(diagonal, &d));
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
+  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
     if (k % bs < dim && PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal) d[k] *= 1. + WEAK_LIFT;
   }
   PetscCall(VecRestoreArray(diagonal, &d));
@@ -141,12 +144,12 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(solver, x));
-  PetscCall(MpmPatternBegin(solver->disc->pattern, &solver->disc->space, &solver->disc->constraints, P));
+  PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, P));
   if (solver->jacobian_type == MPM_JACOBIAN_LOCAL || solver->jacobian_type == MPM_JACOBIAN_MATFREE)
     PetscCall(
-      MpmTermsTangent(solver->disc->terms, &solver->disc->sum, solver->disc->u, solver->disc->pattern, NULL, &failed));
+      MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->pattern, NULL, &failed));
   else
-    PetscCall(MpmJacobianColoring(solver->disc->terms, &solver->disc->sum, solver->jacobian_type, solver->disc->u,
+    PetscCall(MpmJacobianColoring(solver->disc->terms, solver->disc->sum, solver->jacobian_type, solver->disc->u,
                                   solver->disc->pattern, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -161,7 +164,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   solver->cache.summed.id = 0;
   solver->cache.assembled = PETSC_TRUE;
   solver->cache.made_count++;
-  PetscCall(MpmPatternEnd(solver->disc->pattern, &solver->disc->space, solver->disc->diagonal, P));
+  PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, solver->disc->diagonal, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
   if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -206,12 +209,12 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
 static PetscReal Contact(const MpmSolver *solver)
 {
   const MpmDiscretization *disc     = solver->disc;
-  const MpmContacts       *contacts = &disc->contacts;
+  const MpmContacts       *contacts = disc->contacts;
   PetscReal                penalty = 0., modulus = 0.;
 
   for (PetscInt k = 0; k < contacts->boundary_count; k++) penalty = PetscMax(penalty, contacts->boundaries[k].penalty);
-  for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum.materials[m].penalty);
-  return penalty * modulus * PetscPowRealInt(solver->disc->grid.h[0], solver->disc->grid.dim - 2);
+  for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum->materials[m].penalty);
+  return penalty * modulus * PetscPowRealInt(solver->disc->h[0], solver->disc->dim - 2);
 }
 
 /*
@@ -224,8 +227,8 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
                                       SNESConvergedReason *reason, void *ctx)
 {
   MpmSolver      *solver   = (MpmSolver *)ctx;
-  const PetscReal unknowns = (PetscReal)(solver->disc->space.global_count * solver->disc->layout.block);
-  const PetscReal cells    = solver->disc->grid.h[0] * PetscSqrtReal(unknowns); /* a cell a node */
+  const PetscReal unknowns = (PetscReal)(solver->disc->space->global_count * solver->disc->block);
+  const PetscReal cells    = solver->disc->h[0] * PetscSqrtReal(unknowns); /* a cell a node */
   const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
   const PetscReal floor =
     PETSC_MACHINE_EPSILON * (2. * solver->disc->diagonal + 0.5 * Contact(solver)) * (cells + size);

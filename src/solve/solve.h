@@ -3,14 +3,8 @@
   Newton's method and the linear solvers under it: presets, the forms of the Jacobian, and what is said of a solution.
 */
 #include "base/base.h"
+#include "base/types.h"
 #include "talus/talus.h"
-
-typedef struct MpmDiscretization MpmDiscretization;
-typedef struct MpmDatabase       MpmDatabase;
-typedef struct MpmOptions        MpmOptions;
-typedef struct MpmPattern        MpmPattern;
-typedef struct MpmSum            MpmSum;
-typedef struct MpmTerms          MpmTerms;
 
 /* What a run does at an equilibrium that is not stable. */
 typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
@@ -40,13 +34,13 @@ typedef struct {
 
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
-  MpmDiscretization  *disc;
-  MpmMonitor         *monitor;
-  struct MpmDatabase *database; /* the model's options: presets go there */
-  MpmJacobianType     jacobian_type;
-  char               *name, *why; /* the preset; why `auto` took it, or NULL */
-  PetscBool           symmetric;
-  char                mat_type[64], vec_type[64];
+  MpmDiscretization *disc;
+  MpmMonitor        *monitor;
+  MpmDatabase       *database; /* the model's options: presets go there */
+  MpmJacobianType    jacobian_type;
+  char              *name, *why; /* the preset; why `auto` took it, or NULL */
+  PetscBool          symmetric;
+  char               mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
   PetscBool      indefinite;        /* it has */
   PetscBool      factorises;        /* the preconditioner is a direct solver */

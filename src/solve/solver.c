@@ -1,11 +1,14 @@
 /*
   Newton and its linear solver: PETSc's SNES and KSP, set up by presets from options/ that any PETSc option overrides.
 */
+#include "options/database.h"
 #include "options/options.h"
 #include "options/record.h"
+#include "point/layout.h"
+#include "space/space.h"
+#include "bc/bc.h"
 #include "terms/discretization.h"
 #include "terms/sparsity.h"
-#include "options/database.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
 
@@ -57,7 +60,7 @@ static PetscErrorCode CreateSNES(MpmSolver *solver)
   PetscBool band;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESCreate(solver->disc->grid.comm, &solver->snes));
+  PetscCall(SNESCreate(solver->disc->comm, &solver->snes));
   PetscCall(MpmNewtonAttach(solver));
   PetscCall(SNESSetFromOptions(solver->snes));
   PetscCall(SNESGetKSP(solver->snes, &ksp));
@@ -89,12 +92,12 @@ static PetscErrorCode KnowsType(MpmSolver *solver, const char *kind, const char 
   PC             pc;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESCreate(solver->disc->grid.comm, &snes));
-  PetscCall(MatCreate(solver->disc->grid.comm, &mat));
-  PetscCall(VecCreate(solver->disc->grid.comm, &vec));
+  PetscCall(SNESCreate(solver->disc->comm, &snes));
+  PetscCall(MatCreate(solver->disc->comm, &mat));
+  PetscCall(VecCreate(solver->disc->comm, &vec));
   PetscCall(VecSetSizes(vec, 1, PETSC_DETERMINE));
-  PetscCall(KSPCreate(solver->disc->grid.comm, &ksp));
-  PetscCall(PCCreate(solver->disc->grid.comm, &pc));
+  PetscCall(KSPCreate(solver->disc->comm, &ksp));
+  PetscCall(PCCreate(solver->disc->comm, &pc));
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   if (!strcmp(kind, "mpm_mat_type")) error = MatSetType(mat, type);
   else if (!strcmp(kind, "mpm_vec_type")) error = VecSetType(vec, type);
@@ -140,7 +143,7 @@ static PetscErrorCode CheckTypes(MpmSolver *solver)
 /* What `auto` takes, and why. */
 static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const char **name)
 {
-  PetscReal most = solver->disc->grid.dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
+  PetscReal most = solver->disc->dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
   char      why[128];
 
   PetscFunctionBeginUser;
@@ -148,12 +151,12 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
     *name = "pbjacobi";
     PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
   } else {
-    if (solver->disc->grid.dim == 3 && solver->disc->layout.means)
+    if (solver->disc->dim == 3 && solver->disc->layout->means)
       most = DIRECT_MOST_FBAR_3D; /* near incompressibility is hard for multigrid */
     *name = unknowns <= most ? "direct" : "amg";
     PetscCall(PetscSNPrintf(
-      why, sizeof(why), "auto: %" PetscInt_FMT "D%s, about %.0f unknowns, direct up to %.0f", solver->disc->grid.dim,
-      solver->disc->grid.dim == 3 && solver->disc->layout.means ? " with F-bar" : "", (double)unknowns, (double)most));
+      why, sizeof(why), "auto: %" PetscInt_FMT "D%s, about %.0f unknowns, direct up to %.0f", solver->disc->dim,
+      solver->disc->dim == 3 && solver->disc->layout->means ? " with F-bar" : "", (double)unknowns, (double)most));
   }
   PetscCall(PetscStrallocpy(why, &solver->why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -187,7 +190,7 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
   if (solver->symmetric) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
   if (MpmStabilityWanted(solver))
     PetscCall(OptionDefault("-mat_mumps_icntl_13", "1")); /* or not all pivots are counted */
-  if (solver->disc->grid.dim == 2 && small) {
+  if (solver->disc->dim == 2 && small) {
     PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
     PetscCall(OptionDefault("-mat_mumps_icntl_13", "1"));
   }
@@ -272,12 +275,12 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscCall(VecDestroy(&solver->x));
   PetscCall(VecDestroy(&solver->f));
   if (!solver->matrix_unused)
-    PetscCall(MpmPatternCreateMat(solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
-                                  solver->mat_type, &solver->jacobian));
-  PetscCall(VecCreate(solver->disc->grid.comm, &solver->x));
-  PetscCall(VecSetSizes(solver->x, solver->disc->space.owned * solver->disc->layout.block,
-                        solver->disc->space.global_count * solver->disc->layout.block));
-  PetscCall(VecSetBlockSize(solver->x, solver->disc->layout.block));
+    PetscCall(MpmPatternCreateMat(solver->disc->pattern, solver->disc->space, solver->disc->comm, solver->mat_type,
+                                  &solver->jacobian));
+  PetscCall(VecCreate(solver->disc->comm, &solver->x));
+  PetscCall(VecSetSizes(solver->x, solver->disc->space->owned * solver->disc->block,
+                        solver->disc->space->global_count * solver->disc->block));
+  PetscCall(VecSetBlockSize(solver->x, solver->disc->block));
   PetscCall(VecSetType(solver->x, solver->vec_type));
   PetscCall(VecSetFromOptions(solver->x));
   PetscCall(VecDuplicate(solver->x, &solver->f));
@@ -305,8 +308,8 @@ static PetscErrorCode SetUp(MpmSolver *solver)
 
   PetscFunctionBeginUser;
   if (!solver->matrix_unused)
-    PetscCall(MpmPatternSetUp(&solver->disc->pattern, &solver->disc->space, solver->disc->grid.comm,
-                              solver->disc->layout.block, &changed));
+    PetscCall(
+      MpmPatternSetUp(&solver->disc->pattern, solver->disc->space, solver->disc->comm, solver->disc->block, &changed));
   if (changed || !solver->jacobian) PetscCall(CreateObjects(solver));
   PetscCall(MatDestroy(&solver->shell));
   if (solver->jacobian_type == MPM_JACOBIAN_MATFREE)
@@ -361,7 +364,7 @@ static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], Pe
 */
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
 {
-  const MpmLayout *layout = &solver->disc->layout;
+  const MpmLayout *layout = solver->disc->layout;
   const PetscInt   dim = layout->dim, bs = layout->block, modes = CountModes(layout);
   MatNullSpace     space;
   Vec             *mode;
@@ -380,16 +383,14 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
     PetscCall(VecDuplicate(solver->x, &mode[kept]));
     PetscCall(VecZeroEntries(mode[kept]));
     PetscCall(VecGetArray(mode[kept], &values));
-    for (PetscInt i = 0; i < solver->disc->space.owned; i++) {
+    for (PetscInt i = 0; i < solver->disc->space->owned; i++) {
       PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
 
-      for (PetscInt a = 0; a < dim; a++)
-        x[a] = solver->disc->grid.h[a] * (PetscReal)solver->disc->space.node[i * dim + a];
+      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->h[a] * (PetscReal)solver->disc->space->node[i * dim + a];
       SetMode(layout, k, x, &values[i * bs]);
     }
-    MpmFramesToUnknowns(&solver->disc->constraints, bs, solver->disc->space.owned, values);
-    for (PetscInt i = 0; i < solver->disc->space.owned * bs; i++)
-      if (solver->disc->constraints.condition[i] >= 0) values[i] = 0.;
+    MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, values);
+    MpmConstraintsCopy(solver->disc->constraints, solver->disc->space->owned * bs, 0., NULL, values);
     PetscCall(VecRestoreArray(mode[kept], &values));
     for (PetscInt pass = 0; pass < 2 && kept; pass++) {
       PetscCall(VecMDot(mode[kept], kept, mode, dot));
@@ -400,7 +401,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
     if (norm > PETSC_SQRT_MACHINE_EPSILON) kept++;
     else PetscCall(VecDestroy(&mode[kept]));
   }
-  PetscCall(MatNullSpaceCreate(solver->disc->grid.comm, PETSC_FALSE, kept, mode, &space));
+  PetscCall(MatNullSpaceCreate(solver->disc->comm, PETSC_FALSE, kept, mode, &space));
   PetscCall(MatSetNearNullSpace(solver->jacobian, space));
   PetscCall(MatNullSpaceDestroy(&space));
   for (PetscInt k = 0; k < kept; k++) PetscCall(VecDestroy(&mode[k]));

@@ -13,7 +13,11 @@
   A law with a history flows: at a limit load its tangent has lost definiteness by nature, and nothing is said.
 */
 #include "options/options.h"
-#include "point/point.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
 #include "terms/discretization.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
@@ -44,9 +48,9 @@ PetscErrorCode MpmStabilityRead(MpmSolver *solver, const MpmOptions *options)
 static PetscBool Applies(const MpmSolver *solver)
 {
   for (PetscInt m = 0; m < solver->disc->material_count; m++)
-    if (solver->disc->sum.materials[m].state_size) return PETSC_FALSE;
+    if (solver->disc->sum->materials[m].state_size) return PETSC_FALSE;
   /* without ghost penalty, nodes of small cuts lose it for themselves */
-  return (PetscBool)(solver->symmetric && solver->disc->layout.solid && solver->disc->ghost > 0.);
+  return (PetscBool)(solver->symmetric && solver->disc->layout->solid && solver->disc->ghost > 0.);
 }
 
 /* Does the run end where stability does? */
@@ -55,7 +59,7 @@ static PetscBool Stops(const MpmSolver *solver)
   PetscBool locks = PETSC_FALSE;
 
   for (PetscInt m = 0; m < solver->disc->material_count; m++)
-    locks = (PetscBool)(locks || solver->disc->sum.materials[m].nu > MPM_NU_LOCKS);
+    locks = (PetscBool)(locks || solver->disc->sum->materials[m].nu > MPM_NU_LOCKS);
   return (PetscBool)(solver->unstable == MPM_UNSTABLE_STOP || (solver->unstable == MPM_UNSTABLE_AUTO && locks));
 }
 
@@ -92,17 +96,17 @@ static PetscErrorCode CountNegative(MpmSolver *solver, PetscInt *negative)
 /* A start for the inverse iteration that does not depend on the ranks. */
 static PetscErrorCode StartMode(MpmSolver *solver, Vec mode)
 {
-  const PetscInt bs = solver->disc->layout.block, dim = solver->disc->grid.dim;
+  const PetscInt bs = solver->disc->block, dim = solver->disc->dim;
   PetscScalar   *v;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayWrite(mode, &v));
-  for (PetscInt k = 0; k < solver->disc->space.owned * bs; k++) {
-    const PetscInt *node = &solver->disc->space.node[k / bs * dim];
+  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
+    const PetscInt *node = &solver->disc->space->node[k / bs * dim];
     PetscReal       seed = 12.9898 * (PetscReal)node[0] + 78.233 * (PetscReal)node[1] + 3.7 * (PetscReal)(k % bs);
 
     if (dim > 2) seed += 37.719 * (PetscReal)node[2];
-    v[k] = solver->disc->constraints.condition[k] < 0 ? PetscSinReal(seed) : 0.;
+    v[k] = MpmConstraintsFree(solver->disc->constraints, k) ? PetscSinReal(seed) : 0.;
   }
   PetscCall(VecRestoreArrayWrite(mode, &v));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -142,29 +146,28 @@ static PetscErrorCode FindMode(MpmSolver *solver, Mat A, Vec mode, PetscReal *ei
 /* Where the mode is largest. */
 static PetscErrorCode FindPlace(MpmSolver *solver, Vec mode, PetscReal place[])
 {
-  const PetscInt     bs = solver->disc->layout.block, dim = solver->disc->grid.dim;
+  const PetscInt     bs = solver->disc->block, dim = solver->disc->dim;
   const PetscScalar *v;
   struct {
     double size;
     int    rank;
-  } most = {-1., solver->disc->grid.rank};
+  } most = {.size = -1.};
 
   PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(solver->disc->comm, &most.rank));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) place[a] = 0.;
   PetscCall(VecGetArrayRead(mode, &v));
-  for (PetscInt i = 0; i < solver->disc->space.owned; i++) {
+  for (PetscInt i = 0; i < solver->disc->space->owned; i++) {
     PetscReal size = 0.;
 
     for (PetscInt a = 0; a < dim; a++) size += PetscSqr(PetscRealPart(v[i * bs + a]));
     if (!(size > most.size)) continue;
     most.size = size;
-    for (PetscInt a = 0; a < dim; a++)
-      place[a] =
-        solver->disc->grid.lower[a] + solver->disc->grid.h[a] * (PetscReal)solver->disc->space.node[i * dim + a];
+    MpmNodePosition(solver->disc, i, place);
   }
   PetscCall(VecRestoreArrayRead(mode, &v));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, solver->disc->grid.comm));
-  PetscCallMPI(MPI_Bcast(place, MPM_MAX_DIM, MPIU_REAL, most.rank, solver->disc->grid.comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, solver->disc->comm));
+  PetscCallMPI(MPI_Bcast(place, MPM_MAX_DIM, MPIU_REAL, most.rank, solver->disc->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,7 +179,7 @@ static PetscErrorCode Describe(MpmSolver *solver, const char *what, Vec mode)
 
   PetscFunctionBeginUser;
   PetscCall(FindPlace(solver, mode, place));
-  PetscCall(PetscSNPrintf(text, sizeof(text), solver->disc->grid.dim > 2 ? "(%.4g, %.4g, %.4g)" : "(%.4g, %.4g)",
+  PetscCall(PetscSNPrintf(text, sizeof(text), solver->disc->dim > 2 ? "(%.4g, %.4g, %.4g)" : "(%.4g, %.4g)",
                           (double)place[0], (double)place[1], (double)place[2]));
   PetscCall(PetscSNPrintf(solver->lost, sizeof(solver->lost),
                           "%s: the tangent has lost definiteness, in a mode that is largest at %s", what, text));

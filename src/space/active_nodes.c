@@ -3,6 +3,7 @@
   number what is touched, and the answers make the scatter between owned nodes and ghosts. Nothing is as large as the
   grid.
 */
+#include "grid/grid.h"
 #include "space/space.h"
 
 /* A box of nodes with one integer each. */

@@ -41,14 +41,15 @@ static void KeepIncrement(PetscInt dim, const PetscReal du[], const PetscReal F_
 }
 
 /* The fields at a point from those at its group's nodes, [c][i]. */
-MPM_INLINE void Interpolate(const MpmKnown known, const MpmSpace *space, PetscInt p, const PetscReal values[],
+MPM_INLINE void Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p, const PetscReal values[],
                             PetscReal field[])
 {
-  const PetscInt   dim = known.dim, nx = known.count[0], ny = known.count[1], nz = dim == 2 ? 1 : known.count[2];
-  const PetscReal *wx = &space->weight[p * dim * space->width], *wy = wx + space->width, *wz = wy + space->width;
+  const PetscInt dim = known.dim, nx = known.count[0], ny = known.count[1], nz = dim == 2 ? 1 : known.count[2];
+  const PetscInt W = sum->space->width;
 
   for (PetscInt c = 0; c < known.block; c++) {
-    const PetscReal *v = &values[c * known.n];
+    const PetscReal *wx = &sum->space->shape[known.solid ? 0 : sum->layout->shape_of[c]].weight[p * dim * W];
+    const PetscReal *wy = wx + W, *wz = wy + W, *v = &values[c * known.n];
 
     field[c] = 0.;
     for (PetscInt l = 0; l < nz; l++) {
@@ -74,14 +75,14 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
     PetscReal      field[MPM_MAX_BLOCK];
 
-    MpmFetch(sum->space->weight, ahead, dim * sum->space->width);
+    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
     MpmFetch(points->x, ahead, dim);
     if (points->increment) {
       MpmFetch(points->increment, ahead, MPM_INCREMENT(dim));
       MpmFetch(points->F, ahead, dim * dim);
       MpmFetch(sum->trial->F, ahead, dim * dim);
     }
-    Interpolate(known, sum->space, p, values, field);
+    Interpolate(known, sum, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
     for (PetscInt r = 0; r < rates; r++) points->value[p * rates + r] = field[sum->layout->rate_component[r]];
     if (points->increment)
@@ -98,7 +99,7 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
   PetscReal       *values;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((PetscPowInt(sum->space->width, dim) * sum->layout->block), &values));
+  PetscCall(PetscMalloc1((PetscPowInt(sum->space->width, dim) * sum->block), &values));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 

@@ -4,7 +4,11 @@
   physics are constants where it pays: a point of a solid touches 4 to 9 nodes in 2D and 8 to 27 in 3D, and loops that
   short must be unrolled.
 */
+#include "particles/points.h"
+#include "point/layout.h"
+#include "point/material.h"
 #include "space/space.h"
+#include "space/sum.h"
 
 #define MPM_INLINE static inline __attribute__((always_inline))
 
@@ -90,14 +94,14 @@ typedef struct {
 
 static inline PetscErrorCode MpmWorkspaceCreate(const MpmSum *sum, MpmWorkspace *work)
 {
-  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->layout->block;
+  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->block;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((n * (2 * bs + MPM_MAX_DIM + 1)), &work->storage));
+  PetscCall(PetscMalloc1((n * (2 * bs + MpmBasisCount(sum->space))), &work->storage));
   work->weights = MpmLayoutUsesValues(sum->layout);
   work->values  = work->storage;
   work->force   = work->values + n * bs;
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) work->basis.basis[b] = work->force + n * (bs + b);
+  MpmBasisPlace(sum->space, n, work->force + n * bs, &work->basis);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -207,26 +211,26 @@ MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
 {
   const PetscInt p = MpmSumAhead(sum, s), row = known.dim * sum->space->width;
 
-  MpmFetch(sum->space->weight, p, row);
-  MpmFetch(sum->space->gradient, p, row);
+  MpmFetch(sum->space->shape[0].weight, p, row);
+  MpmFetch(sum->space->shape[0].gradient, p, row);
   MpmFetch(sum->points->F, p, known.dim * known.dim);
   MpmFetch(sum->points->volume0, p, 1);
 }
 
 /*
-  The weights and derivatives of one point at its group's nodes: basis[0] weights (if wanted), basis[1..dim]
+  The weights and derivatives of one point at its group's nodes with one shape: basis[0] weights (if wanted), basis[1..dim]
   derivatives; `count` nodes an axis, x fastest.
 */
-MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscBool weights,
-                            const MpmBasis *basis)
+MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, PetscInt shape, PetscInt point,
+                              PetscBool weights, PetscReal *const basis[])
 {
   const PetscInt dim = known.dim, *const count = known.count;
   const PetscInt   W  = space->width;
-  const PetscReal *wx = &space->weight[point * dim * W], *gx = &space->gradient[point * dim * W];
+  const PetscReal *wx = &space->shape[shape].weight[point * dim * W],
+                  *gx = &space->shape[shape].gradient[point * dim * W];
   const PetscReal *wy = wx + W, *gy = gx + W;
-  PetscReal *restrict b0 = basis->basis[0], *restrict b1 = basis->basis[1], *restrict b2 = basis->basis[2],
-                      *restrict b3 = basis->basis[3];
-  const PetscInt nx                = count[0];
+  PetscReal *restrict b0 = basis[0], *restrict b1 = basis[1], *restrict b2 = basis[2], *restrict b3 = basis[3];
+  const PetscInt nx = count[0];
 
   for (PetscInt l = 0; l < (dim == 2 ? 1 : count[2]); l++) {
     const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];
@@ -246,4 +250,13 @@ MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscIn
       b0 += nx;
     }
   }
+}
+
+/* All shapes; a solid has one. */
+MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscBool weights,
+                            const MpmBasis *basis)
+{
+  MpmShapeBasis(known, space, 0, point, weights, basis->basis);
+  for (PetscInt s = 1; !known.solid && s < space->shape_count; s++)
+    MpmShapeBasis(known, space, s, point, weights, &basis->basis[s * MPM_BASES]);
 }

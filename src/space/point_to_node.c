@@ -5,15 +5,15 @@
 
   With the gradient a linear field comes out exactly, at the edges of the material too.
 */
+#include "grid/grid.h"
 #include "space/point_loop.h"
 
-/* The field, its components and how far apart the points' values stand; and sums over the points of one group. */
+/* The points' values, and sums over the points of one group. */
 typedef struct {
-  PetscInt         components, stride;
-  const PetscReal *value, *gradient;
-  PetscReal       *sums;   /* [c][i], weights last */
-  PetscReal       *weight; /* of one point at the group's nodes */
-  PetscReal       *place;  /* [a][i]: of the nodes, from the first one */
+  const MpmPointValues *of;
+  PetscReal            *sums;   /* [c][i], weights last */
+  PetscReal            *weight; /* of one point at the group's nodes */
+  PetscReal            *place;  /* [a][i]: of the nodes, from the first one */
 } Projection;
 
 static void PlaceNodes(const MpmGrid *grid, const MpmGroup *group, PetscReal place[])
@@ -46,11 +46,12 @@ MPM_INLINE void AddComponent(const MpmKnown known, const PetscReal weight[], Pet
   }
 }
 
-MPM_INLINE void WeighNodes(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal volume,
+/* `along`: the shape's weights of all points */
+MPM_INLINE void WeighNodes(const MpmKnown known, const PetscReal along[], PetscInt W, PetscInt p, PetscReal volume,
                            PetscReal weight[])
 {
-  const PetscInt   dim = known.dim, W = space->width;
-  const PetscReal *w[MPM_MAX_DIM] = {&space->weight[p * dim * W], &space->weight[(p * dim + 1) * W], NULL};
+  const PetscInt   dim            = known.dim;
+  const PetscReal *w[MPM_MAX_DIM] = {&along[p * dim * W], &along[(p * dim + 1) * W], NULL};
 
   if (dim == 3) w[2] = w[1] + W;
   for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
@@ -70,7 +71,9 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
   const MpmSpace        *space             = sum->space;
   const MpmGrid         *grid              = sum->grid;
   const MpmPoints       *points            = sum->points;
-  const PetscInt         n = known.n, dim = known.dim, components = project->components;
+  const MpmPointValues  *of                = project->of;
+  const PetscReal       *along             = space->shape[of->shape].weight;
+  const PetscInt         n = known.n, dim = known.dim, components = of->components;
   const PetscInt        *nodes = &space->group_nodes[group->node_offset];
 
   for (PetscInt k = 0; k < n * (components + 1); k++) project->sums[k] = 0.;
@@ -78,14 +81,14 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
     const PetscInt   p = space->order[s], ahead = MpmSumAhead(sum, s);
     const PetscReal *x = &points->x[p * dim];
 
-    MpmFetch(space->weight, ahead, dim * space->width);
-    MpmFetch(project->value, ahead, project->stride);
+    MpmFetch(along, ahead, dim * space->width);
+    MpmFetch(of->value, ahead, of->stride);
     MpmFetch(points->x, ahead, dim);
     MpmFetch(points->volume0, ahead, 1);
-    WeighNodes(known, space, p, points->volume0[p], project->weight);
+    WeighNodes(known, along, space->width, p, points->volume0[p], project->weight);
     for (PetscInt c = 0; c < components; c++) {
-      const PetscReal *gradient = project->gradient ? &project->gradient[p * project->stride + c * dim] : flat;
-      PetscReal        start    = project->value[p * project->stride + c];
+      const PetscReal *gradient = of->gradient ? &of->gradient[p * of->stride + c * dim] : flat;
+      PetscReal        start    = of->value[p * of->stride + c];
 
       for (PetscInt a = 0; a < dim; a++)
         start += gradient[a] * (grid->lower[a] + grid->h[a] * (PetscReal)group->first[a] - x[a]);
@@ -98,12 +101,11 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmProjectToNodes(const MpmSum *sum, PetscInt components, PetscInt stride, const PetscReal value[],
-                                 const PetscReal gradient[], PetscReal nodal[])
+PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values, PetscReal nodal[])
 {
-  const MpmSpace *space = sum->space;
-  const PetscInt  most = PetscPowInt(space->width, space->dim), n = components + 1;
-  Projection      project = {.components = components, .stride = stride, .value = value, .gradient = gradient};
+  const MpmSpace *space      = sum->space;
+  const PetscInt  components = values->components, most = PetscPowInt(space->width, space->dim), n = components + 1;
+  Projection      project = {.of = values};
   PetscReal      *sums;
 
   PetscFunctionBeginUser;

@@ -4,13 +4,17 @@
   Grouping is what makes assembly cheap: nodal values are gathered, and element blocks scattered, once a group instead
   of once a point, and no point pays for more nodes than it touches.
 */
+#include "grid/grid.h"
 #include "space/point_loop.h"
+#include "space/rules.h"
 
 PetscErrorCode MpmSpaceReset(MpmSpace *space)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree2(space->first, space->count));
-  PetscCall(PetscFree2(space->weight, space->gradient));
+  for (PetscInt k = 0; k < space->shape_count; k++)
+    PetscCall(PetscFree2(space->shape[k].weight, space->shape[k].gradient));
+  PetscCall(PetscFree(space->support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
   PetscCall(PetscFree(space->faces));
@@ -20,115 +24,6 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree2(space->node, space->global));
   PetscCall(PetscSFDestroy(&space->sf));
   PetscCall(PetscMemzero(space, sizeof(*space)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Does a wall stand beside this point, that is, does the point project into the wall's extent? */
-static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[])
-{
-  for (PetscInt a = 0; a < dim; a++) {
-    if (a != wall->axis && (x[a] < wall->lower[a] || x[a] > wall->upper[a])) return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
-}
-
-void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[])
-{
-  const MpmGrid *grid  = rules->grid;
-  const MpmWall *walls = rules->walls;
-
-  for (PetscInt a = 0; a < grid->dim; a++) {
-    lower[a] = 0;
-    upper[a] = grid->nodes[a] - 1;
-  }
-  for (PetscInt w = 0; w < rules->wall_count; w++) {
-    const PetscInt  a  = walls[w].axis;
-    const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
-
-    if (walls[w].side > 0) {
-      if (xi >= (PetscReal)walls[w].node && walls[w].node > lower[a] && WallFaces(&walls[w], grid->dim, x))
-        lower[a] = walls[w].node;
-    } else {
-      if (xi <= (PetscReal)walls[w].node && walls[w].node < upper[a] && WallFaces(&walls[w], grid->dim, x))
-        upper[a] = walls[w].node;
-    }
-  }
-}
-
-PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt p, PetscReal half[])
-{
-  const MpmGrid   *grid = rules->grid;
-  const PetscInt   dim  = grid->dim;
-  const PetscReal *x    = &points->x[p * dim];
-  PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-  PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
-  const PetscBool  good           = (PetscBool)!rules->stretch(&points->F[p * dim * dim], U);
-
-  MpmSpaceEdges(rules, x, lower, upper);
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
-    PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
-
-    l       = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
-    half[a] = PetscMax(l, 0.);
-  }
-  return good;
-}
-
-/* Those of all points, and the longest: infinite when a point has no stretch. */
-static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
-{
-  const PetscInt dim = rules->grid->dim;
-
-  *longest = 0.;
-  for (PetscInt p = 0; p < points->count; p++) {
-    if (!MpmSpaceHalfLengths(rules, points, p, &half[p * dim])) *longest = PETSC_INFINITY;
-    for (PetscInt a = 0; a < dim; a++) *longest = PetscMax(*longest, half[p * dim + a]);
-  }
-}
-
-/* Weights and gradients of all points, axis by axis. */
-static PetscErrorCode EvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why)
-{
-  const MpmGrid *grid = rules->grid;
-  const PetscInt dim  = grid->dim;
-  PetscReal     *half = NULL, longest = 0.;
-
-  PetscFunctionBeginUser;
-  space->dim         = dim;
-  space->point_count = points->count;
-  if (MpmShapeHasDomain(rules->shape)) {
-    PetscCall(PetscMalloc1((points->count * dim), &half));
-    HalfLengths(rules, points, half, &longest);
-    /* the Jacobian's window, and with it the colours, must be the same on all ranks */
-    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, grid->comm));
-  }
-  if (!(longest < MPM_MAX_WIDTH)) *why = "a point has no stretch, or its domain spans too many cells";
-  else if ((space->width = MpmShapeWidth(rules->shape, longest)) > MPM_MAX_WIDTH)
-    *why = "a point's domain spans too many cells";
-  if (*why) {
-    PetscCall(PetscFree(half));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(PetscMalloc2((points->count * dim), &space->first, (points->count * dim), &space->count));
-  PetscCall(PetscMalloc2((points->count * dim * space->width), &space->weight, (points->count * dim * space->width),
-                         &space->gradient));
-  for (PetscInt p = 0; p < points->count; p++) {
-    PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-
-    MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-    for (PetscInt a = 0; a < dim; a++) {
-      const PetscInt  k  = p * dim + a;
-      const PetscReal xi = (points->x[k] - grid->lower[a]) / grid->h[a];
-      MpmShapeLine line  = {.weight = &space->weight[k * space->width], .gradient = &space->gradient[k * space->width]};
-
-      MpmShapeEvaluate(rules->shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
-      for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
-      space->first[k] = line.first;
-      space->count[k] = line.count;
-    }
-  }
-  PetscCall(PetscFree(half));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -151,48 +46,68 @@ static PetscErrorCode CountingSort(PetscInt count, const PetscInt key[], PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The boxes of nodes that points touch, dim values a point; and what the points are sorted by. */
+typedef struct {
+  PetscInt  *first, *count;
+  PetscInt  *cell_key, *shape_key;
+  PetscInt64 cells, shapes; /* keys are below them */
+} Boxes;
+
 /*
-  Orders the points by first node, then by the shape of their node box, and marks off the groups. With a mean the points
-  of a cell, by their centres, stand side by side: the first node follows from the cell and a place of `width` beside it.
+  Two keys a point: by the first node, or, with a mean, by the cell of its centre, since the first node follows from the
+  cell and a place of `width` beside it; and by the shape of the box. With more shapes than one that is also the place of
+  the nodes touched with the scene's shape.
 */
-static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const MpmPoints *points)
+static PetscErrorCode MakeKeys(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, Boxes *boxes)
 {
-  const PetscInt n = space->point_count, dim = space->dim;
-  PetscInt       lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
-  PetscInt64     cells = 1, shapes = 1;
-  PetscInt      *cell_key, *shape_key, *order, groups = 0;
+  const PetscInt  n = space->point_count, dim = space->dim, width = space->width;
+  const PetscBool many               = (PetscBool)(space->shape_count > 1);
+  PetscInt        lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
 
   PetscFunctionBeginUser;
+  boxes->cells = boxes->shapes = 1;
   for (PetscInt k = 0; k < n * dim; k++) {
-    lower[k % dim] = PetscMin(lower[k % dim], space->first[k]);
-    upper[k % dim] = PetscMax(upper[k % dim], space->first[k] + (rules->mean ? space->width : 0));
+    lower[k % dim] = PetscMin(lower[k % dim], boxes->first[k]);
+    upper[k % dim] = PetscMax(upper[k % dim], boxes->first[k] + (rules->mean ? width : 0));
   }
   for (PetscInt a = 0; n && a < dim; a++) {
-    cells *= upper[a] - lower[a] + 1;
-    shapes *= space->width * (rules->mean ? space->width : 1);
+    boxes->cells *= upper[a] - lower[a] + 1;
+    boxes->shapes *= width * (rules->mean ? width : 1) * (many ? width * width : 1);
   }
-  PetscCheck(cells < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-             "the points of one rank span %" PetscInt64_FMT " cells", cells);
-  PetscCall(PetscMalloc3(n, &cell_key, n, &shape_key, n, &order));
-  PetscCall(PetscMalloc1(n, &space->order));
+  PetscCheck(boxes->cells < PETSC_INT_MAX && boxes->shapes < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "the points of one rank span %" PetscInt64_FMT " cells", boxes->cells);
   for (PetscInt p = 0; p < n; p++) {
-    PetscInt home[MPM_MAX_DIM];
+    PetscInt home[MPM_MAX_DIM], cell = 0, shape = 0;
 
-    cell_key[p] = shape_key[p] = 0;
     if (rules->mean) MpmGridFindCell(rules->grid, &points->x[p * dim], home);
     for (PetscInt a = dim - 1; a >= 0; a--) {
-      const PetscInt first = space->first[p * dim + a], place = rules->mean ? home[a] : first;
+      const PetscInt k = p * dim + a, first = boxes->first[k], place = rules->mean ? home[a] : first;
 
-      cell_key[p]  = cell_key[p] * (upper[a] - lower[a] + 1) + place - lower[a];
-      shape_key[p] = shape_key[p] * space->width + space->count[p * dim + a] - 1;
-      if (rules->mean) shape_key[p] = shape_key[p] * space->width + place - first;
+      cell  = cell * (upper[a] - lower[a] + 1) + place - lower[a];
+      shape = shape * width + boxes->count[k] - 1;
+      if (rules->mean) shape = shape * width + place - first;
+      if (many) shape = (shape * width + space->first[k] - first) * width + space->count[k] - 1;
     }
+    boxes->cell_key[p]  = cell;
+    boxes->shape_key[p] = shape;
   }
-  PetscCall(CountingSort(n, shape_key, shapes, NULL, order));
-  PetscCall(CountingSort(n, cell_key, cells, order, space->order));
-#define NEW_GROUP(i) \
-  (!(i) || cell_key[space->order[i]] != cell_key[space->order[(i)-1]] || \
-   shape_key[space->order[i]] != shape_key[space->order[(i)-1]])
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Orders the points by their keys and marks off the groups; with a mean the points of a cell stand side by side. */
+static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, Boxes *boxes)
+{
+  const PetscInt n = space->point_count, dim = space->dim;
+  PetscInt      *order, groups               = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(n, &boxes->cell_key, n, &boxes->shape_key, n, &order));
+  PetscCall(PetscMalloc1(n, &space->order));
+  PetscCall(MakeKeys(space, rules, points, boxes));
+  PetscCall(CountingSort(n, boxes->shape_key, boxes->shapes, NULL, order));
+  PetscCall(CountingSort(n, boxes->cell_key, boxes->cells, order, space->order));
+#define SAME(key, i) (boxes->key[space->order[i]] == boxes->key[space->order[(i)-1]])
+#define NEW_GROUP(i) (!(i) || !SAME(cell_key, i) || !SAME(shape_key, i))
   for (PetscInt i = 0; i < n; i++) groups += NEW_GROUP(i);
   PetscCall(PetscCalloc1(groups, &space->groups));
   space->group_count = groups;
@@ -202,17 +117,18 @@ static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const M
 
       group->node_count = 1;
       for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-        group->first[a] = a < dim ? space->first[space->order[i] * dim + a] : 0;
-        group->count[a] = a < dim ? space->count[space->order[i] * dim + a] : 1;
+        group->first[a] = a < dim ? boxes->first[space->order[i] * dim + a] : 0;
+        group->count[a] = a < dim ? boxes->count[space->order[i] * dim + a] : 1;
         group->node_count *= group->count[a];
       }
       group->point_begin = i;
-      group->cell        = cell += !i || cell_key[space->order[i]] != cell_key[space->order[i - 1]];
+      group->cell        = cell += !i || !SAME(cell_key, i);
     }
     space->groups[g].point_end = i + 1;
   }
 #undef NEW_GROUP
-  PetscCall(PetscFree3(cell_key, shape_key, order));
+#undef SAME
+  PetscCall(PetscFree3(boxes->cell_key, boxes->shape_key, order));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -250,13 +166,62 @@ PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **b
 
 PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why)
 {
+  Boxes boxes = {0};
+
   PetscFunctionBeginUser;
   *why = NULL;
   PetscCall(MpmSpaceReset(space));
-  PetscCall(EvaluateShapes(space, rules, points, why));
+  PetscCall(MpmSpaceEvaluateShapes(space, rules, points, &boxes.first, &boxes.count, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MakeGroups(space, rules, points));
+  PetscCall(MakeGroups(space, rules, points, &boxes));
+  if (boxes.first != space->first) PetscCall(PetscFree2(boxes.first, boxes.count));
   space->box_count = space->group_count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds a bit's worth to the nodes that a point touches with a shape. */
+static void MarkTouched(const MpmSpace *space, const MpmGroup *group, PetscInt shape, PetscInt p, PetscReal touched[])
+{
+  const PetscInt    W = space->width, dim = space->dim, *count = group->count;
+  const MpmWeights *values = &space->shape[shape];
+
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    const PetscInt at[MPM_MAX_DIM] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
+    PetscBool      touches         = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscInt k = (p * dim + a) * W + at[a];
+
+      if (values->weight[k] == 0. && values->gradient[k] == 0.) touches = PETSC_FALSE;
+    }
+    if (touches) touched[space->group_nodes[group->node_offset + i] * space->shape_count + shape] = 1.;
+  }
+}
+
+/* With more shapes than one: which of them reach each local node, from the points of any rank. */
+static PetscErrorCode FindSupport(MpmSpace *space, const MpmRules *rules)
+{
+  const MpmLayout *layout = rules->layout;
+  PetscReal       *touched;
+
+  PetscFunctionBeginUser;
+  space->unknown_count = space->global_count * layout->block;
+  if (space->shape_count == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1((space->local * space->shape_count), &touched));
+  for (PetscInt g = 0; g < space->group_count; g++)
+    for (PetscInt i = space->groups[g].point_begin; i < space->groups[g].point_end; i++)
+      for (PetscInt s = 0; s < space->shape_count; s++)
+        MarkTouched(space, &space->groups[g], s, space->order[i], touched);
+  PetscCall(MpmSpaceAddToOwners(space, space->shape_count, touched));
+  PetscCall(MpmSpaceToGhosts(space, space->shape_count, touched));
+  PetscCall(PetscCalloc1(space->local, &space->support));
+  for (PetscInt k = 0; k < space->local * space->shape_count; k++)
+    if (touched[k] > 0.) space->support[k / space->shape_count] |= 1 << k % space->shape_count;
+  PetscCall(PetscFree(touched));
+  space->unknown_count = 0;
+  for (PetscInt k = 0; k < space->owned * layout->block; k++)
+    space->unknown_count += space->support[k / layout->block] >> layout->shape_of[k % layout->block] & 1;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->unknown_count, 1, MPIU_INT, MPI_SUM, rules->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -265,6 +230,7 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   PetscFunctionBeginUser;
   PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));
+  PetscCall(FindSupport(space, rules));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -273,5 +239,5 @@ void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt poi
   const PetscInt *count = group->count;
   const MpmKnown  known = {.dim = space->dim, .count = {count[0], count[1], count[2]}, .n = group->node_count};
 
-  MpmSumBasis(known, space, point, PETSC_TRUE, basis);
+  MpmShapeBasis(known, space, 0, point, PETSC_TRUE, basis->basis);
 }

@@ -79,8 +79,8 @@ PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *
 PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  n = PetscPowInt(space->width, space->dim), bs = sum->layout->block, all = sum->layout->inputs + 1;
-  const PetscInt  size = (MPM_MAX_DIM + 1) * n + 3 * all + all * all + MpmTangentSize(sum->layout);
+  const PetscInt  n = PetscPowInt(space->width, space->dim), bs = sum->block, all = sum->layout->inputs + 1;
+  const PetscInt  size = MpmBasisCount(space) * n + 3 * all + all * all + MpmTangentSize(sum->layout);
   PetscInt        most = 0;
 
   PetscFunctionBeginUser;
@@ -93,8 +93,8 @@ PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
   for (PetscInt k = 0; k < most; k++) {
     MpmCellPoint *at = &work->point[k];
 
-    for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) at->basis.basis[b] = &work->storage[k * size + b * n];
-    at->input   = at->basis.basis[MPM_MAX_DIM] + n;
+    MpmBasisPlace(space, n, &work->storage[k * size], &at->basis);
+    at->input   = &work->storage[k * size + MpmBasisCount(space) * n];
     at->dinput  = at->input + all;
     at->flux    = at->dinput + all;
     at->ddm     = at->flux + all;

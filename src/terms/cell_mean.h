@@ -2,7 +2,9 @@
 /*
   The derivatives of a point's fluxes, and the passes over the cells of a physics that takes a mean over them.
 */
+#include "point/layout.h"
 #include "space/space.h"
+#include "space/sum.h"
 
 /*
   Derivatives of a point's fluxes, in one row of numbers, as the kernel gives them; N inputs without the mean m_bar. All but

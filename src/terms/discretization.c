@@ -1,26 +1,60 @@
 /*
   The discrete problem of a step: what of it stays from step to step, and its end.
 */
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
 #include "terms/discretization.h"
+#include "terms/rigid.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
+
+PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc)
+{
+  PetscFunctionBeginUser;
+  *disc = (MpmDiscretization){.comm = comm, .grid = grid, .layout = layout};
+  PetscCall(PetscNew(&disc->points));
+  PetscCall(PetscNew(&disc->space));
+  PetscCall(PetscNew(&disc->constraints));
+  PetscCall(PetscNew(&disc->contacts));
+  PetscCall(PetscNew(&disc->trial));
+  PetscCall(PetscNew(&disc->sum));
+  *disc->sum = (MpmSum){.grid = grid, .space = disc->space, .layout = layout, .points = disc->points};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc)
+{
+  PetscFunctionBeginUser;
+  disc->dim        = disc->grid->dim;
+  disc->block      = disc->layout->block;
+  disc->sum->block = disc->layout->block;
+  PetscCall(PetscArraycpy(disc->h, disc->grid->h, MPM_MAX_DIM));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
                                       const MpmBoundaries *boundaries, PetscInt state_size)
 {
   PetscFunctionBeginUser;
-  disc->material_count = materials->count;
-  disc->sum            = (MpmSum){.grid       = &disc->grid,
-                                  .space      = &disc->space,
-                                  .layout     = &disc->layout,
-                                  .materials  = materials->at,
-                                  .points     = &disc->points,
-                                  .state_size = state_size};
-  PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, &disc->contacts));
-  PetscCall(MpmTermsAdd(&disc->terms, disc->layout.means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
+  disc->material_count  = materials->count;
+  disc->sum->materials  = materials->at;
+  disc->sum->state_size = state_size;
+  PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
+  PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
-  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, &disc->contacts));
+  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
+{
+  for (PetscInt a = 0; a < disc->dim; a++)
+    x[a] = disc->grid->lower[a] + disc->h[a] * (PetscReal)disc->space->node[node * disc->dim + a];
 }
 
 PetscErrorCode MpmTrialReset(MpmTrial *trial)
@@ -35,12 +69,18 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmPatternDestroy(&disc->pattern));
-  PetscCall(MpmSpaceReset(&disc->space));
-  PetscCall(MpmConstraintsReset(&disc->constraints));
+  PetscCall(MpmSpaceReset(disc->space));
+  PetscCall(MpmConstraintsReset(disc->constraints));
   PetscCall(PetscFree3(disc->u, disc->residual, disc->force));
-  PetscCall(MpmTrialReset(&disc->trial));
+  PetscCall(MpmTrialReset(disc->trial));
   PetscCall(PetscFree(disc->reaction));
-  PetscCall(MpmContactsDestroy(&disc->contacts));
+  PetscCall(MpmContactsDestroy(disc->contacts));
   PetscCall(MpmTermsDestroy(&disc->terms));
+  PetscCall(PetscFree(disc->points));
+  PetscCall(PetscFree(disc->space));
+  PetscCall(PetscFree(disc->constraints));
+  PetscCall(PetscFree(disc->contacts));
+  PetscCall(PetscFree(disc->trial));
+  PetscCall(PetscFree(disc->sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,40 +2,45 @@
 /*
   The discrete problem of a step, whole.
 */
-#include "bc/bc.h"
-#include "terms/rigid.h"
-
-typedef struct MpmPattern MpmPattern;
-typedef struct MpmTerms   MpmTerms;
+#include "base/base.h"
+#include "base/types.h"
 
 /*
   The discrete problem of a step: the points as they are lent to it, its space, what is prescribed, and what the sums over
   points work with. Arrays of nodal values are those of the local nodes, along the axes.
 */
 typedef struct MpmDiscretization {
-  MpmGrid        grid;
-  MpmLayout      layout;
-  PetscInt       material_count; /* of the scene's, sum.materials */
-  MpmPoints      points;
-  MpmSpace       space;
-  MpmConstraints constraints;
-  MpmPattern    *pattern; /* NULL before the first assembled matrix */
-  MpmSum         sum;
-  MpmContacts    contacts;
-  MpmTerms      *terms;
-  MpmTrial       trial;
-  PetscReal     *u, *residual, *force;
-  PetscReal     *reaction;  /* per condition and component of the block */
-  PetscBool      committed; /* do these three tell of the last step that has become the state? */
-  PetscReal      diagonal;  /* of prescribed unknowns: a typical stiffness */
-  PetscReal      ghost;     /* factor of the ghost penalty, 0: none */
+  MPI_Comm        comm;
+  PetscInt        dim, block;     /* directions, and unknowns a node */
+  PetscReal       h[MPM_MAX_DIM]; /* of a cell, m */
+  MpmGrid        *grid;
+  MpmLayout      *layout;
+  PetscInt        material_count; /* of the scene's, sum->materials */
+  MpmPoints      *points;
+  MpmSpace       *space;
+  MpmConstraints *constraints;
+  MpmPattern     *pattern; /* NULL before the first assembled matrix */
+  MpmSum         *sum;
+  MpmContacts    *contacts;
+  MpmTerms       *terms;
+  MpmTrial       *trial;
+  PetscReal      *u, *residual, *force;
+  PetscReal      *reaction;  /* per condition and component of the block */
+  PetscBool       committed; /* do these three tell of the last step that has become the state? */
+  PetscReal       diagonal;  /* of prescribed unknowns: a typical stiffness */
+  PetscReal       ghost;     /* factor of the ghost penalty, 0: none */
 } MpmDiscretization;
 
 /*
-  SetUp, once grid and layout are there, makes what stays from step to step; materials and boundaries are borrowed. Destroy leaves the grid alone.
+  Create makes the parts, empty; grid and layout are borrowed. Size takes over what they hold. SetUp, after it, makes what
+  stays from step to step; materials and boundaries are borrowed.
 */
+PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc);
+PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
                                       const MpmBoundaries *boundaries, PetscInt state_size);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
+/* Where a local node is, m. */
+void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);
 /* Frees the arrays. */
 PetscErrorCode MpmTrialReset(MpmTrial *trial);

@@ -25,12 +25,30 @@
   Sources: Burman (2010), doi:10.1016/j.crma.2010.10.006; for the material point method Coombs (2023),
   doi:10.1016/j.cma.2022.115736.
 */
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 
 /* Cells between points from which on they are sparse; those with less at the start are not looked at. */
 #define SPARSE_SPACING 0.6
 #define SPARSE_LEAST   0.3
+
+/* Most nodes of a face of the ghost penalty on an axis, and in all: cubic splines. */
+#define FACE_WIDTH 5
+#define FACE_NODES 80
+/* A face of the ghost penalty; its box leaves out the nodes beyond an edge, where first does not. */
+struct MpmFace {
+  PetscInt    axis, degree;
+  PetscInt    first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
+  MpmEdgeType edge[MPM_MAX_DIM];
+  PetscReal   stiffness;                                   /* gamma E_s, Pa */
+  PetscReal   along[MPM_MAX_DIM][FACE_WIDTH * FACE_WIDTH]; /* the matrix is their Kronecker product */
+};
 
 /* The material pieces around this rank's nodes: 0 where there is none, or a mark. */
 typedef struct {
@@ -138,20 +156,20 @@ static PetscInt FirstNode(PetscInt degree)
 /*
   The pieces that a group's points may touch: those whose nodes are all in its box, and what an edge has taken from it.
 */
-static void GroupPieces(const MpmGroup *group, const MpmRules *rules, const PetscReal x[], PetscInt lower[],
-                        PetscInt count[])
+static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmRules *rules, const MpmPoints *points,
+                        PetscInt lower[], PetscInt count[])
 {
-  const PetscInt p                 = MpmShapeDegree(rules->shape);
+  const PetscInt p = MpmShapeDegree(rules->shape), one = space->order[group->point_begin] * space->dim;
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
-  MpmSpaceEdges(rules, x, edge, far_edge);
+  MpmSpaceEdges(rules, &points->x[one], edge, far_edge);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt first = group->first[a], last = first + group->count[a] - 1;
-    PetscInt       begin = first - FirstNode(p), end = last - p - FirstNode(p);
-
     lower[a] = 0;
     count[a] = 1;
     if (a >= rules->grid->dim) continue;
+    const PetscInt first = space->first[one + a], last = first + space->count[one + a] - 1;
+    PetscInt       begin = first - FirstNode(p), end = last - p - FirstNode(p);
+
     if (first == edge[a]) begin = first;
     if (last == far_edge[a]) end = last - p % 2;
     lower[a] = PetscMin(begin, end);
@@ -172,7 +190,7 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
-    GroupPieces(group, rules, &points->x[space->order[group->point_begin] * space->dim], lower, count);
+    GroupPieces(space, group, rules, points, lower, count);
     for (PetscInt a = 0; a < space->dim; a++) {
       map->lower[a] = PetscMin(map->lower[a], lower[a] - margin);
       upper[a]      = PetscMax(upper[a], lower[a] + count[a] + margin);
@@ -187,7 +205,7 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
-    GroupPieces(group, rules, &points->x[space->order[group->point_begin] * space->dim], lower, count);
+    GroupPieces(space, group, rules, points, lower, count);
     PetscInt last = 0;
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
@@ -313,7 +331,7 @@ static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal
 {
   const PetscInt p = face->degree, n = box->count[a];
   PetscReal     *matrix = face->along[a];
-  PetscReal      rows[(MPM_GHOST_WIDTH - 1) * MPM_GHOST_WIDTH], jump[MPM_GHOST_WIDTH];
+  PetscReal      rows[(FACE_WIDTH - 1) * FACE_WIDTH], jump[FACE_WIDTH];
 
   for (PetscInt k = 0; k < n * n; k++) matrix[k] = 0.;
   if (a == face->axis) {
@@ -327,7 +345,7 @@ static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal
       Fold(face, box, a, face->first[a] + j, mass[p - 1][i * (p + 1) + j] * h / whole[p - 1], &rows[i * n]);
   }
   for (PetscInt k = 0; k < n; k++) {
-    PetscReal column[MPM_GHOST_WIDTH] = {0.};
+    PetscReal column[FACE_WIDTH] = {0.};
 
     for (PetscInt i = 0; i <= p; i++) Fold(face, box, a, face->first[a] + i, rows[i * n + k], column);
     for (PetscInt i = 0; i < n; i++) matrix[i * n + k] = column[i];
@@ -338,7 +356,7 @@ static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal
 static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace *face, MpmGroup *box)
 {
   const MpmGrid *grid = rules->grid;
-  PetscReal      x[MPM_MAX_DIM], jump[MPM_GHOST_WIDTH];
+  PetscReal      x[MPM_MAX_DIM], jump[FACE_WIDTH];
 
   Middle(grid, face->degree, piece, x);
   MpmSpaceEdges(rules, x, face->lower, face->upper);
@@ -442,8 +460,8 @@ static void AxisApply(PetscInt before, PetscInt n, PetscInt after, const PetscRe
 static PetscErrorCode AddForces(const MpmSum *sum, const PetscReal u[], PetscReal residual[])
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  bs = sum->layout->block, dim = space->dim;
-  PetscReal       value[2][MPM_GHOST_NODES];
+  const PetscInt  bs = sum->block, dim = space->dim;
+  PetscReal       value[2][FACE_NODES];
 
   PetscFunctionBeginUser;
   for (PetscInt f = 0; f < space->face_count; f++) {
@@ -467,7 +485,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
                                PetscInt *failed)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  bs = sum->layout->block, dim = space->dim;
+  const PetscInt  bs = sum->block, dim = space->dim;
 
   PetscFunctionBeginUser;
   (void)ctx;
@@ -513,13 +531,13 @@ static PetscInt FaceMatrix(const MpmSpace *space, PetscInt f, PetscReal matrix[]
 static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  bs = sum->layout->block, dim = space->dim;
+  const PetscInt  bs = sum->block, dim = space->dim;
   PetscReal      *matrix, *element;
 
   PetscFunctionBeginUser;
   if (!space->face_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES), &matrix));
-  PetscCall(PetscMalloc1((MPM_GHOST_NODES * MPM_GHOST_NODES * bs * bs), &element));
+  PetscCall(PetscMalloc1((FACE_NODES * FACE_NODES), &matrix));
+  PetscCall(PetscMalloc1((FACE_NODES * FACE_NODES * bs * bs), &element));
   for (PetscInt f = 0; f < space->face_count; f++) {
     const PetscInt n = FaceMatrix(space, f, matrix);
 

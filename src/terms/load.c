@@ -4,9 +4,14 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
 #include "particles/selection.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
 #include "terms/load.h"
-#include "terms/terms.h"
 
 /*
   The face of the domains that a traction acts on: an axis and a side, like +y; by default the axis along which the
@@ -218,7 +223,8 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    for (PetscInt i = 0; i < group->count[a]; i++) line[a][i] = a < dim ? space->weight[(p * dim + a) * W + i] : 1.;
+    for (PetscInt i = 0; i < group->count[a]; i++)
+      line[a][i] = a < dim ? space->shape[0].weight[(p * dim + a) * W + i] : 1.;
   if (MpmShapeHasDomain(rules->shape)) {
     PetscCheck(!rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
@@ -245,7 +251,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
 {
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
-  const PetscInt   dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  const PetscInt   dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
   PetscReal       *share = NULL, *storage;
   MpmBasis         basis;
 
@@ -278,7 +284,7 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
 {
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
-  const PetscInt   dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  const PetscInt   dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
   PetscReal       *storage, value[MPM_MAX_DIM];
   MpmBasis         basis;
 

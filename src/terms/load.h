@@ -2,10 +2,10 @@
 /*
   Loads on the material, which go into the external force.
 */
+#include "base/base.h"
+#include "base/types.h"
 #include "particles/selection.h"
-#include "space/space.h"
-
-typedef struct _p_MpmRamp *MpmRamp;
+#include "talus/talus.h"
 
 typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION } MpmLoadType;
 
@@ -25,7 +25,7 @@ typedef struct {
 } MpmLoad;
 
 /* Loads, with the names of their blocks. */
-typedef struct {
+typedef struct MpmLoads {
   PetscInt count;
   char   **names;
   MpmLoad *at;

@@ -6,6 +6,7 @@
 #include "terms/cell_mean.h"
 #include "terms/point_term.h"
 #include "terms/sparsity.h"
+#include "space/unit.h"
 
 /*
   What ties the nodes of a cell together through its mean m_bar, and f, the flux conjugate to it: one value for each
@@ -21,7 +22,7 @@ typedef struct {
 
 static inline PetscErrorCode CouplingCreate(const MpmSum *sum, Coupling *coupling)
 {
-  const PetscInt n = PetscPowInt(sum->space->reach + 1, sum->space->dim) * sum->layout->block;
+  const PetscInt n = PetscPowInt(sum->space->reach + 1, sum->space->dim) * sum->block;
 
   PetscFunctionBeginUser;
   PetscCall(MpmCellWorkCreate(sum, &coupling->cell));
@@ -47,7 +48,7 @@ static inline PetscErrorCode CouplingDestroy(Coupling *coupling)
 static inline PetscErrorCode CouplingBegin(const MpmSum *sum, const MpmCell *cell, const PetscReal u[],
                                            Coupling *coupling, PetscInt *failed)
 {
-  const PetscInt n = sum->space->groups[cell->box].node_count * sum->layout->block;
+  const PetscInt n = sum->space->groups[cell->box].node_count * sum->block;
 
   PetscFunctionBeginUser;
   if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
@@ -100,7 +101,7 @@ MPM_INLINE void CouplingAddGroup(const MpmKnown known, const MpmSum *sum, const 
 /* The cell is complete: its products are flux_by_mean mean_by_u^T + mean_by_u f_by_u^T from here on. */
 static inline void CouplingEnd(const MpmSum *sum, const MpmCell *cell, Coupling *coupling)
 {
-  const PetscInt n = sum->space->groups[cell->box].node_count * sum->layout->block;
+  const PetscInt n = sum->space->groups[cell->box].node_count * sum->block;
 
   for (PetscInt k = 0; k < n; k++) coupling->f_by_u[k] += coupling->f_by_mean * coupling->mean_by_u[k];
 }

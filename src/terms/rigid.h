@@ -2,10 +2,8 @@
 /*
   Rigid surfaces that hold the material by a penalty (rigid_surface.c), and their contacts with the points (rigid_contact.c).
 */
-#include "space/space.h"
-
-typedef struct _p_MpmRegion *MpmRegion;
-typedef struct _p_MpmRamp   *MpmRamp;
+#include "base/base.h"
+#include "base/types.h"
 
 typedef enum { MPM_BOUNDARY_PLANE, MPM_BOUNDARY_SPHERE, MPM_BOUNDARY_CYLINDER, MPM_BOUNDARY_POLYGON } MpmBoundaryType;
 
@@ -24,7 +22,7 @@ typedef struct {
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */
-typedef struct {
+typedef struct MpmBoundaries {
   PetscInt     count;
   char       **names;
   MpmBoundary *at;
@@ -43,7 +41,7 @@ typedef struct {
 } MpmContact;
 
 /* Those of this rank's points, and what they do. */
-typedef struct {
+typedef struct MpmContacts {
   PetscInt           boundary_count;
   const MpmBoundary *boundaries;
   PetscReal (*before)[MPM_MAX_DIM], (*after)[MPM_MAX_DIM]; /* the boundaries' motions at the step's start and end */

@@ -20,6 +20,13 @@
   Each contact is pointwise, like the kernel, so all forms of the Jacobian take its derivative from here.
 */
 #include "geometry/geometry.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
 #include "terms/rigid.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
@@ -180,7 +187,7 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   MpmShapeLine    face = {.weight = weight, .gradient = unused};
 
   if (!half) {
-    for (PetscInt i = 0; i <= last; i++) line[i] = space->weight[(p * dim + a) * space->width + i];
+    for (PetscInt i = 0; i <= last; i++) line[i] = space->shape[0].weight[(p * dim + a) * space->width + i];
     return;
   }
   const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
@@ -320,7 +327,7 @@ static void FaceValue(const MpmContacts *contacts, const MpmSum *sum, const MpmC
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = 0.;
   for (PetscInt i = 0; i < group->node_count; i++)
-    for (PetscInt a = 0; a < sum->space->dim; a++) value[a] += weight[i] * u[nodes[i] * sum->layout->block + a];
+    for (PetscInt a = 0; a < sum->space->dim; a++) value[a] += weight[i] * u[nodes[i] * sum->block + a];
 }
 
 /* y_i += factor w_i force */
@@ -330,10 +337,10 @@ static void AddForce(const MpmContacts *contacts, const MpmSum *sum, const MpmCo
   const MpmGroup  *group  = &sum->space->groups[contact->group];
   const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
   const PetscReal *weight = &contacts->weight[contact->weight];
+  const PetscInt   dim = sum->space->dim, bs = sum->block;
 
-  for (PetscInt i = 0; i < group->node_count; i++)
-    for (PetscInt a = 0; a < sum->space->dim; a++)
-      y[nodes[i] * sum->layout->block + a] += factor * weight[i] * force[a];
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt i = 0; i < group->node_count; i++) y[nodes[i] * bs + a] += factor * weight[i] * force[a];
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
@@ -382,7 +389,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
                                PetscInt *failed)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
-  const PetscInt     dim = sum->space->dim, bs = sum->layout->block;
+  const PetscInt     dim = sum->space->dim, bs = sum->block;
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -408,7 +415,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 static void AddElement(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const Answer *answer,
                        PetscReal element[])
 {
-  const PetscInt   n = sum->space->groups[contact->group].node_count, dim = sum->space->dim, bs = sum->layout->block;
+  const PetscInt   n = sum->space->groups[contact->group].node_count, dim = sum->space->dim, bs = sum->block;
   const PetscReal *weight = &contacts->weight[contact->weight];
 
   for (PetscInt i = 0; i < n; i++)
@@ -423,7 +430,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const MpmSpace    *space    = sum->space;
-  const PetscInt     dim = space->dim, bs = sum->layout->block, most = PetscPowInt(space->width, dim);
+  const PetscInt     dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
   PetscReal         *element;
   PetscInt           end;
 

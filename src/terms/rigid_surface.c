@@ -15,8 +15,8 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "grid/grid.h"
 #include "terms/rigid.h"
-#include "terms/terms.h"
 
 #include <math.h>
 

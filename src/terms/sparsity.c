@@ -7,9 +7,9 @@
   ghosts go to their owners through the matrix's stash. Matrices of other types than PETSc's own on the host (those of GPUs,
   hypre's) are given all rows, ghosts' too, as one list of coordinates and values.
 */
+#include "space/space.h"
 #include "bc/bc.h"
 #include "terms/sparsity.h"
-#include "terms/terms.h"
 
 PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
 {
@@ -339,12 +339,12 @@ static void AddBlockWithHoles(MpmPattern *pattern, const PetscInt nodes[], const
   for (PetscInt k = 0; k < n * bs * bs; k++) {
     const PetscInt i = k / (bs * bs), c = k / bs % bs, d = k % bs;
 
-    if (nodes[i] < 0 || constraints->condition[nodes[i] * bs + c] >= 0) continue;
+    if (nodes[i] < 0 || !MpmConstraintsFree(constraints, nodes[i] * bs + c)) continue;
     const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
     const PetscInt  width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
 
     for (PetscInt j = 0; j < n; j++) {
-      if (nodes[j] < 0 || constraints->condition[nodes[j] * bs + d] >= 0) continue;
+      if (nodes[j] < 0 || !MpmConstraintsFree(constraints, nodes[j] * bs + d)) continue;
       pattern->value[nodes[i]][c * width + slot[offset[j]] * bs + d] += element[k * n + j];
     }
   }
@@ -366,7 +366,7 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   if (constraints->any) {
     for (PetscInt i = 0; i < n; i++) {
       for (PetscInt c = 0; c < bs; c++) {
-        if (constraints->condition[nodes[i] * bs + c] < 0) continue;
+        if (MpmConstraintsFree(constraints, nodes[i] * bs + c)) continue;
         for (PetscInt k = 0; k < n * bs; k++) {
           element[(i * bs + c) * bs * n + k] = 0.; /* the row of (i, c) */
           element[(k * bs + c) * n + i]      = 0.; /* its column */
@@ -439,7 +439,7 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
   MpmFramesRotateVector(constraints, bs, n, nodes, b);
   MpmFramesRotateVector(constraints, bs, n, nodes, c);
   for (PetscInt k = 0; constraints->any && k < n * bs; k++)
-    if (nodes[k / bs] >= 0 && constraints->condition[nodes[k / bs] * bs + k % bs] >= 0) a[k] = b[k] = c[k] = 0.;
+    if (nodes[k / bs] >= 0 && !MpmConstraintsFree(constraints, nodes[k / bs] * bs + k % bs)) a[k] = b[k] = c[k] = 0.;
   for (PetscInt i = 0; i < n; i++) {
     if (nodes[i] < 0) continue;
     const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
@@ -581,7 +581,7 @@ static void SetConstrainedDiagonal(MpmPattern *pattern, const MpmConstraints *co
   for (PetscInt k = 0; constraints->any && k < pattern->owned * bs; k++) {
     const PetscInt i = k / bs, c = k % bs, count = pattern->row[i + 1] - pattern->row[i];
 
-    if (constraints->condition[k] < 0) continue;
+    if (MpmConstraintsFree(constraints, k)) continue;
     pattern->value[i][(c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] = diagonal;
   }
 }

@@ -2,9 +2,9 @@
 /*
   The matrix's sparsity, and where contributions go in it.
 */
-#include "space/space.h"
-
-typedef struct MpmConstraints MpmConstraints;
+#include <petscmat.h>
+#include "base/base.h"
+#include "base/types.h"
 
 /*
   The sparsity pattern, in node blocks, and where this rank's contributions go: rows of owned nodes hold what any rank

@@ -89,7 +89,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
                               PetscReal residual[], PetscInt *failed)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->layout->block;
+  const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->block;
   Target          to = {.residual = residual};
   MpmWorkspace    work;
 

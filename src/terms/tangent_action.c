@@ -3,8 +3,8 @@
   through its own tangent where tangents are kept. The coloured, dense and differenced Jacobians are made of actions on
   seeds.
 */
+#include "space/unit.h"
 #include "terms/action.h"
-#include "terms/cell_mean.h"
 #include "terms/point_term.h"
 
 /* Central differences: the step that balances truncation and rounding for inputs of order one. */
@@ -12,18 +12,18 @@
 
 PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action)
 {
-  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->layout->block;
+  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->block;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(action, sizeof(*action)));
   action->sum   = sum;
   action->terms = terms;
   PetscCall(PetscMalloc1((sum->space->local * bs), &action->u));
-  PetscCall(PetscMalloc1((n * (3 * bs + MPM_MAX_DIM + 1)), &action->storage));
+  PetscCall(PetscMalloc1((n * (3 * bs + MpmBasisCount(sum->space))), &action->storage));
   action->values  = action->storage;
   action->dvalues = action->values + n * bs;
   action->force   = action->dvalues + n * bs;
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) action->basis.basis[b] = action->force + n * (bs + b);
+  MpmBasisPlace(sum->space, n, action->force + n * bs, &action->basis);
   if (stored)
     PetscCall(PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout)), &action->tangent));
   PetscCall(MpmCellWorkCreate(sum, &action->cell));
@@ -99,7 +99,7 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
 
   PetscFunctionBeginUser;
   *failed = 0;
-  PetscCall(PetscArraycpy(action->u, u, sum->space->local * sum->layout->block));
+  PetscCall(PetscArraycpy(action->u, u, sum->space->local * sum->block));
   if (sum->layout->means) {
     for (PetscInt c = 0; c < sum->space->cell_count; c++) PetscCall(StoreCell(action, c, failed));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -6,7 +6,7 @@
 static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const Coupling *coupling, PetscReal blocks[])
 {
   const MpmGroup *box   = &sum->space->groups[cell->box];
-  const PetscInt  bs    = sum->layout->block;
+  const PetscInt  bs    = sum->block;
   const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
   for (PetscInt i = 0; i < box->node_count; i++) {

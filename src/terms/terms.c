@@ -1,6 +1,8 @@
 /*
   The list of terms that a problem's residual consists of, and sums over it.
 */
+#include "space/space.h"
+#include "space/sum.h"
 #include "terms/terms.h"
 
 PetscErrorCode MpmTermsAdd(MpmTerms **handle, const MpmTerm *term, void *ctx)
@@ -73,7 +75,7 @@ PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const 
 {
   PetscFunctionBeginUser;
   *failed = 0;
-  PetscCall(PetscArrayzero(blocks, sum->space->local * sum->layout->block * sum->layout->block));
+  PetscCall(PetscArrayzero(blocks, sum->space->local * sum->block * sum->block));
   for (PetscInt k = 0; k < terms->count; k++)
     PetscCall(terms->term[k]->diagonal(terms->ctx[k], sum, u, blocks, failed));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,9 +2,8 @@
 /*
   What adds to the residual and to its Jacobian: the table of terms, and the sums over it.
 */
-#include "space/space.h"
-
-typedef struct MpmPattern MpmPattern;
+#include "base/base.h"
+#include "base/types.h"
 
 /*
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners

@@ -6,6 +6,12 @@
   that give it are searched (stress_inversion.c); history variables that both laws know by name are carried over. Volume and
   domain stay, mass goes with the density.
 */
+#include "point/material.h"
+#include "point/stress_inversion.h"
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "time/model.h"
 #include "time/time.h"
 
 static PetscBool SameElasticity(const MpmMaterial *one, const MpmMaterial *other)
@@ -40,14 +46,14 @@ static void CarryState(const MpmMaterial *from, const MpmMaterial *to, PetscInt 
 /* Volume, domain and stress of point p stay while F and history become the new material's; what MpmInitialFind says. */
 static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial *initial, MpmPoints *points, PetscInt p)
 {
-  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.state_size;
+  const PetscInt dim = model->disc.dim, size = model->state.particles->state_size;
   PetscReal state_n[MPM_INITIAL_STATE], state[MPM_INITIAL_STATE], *F = &points->F[p * dim * dim], J, U[MPM_MAX_DIM];
   int       answer;
 
   if (model->scene.stretch(F, U)) return 2;
   J = MpmDeterminant(dim, F);
   CarryState(old, initial->material, dim, size ? &points->state[p * size] : NULL, state_n);
-  answer = MpmInitialFind(initial, state_n, &points->stress[p * model->state.particles.stress_size], F, state);
+  answer = MpmInitialFind(initial, state_n, &points->stress[p * model->state.particles->stress_size], F, state);
   if (answer == 2) return 2;
   for (PetscInt k = 0; k < initial->material->state_size; k++) points->state[p * size + k] = state[k];
   for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] *= U[a];
@@ -60,24 +66,24 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
 /* One body; counts points that the new law's yield surface moved, and those without an answer. */
 static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, PetscInt64 count[2])
 {
-  const MpmMaterial *material = &model->scene.materials.at[to];
+  const MpmMaterial *material = &model->scene.materials->at[to];
   PetscInt           first, end;
   MpmInitial         initial;
   MpmPoints          points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmInitialCreate(material, model->disc.grid.dim, &initial));
-  MpmBodyGetIds(model->scene.bodies.at[body], &first, &end);
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmInitialCreate(material, model->disc.dim, &initial));
+  MpmBodyGetIds(model->scene.bodies->at[body], &first, &end);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *old;
 
     if (points.id[p] < first || points.id[p] >= end) continue;
-    old = &model->scene.materials.at[points.material[p]];
+    old = &model->scene.materials->at[points.material[p]];
     if (old->density > 0.) points.mass[p] *= material->density / old->density;
     else
       points.mass[p] = material->density * points.volume0[p] *
-                       MpmDeterminant(model->disc.grid.dim, &points.F[p * model->disc.grid.dim * model->disc.grid.dim]);
+                       MpmDeterminant(model->disc.dim, &points.F[p * model->disc.dim * model->disc.dim]);
     if (!SameElasticity(old, material)) {
       const int answer = ChangePoint(model, old, &initial, &points, p);
 
@@ -85,7 +91,7 @@ static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, Pet
     }
     points.material[p] = to;
   }
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -95,7 +101,7 @@ PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage)
   PetscBool  any      = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     if (stage->material[b] < 0) continue;
     PetscCall(ChangeBody(model, b, stage->material[b], count));
     any = PETSC_TRUE;

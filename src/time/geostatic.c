@@ -12,11 +12,17 @@
   where they were: a law whose history holds its stress gets its old F and the Kirchhoff stress J sigma; for any other law
   F stays that of the step, and the initial volume becomes V/det F, the initial domain that over the stretch.
 */
+#include "point/material.h"
+#include "point/stress_inversion.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "time/model.h"
 #include "time/time.h"
 
 static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *rest)
 {
-  const PetscInt dim = model->disc.grid.dim;
+  const PetscInt dim = model->disc.dim;
   PetscReal      reach[2 * MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
@@ -24,7 +30,7 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
   rest->n = points->count;
   PetscCall(PetscMalloc4((rest->n * dim), &rest->x, rest->n, &rest->volume, (rest->n * dim), &rest->domain,
                          (rest->n * dim * dim), &rest->F));
-  PetscCall(PetscCalloc1(model->scene.materials.count, &rest->stateful));
+  PetscCall(PetscCalloc1(model->scene.materials->count, &rest->stateful));
   for (PetscInt k = 0; k < 2 * MPM_MAX_DIM; k++) reach[k] = PETSC_NINFINITY;
   for (PetscInt p = 0; p < rest->n; p++) {
     const PetscReal *F = &points->F[p * dim * dim];
@@ -44,10 +50,10 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, 2 * MPM_MAX_DIM, MPIU_REAL, MPIU_MAX, model->comm));
   rest->height = reach[dim - 1] + reach[MPM_MAX_DIM + dim - 1];
-  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     MpmInitial initial;
 
-    PetscCall(MpmInitialCreate(&model->scene.materials.at[m], dim, &initial));
+    PetscCall(MpmInitialCreate(&model->scene.materials->at[m], dim, &initial));
     rest->stateful[m] = initial.stateful;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -67,12 +73,12 @@ static PetscErrorCode RestDestroy(MpmRest *rest)
 /* The points go back to where they were; stress and history stay. */
 static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
 {
-  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size;
+  const PetscInt dim = model->disc.dim, size = model->state.particles->stress_size;
   PetscReal      largest[2] = {0., 0.};
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) {
     PetscReal *F = &points.F[p * dim * dim], *stress = &points.stress[p * size], U[MPM_MAX_DIM], distance = 0.;
 
@@ -95,7 +101,7 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
     for (PetscInt c = 0; rest->start && c < size; c++)
       largest[1] = PetscMax(largest[1], PetscAbsReal(stress[c] - rest->start[p * size + c]));
   }
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, largest, 2, MPIU_REAL, MPIU_MAX, model->comm));
   rest->moved      = largest[0];
   rest->correction = largest[1];
@@ -107,10 +113,10 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points)); /* a failed step has kept them */
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
-  PetscCall(PetscArraycpy(rest->F, points.F, rest->n * model->disc.grid.dim * model->disc.grid.dim));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points)); /* a failed step has kept them */
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscArraycpy(rest->F, points.F, rest->n * model->disc.dim * model->disc.dim));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   model->state.load_scale = scale;
   model->state.dt_last    = 0.;
   PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
@@ -207,11 +213,11 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   MpmRest         rest;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, why));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(RestCreate(model, &points, &rest));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
   /* what the penalty holds back in one iteration is left for the next ones */

@@ -10,6 +10,15 @@
   (k0_law.c): one linear solve, and others that remove what was put in to keep the matrix regular. The points do not
   move in them. Ground that is not level has no such stress of use: there the materials find the balance.
 */
+#include "point/material.h"
+#include "point/registry.h"
+#include "point/stress_inversion.h"
+#include "particles/overburden.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/sum.h"
+#include "terms/load.h"
+#include "time/model.h"
 #include "time/time.h"
 
 /* Solves for a balance, and what the stress may still change in the last one, relative to the largest. */
@@ -33,14 +42,14 @@
 /* Which way the stage's gravity points: along one axis, as the scene's check has it. */
 static MpmVertical FindVertical(MpmModel model)
 {
-  MpmVertical vertical = {.axis = model->disc.grid.dim - 1, .up = 1};
+  MpmVertical vertical = {.axis = model->disc.dim - 1, .up = 1};
 
-  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
     PetscReal gravity = 0.;
 
-    for (PetscInt l = 0; l < model->scene.loads.count; l++)
-      if (model->scene.loads.at[l].type == MPM_LOAD_GRAVITY)
-        gravity += MpmModelLoadFactor(model, l, model->state.time_end) * model->scene.loads.at[l].value[a];
+    for (PetscInt l = 0; l < model->scene.loads->count; l++)
+      if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY)
+        gravity += MpmModelLoadFactor(model, l, model->state.time_end) * model->scene.loads->at[l].value[a];
     if (gravity != 0.)
       vertical = (MpmVertical){.axis = a, .up = gravity < 0. ? 1 : -1, .gravity = PetscAbsReal(gravity)};
   }
@@ -51,17 +60,16 @@ static MpmVertical FindVertical(MpmModel model)
 static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *rest, MpmPoints *points, PetscInt p,
                      PetscReal stress[])
 {
-  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.state_size,
-                 own = initial->material->state_size;
-  PetscReal state[MPM_INITIAL_STATE], U[MPM_MAX_DIM], *F = &points->F[p * dim * dim];
-  const int answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state);
+  const PetscInt dim = model->disc.dim, size = model->state.particles->state_size, own = initial->material->state_size;
+  PetscReal      state[MPM_INITIAL_STATE], U[MPM_MAX_DIM], *F                          = &points->F[p * dim * dim];
+  const int      answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state);
 
   if (answer == 2 || model->scene.stretch(F, U)) return 2;
   for (PetscInt k = 0; k < own; k++) points->state[p * size + k] = state[k];
   for (PetscInt a = 0; a < dim; a++) points->half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
   points->volume0[p] = rest->volume[p] / MpmDeterminant(dim, F);
-  for (PetscInt c = 0; c < model->state.particles.stress_size; c++)
-    points->stress[p * model->state.particles.stress_size + c] = stress[c];
+  for (PetscInt c = 0; c < model->state.particles->stress_size; c++)
+    points->stress[p * model->state.particles->stress_size + c] = stress[c];
   return answer;
 }
 
@@ -71,16 +79,16 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *r
 */
 static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal goal[], PetscInt64 *without)
 {
-  const PetscInt size     = model->state.particles.stress_size;
+  const PetscInt size     = model->state.particles->stress_size;
   PetscInt64     count[2] = {0, 0};
   MpmInitial    *initial;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(model->scene.materials.count, &initial));
-  for (PetscInt m = 0; m < model->scene.materials.count; m++)
-    PetscCall(MpmInitialCreate(&model->scene.materials.at[m], model->disc.grid.dim, &initial[m]));
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(PetscMalloc1(model->scene.materials->count, &initial));
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    PetscCall(MpmInitialCreate(&model->scene.materials->at[m], model->disc.dim, &initial[m]));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) {
     PetscReal stress[6] = {0.};
     int       answer;
@@ -89,7 +97,7 @@ static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal
     answer = SetStress(model, &initial[points.material[p]], rest, &points, p, stress);
     if (answer) count[answer - 1]++;
   }
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(PetscFree(initial));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT64, MPI_SUM, model->comm));
   rest->outside = count[0];
@@ -101,16 +109,16 @@ static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal
 static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[])
 {
   const PetscReal   k0       = model->scene.stages[model->state.stage].geostatic.k0;
-  const PetscInt    size     = model->state.particles.stress_size;
+  const PetscInt    size     = model->state.particles->stress_size;
   const MpmVertical vertical = FindVertical(model);
   PetscReal        *pressure;
   MpmPoints         points;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(rest->n, &pressure));
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
-  PetscCall(MpmOverburden(&model->disc.grid, &points, &vertical, rest->domain, pressure));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(MpmOverburden(model->disc.grid, &points, &vertical, rest->domain, pressure));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) {
     for (PetscInt c = 0; c < size; c++)
       stress[p * size + c] = c < 3 ? -pressure[p] * (c == vertical.axis ? 1. : k0) : 0.;
@@ -123,12 +131,12 @@ static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[])
 
 static PetscBool IsSmallStrain(const MpmModel model, PetscInt material)
 {
-  return (PetscBool)((model->scene.materials.at[material].info.traits & MPM_LAW_SMALL_STRAIN) != 0);
+  return (PetscBool)((model->scene.materials->at[material].info.traits & MPM_LAW_SMALL_STRAIN) != 0);
 }
 
 static PetscBool AnySmallStrain(const MpmModel model)
 {
-  for (PetscInt m = 0; m < model->scene.materials.count; m++)
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
     if (IsSmallStrain(model, m)) return PETSC_TRUE;
   return PETSC_FALSE;
 }
@@ -142,7 +150,7 @@ static PetscBool AnySmallStrain(const MpmModel model)
 */
 static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscReal stress[])
 {
-  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size, v = FindVertical(model).axis;
+  const PetscInt dim = model->disc.dim, size = model->state.particles->stress_size, v = FindVertical(model).axis;
   PetscReal     *goal;
   PetscInt64     without;
   MpmPoints      points;
@@ -153,7 +161,7 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
   PetscCall(PetscArraycpy(goal, stress, rest->n * size));
   for (PetscInt k = 0; k < SMALL_STRAIN_ROUNDS; k++) {
     PetscCall(SetStresses(model, rest, stress, &without));
-    PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+    PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
     for (PetscInt p = 0; p < rest->n; p++) {
       const PetscReal *F = &points.F[p * dim * dim];
 
@@ -161,7 +169,7 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
       for (PetscInt c = 0; c < size; c++)
         stress[p * size + c] = goal[p * size + c] * MpmDeterminant(dim, F) / F[v * (dim + 1)];
     }
-    PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+    PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   }
   PetscCall(PetscFree(goal));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -175,6 +183,7 @@ typedef struct {
   MpmModel second; /* shares the points and the scene with the model, but for materials, discretization and solver */
   MpmRest *rest;
   MpmMaterial *auxiliaries; /* one for each material */
+  MpmMaterials materials;   /* the scene's, with these in place of its own */
   PetscReal    k0;
   PetscInt     axis;   /* vertical one */
   PetscReal   *stress; /* Cauchy, `stress_size` components a point; the points' history for the auxiliary law */
@@ -186,15 +195,15 @@ typedef struct {
 static PetscErrorCode BalanceCreate(Balance *balance)
 {
   MpmModel       model = balance->model;
-  const PetscInt dim   = model->disc.grid.dim;
+  const PetscInt dim   = model->disc.dim;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc3(model->scene.materials.count, &balance->auxiliaries, (balance->rest->n * dim * dim),
+  PetscCall(PetscMalloc3(model->scene.materials->count, &balance->auxiliaries, (balance->rest->n * dim * dim),
                          &balance->F, balance->rest->n, &balance->volume0));
-  for (PetscInt m = 0; m < model->scene.materials.count; m++) {
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     MpmMaterial *auxiliary = &balance->auxiliaries[m];
 
-    *auxiliary            = model->scene.materials.at[m];
+    *auxiliary            = model->scene.materials->at[m];
     auxiliary->state_size = 0; /* that a step would write */
     auxiliary->table      = NULL;
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
@@ -221,14 +230,16 @@ static PetscErrorCode SecondCreate(Balance *balance)
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&second));
-  *second                    = *model;
-  second->scene.materials.at = balance->auxiliaries;
-  second->disc               = (MpmDiscretization){.grid = model->disc.grid, .layout = model->disc.layout};
-  second->disc.ghost         = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
-  second->disc.diagonal =
-    balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.grid.h[0], model->disc.grid.dim - 2);
-  PetscCall(MpmDiscretizationSetUp(&second->disc, &second->scene.materials, &second->scene.boundaries,
-                                   second->state.particles.stress_size));
+  *second                 = *model;
+  balance->materials      = *model->scene.materials;
+  balance->materials.at   = balance->auxiliaries;
+  second->scene.materials = &balance->materials;
+  PetscCall(MpmDiscretizationCreate(model->comm, model->disc.grid, model->disc.layout, &second->disc));
+  PetscCall(MpmDiscretizationSize(&second->disc));
+  second->disc.ghost    = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
+  second->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
+  PetscCall(MpmDiscretizationSetUp(&second->disc, second->scene.materials, second->scene.boundaries,
+                                   second->state.particles->stress_size));
   PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
   second->solver.may_be_indefinite = PETSC_FALSE;
   balance->second                  = second;
@@ -256,7 +267,7 @@ static PetscErrorCode SecondDestroy(Balance *balance)
 static PetscErrorCode BalanceDestroy(Balance *balance)
 {
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < balance->model->scene.materials.count; m++)
+  for (PetscInt m = 0; m < balance->model->scene.materials->count; m++)
     PetscCall(PetscFree(balance->auxiliaries[m].parameter));
   PetscCall(PetscFree3(balance->auxiliaries, balance->F, balance->volume0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -269,13 +280,13 @@ static PetscErrorCode BalanceDestroy(Balance *balance)
 static PetscErrorCode TakeShape(Balance *balance)
 {
   MpmModel       model = balance->model;
-  const PetscInt dim   = model->disc.grid.dim;
+  const PetscInt dim   = model->disc.dim;
   PetscInt64     without;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
   if (AnySmallStrain(model)) PetscCall(SetStresses(model, balance->rest, balance->stress, &without));
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < balance->rest->n; p++) {
     const PetscBool small = IsSmallStrain(model, points.material[p]);
 
@@ -283,7 +294,7 @@ static PetscErrorCode TakeShape(Balance *balance)
     for (PetscInt k = 0; k < dim * dim; k++)
       balance->F[p * dim * dim + k] = small ? points.F[p * dim * dim + k] : k % (dim + 1) ? 0. : 1.;
   }
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -291,13 +302,13 @@ static PetscErrorCode TakeShape(Balance *balance)
 static PetscErrorCode TakeStress(Balance *balance)
 {
   const MpmModel model = balance->second;
-  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size, v = balance->axis;
+  const PetscInt dim = model->disc.dim, size = model->state.particles->stress_size, v = balance->axis;
   PetscReal      sum[3] = {0., 0., 0.};
 
   PetscFunctionBeginUser;
   balance->change = 0.;
   for (PetscInt p = 0; p < balance->rest->n; p++) {
-    const PetscReal *solved = &model->disc.trial.stress[p * size], *start = &balance->rest->start[p * size];
+    const PetscReal *solved = &model->disc.trial->stress[p * size], *start = &balance->rest->start[p * size];
     PetscReal       *stress = &balance->stress[p * size], vertical = solved[v], square = 1.;
 
     for (PetscInt a = 0; a < dim; a++) {
@@ -335,20 +346,20 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
   PetscCall(
     MpmStepPrepare(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, &why));
   if (!why) {
-    points                        = model->disc.points;
+    points                        = *model->disc.points;
     points.F                      = balance->F;
     points.volume0                = balance->volume0;
     points.state                  = balance->stress;
-    model->disc.sum.points        = &points;
+    model->disc.sum->points       = &points;
     model->solver.cache.reference = 0.;
     PetscCall(MpmSolverSolve(&model->solver, &reason));
     PetscCall(MpmSumResidual(&model->solver, &failed));
-    model->disc.trial.made = PETSC_FALSE;
-    model->disc.sum.points = &model->disc.points;
+    model->disc.trial->made = PETSC_FALSE;
+    model->disc.sum->points = model->disc.points;
   }
   *solved = (PetscBool)(!why && reason > 0);
   if (*solved) PetscCall(TakeStress(balance));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -370,7 +381,7 @@ static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[
     PetscCall(TakeShape(&balance));
     PetscCall(SolveBalance(&balance, &solved));
   }
-  if (!balance.level) PetscCall(PetscArraycpy(stress, rest->start, rest->n * model->state.particles.stress_size));
+  if (!balance.level) PetscCall(PetscArraycpy(stress, rest->start, rest->n * model->state.particles->stress_size));
   PetscCall(SecondDestroy(&balance));
   PetscCall(BalanceDestroy(&balance));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -378,7 +389,7 @@ static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[
 
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
 {
-  const PetscInt size = model->state.particles.stress_size;
+  const PetscInt size = model->state.particles->stress_size;
   PetscInt64     without;
   PetscReal     *stress;
   MpmPoints      points;
@@ -395,10 +406,10 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
                 model->scene.stages[model->state.stage].name,
                 (double)model->scene.stages[model->state.stage].geostatic.k0, without);
   PetscCall(PetscFree(stress));
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) { /* a law without history has its own stress across the plane */
     if (size == 4 && !rest->stateful[points.material[p]]) rest->start[4 * p + 2] = points.stress[4 * p + 2];
   }
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,21 +1,41 @@
 /*
   One step: space, conditions and loads, Newton, commit.
 */
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
 #include "terms/terms.h"
+#include "time/integrator.h"
+#include "time/model.h"
 #include "time/time.h"
 
 /* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
 static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 {
-  const PetscInt rates = model->disc.layout.rates, bs = model->disc.layout.block;
-  PetscReal     *nodal;
+  const MpmLayout *layout = model->disc.layout;
+  const PetscInt   rates = layout->rates, bs = layout->block, owned = model->disc.space->owned;
+  PetscReal       *nodal;
 
   PetscFunctionBeginUser;
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((model->disc.space.owned * rates), &nodal));
-  PetscCall(MpmProjectToNodes(&model->disc.sum, rates, rates, model->disc.points.value, NULL, nodal));
-  for (PetscInt k = 0; k < model->disc.space.owned * rates; k++)
-    u[k / rates * bs + model->disc.layout.rate_component[k % rates]] = nodal[k];
+  PetscCall(PetscMalloc1((owned * rates), &nodal));
+  for (PetscInt s = 0; s < layout->shape_count; s++) {
+    const MpmPointValues values = {s, rates, rates, model->disc.points->value, NULL};
+
+    PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
+    for (PetscInt k = 0; k < owned * rates; k++) {
+      const PetscInt c = layout->rate_component[k % rates];
+
+      if (layout->shape_of[c] == s) u[k / rates * bs + c] = nodal[k];
+    }
+  }
   PetscCall(PetscFree(nodal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -29,22 +49,22 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 */
 static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
-  const PetscInt  dim = model->disc.grid.dim, bs = model->disc.layout.block, size = dim * (dim + 1);
+  const PetscInt  dim = model->disc.dim, bs = model->disc.block, size = dim * (dim + 1);
   const PetscReal change =
-    model->state.dt_before > 0. ? PREDICTED_CHANGE * model->disc.sum.dt / model->state.dt_last : 0.;
-  const PetscReal last   = (1. + change) * model->disc.sum.dt / model->state.dt_last;
-  const PetscReal before = change > 0. ? change * model->disc.sum.dt / model->state.dt_before : 0.;
+    model->state.dt_before > 0. ? PREDICTED_CHANGE * model->disc.sum->dt / model->state.dt_last : 0.;
+  const PetscReal last   = (1. + change) * model->disc.sum->dt / model->state.dt_last;
+  const PetscReal before = change > 0. ? change * model->disc.sum->dt / model->state.dt_before : 0.;
   PetscReal      *nodal, *expected;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2((model->disc.space.owned * dim), &nodal, (model->disc.points.count * size), &expected));
-  for (PetscInt p = 0; p < model->disc.points.count; p++) {
-    const PetscReal *increment = &model->disc.points.increment[p * MPM_INCREMENT(dim)];
+  PetscCall(PetscMalloc2((model->disc.space->owned * dim), &nodal, (model->disc.points->count * size), &expected));
+  for (PetscInt p = 0; p < model->disc.points->count; p++) {
+    const PetscReal *increment = &model->disc.points->increment[p * MPM_INCREMENT(dim)];
 
     for (PetscInt k = 0; k < size; k++) expected[p * size + k] = last * increment[k] - before * increment[size + k];
   }
-  PetscCall(MpmProjectToNodes(&model->disc.sum, dim, size, expected, expected + dim, nodal));
-  for (PetscInt k = 0; k < model->disc.space.owned * dim; k++) u[k / dim * bs + k % dim] = nodal[k];
+  PetscCall(MpmProjectToNodes(model->disc.sum, &(MpmPointValues){0, dim, size, expected, expected + dim}, nodal));
+  for (PetscInt k = 0; k < model->disc.space->owned * dim; k++) u[k / dim * bs + k % dim] = nodal[k];
   PetscCall(PetscFree2(nodal, expected));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -53,7 +73,7 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
    take their values. */
 static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
 {
-  const PetscInt n = model->disc.space.owned * model->disc.layout.block;
+  const PetscInt n = model->disc.space->owned * model->disc.block;
   PetscScalar   *x;
 
   PetscFunctionBeginUser;
@@ -61,48 +81,47 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscCall(VecGetArray(model->solver.x, &x));
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
-  MpmFramesToUnknowns(&model->disc.constraints, model->disc.layout.block, model->disc.space.owned, x);
-  for (PetscInt k = 0; k < n; k++)
-    if (model->disc.constraints.condition[k] >= 0) x[k] = model->disc.constraints.value[k];
+  MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
+  MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static MpmRules Rules(MpmModel model)
 {
-  return (MpmRules){.grid       = &model->disc.grid,
+  return (MpmRules){.grid       = model->disc.grid,
                     .shape      = model->scene.shape,
                     .edge       = model->scene.edge,
-                    .wall_count = model->scene.walls.count,
-                    .walls      = model->scene.walls.at,
+                    .layout     = model->disc.layout,
+                    .wall_count = model->scene.wall_count,
+                    .walls      = model->scene.walls,
                     .stretch    = model->scene.stretch,
-                    .materials  = model->scene.materials.at,
+                    .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
                     .sparse     = model->state.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-                    .mean       = (PetscBool)(model->disc.layout.means > 0)};
+                    .mean       = (PetscBool)(model->disc.layout->means > 0)};
 }
 
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
 {
-  const PetscInt bs = model->disc.layout.block, dim = model->disc.grid.dim;
+  const PetscInt bs = model->disc.block, dim = model->disc.dim;
 
   PetscFunctionBeginUser;
   model->disc.committed = PETSC_FALSE;
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &model->disc.points));
-  PetscCall(MpmTermsSetUpSpace(model->disc.terms, &model->disc.space, rules, &model->disc.points, why));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
-  PetscCall(PetscMalloc3((model->disc.space.local * bs), &model->disc.u, (model->disc.space.local * bs),
-                         &model->disc.residual, (model->disc.space.local * bs), &model->disc.force));
-  PetscCall(MpmTrialReset(&model->disc.trial));
-  PetscCall(PetscMalloc4((model->disc.points.count * dim * dim), &model->disc.trial.F,
-                         (model->disc.points.count * model->state.particles.stress_size), &model->disc.trial.stress,
-                         (model->disc.points.count * model->state.particles.state_size), &model->disc.trial.state,
-                         (model->disc.space.local * bs), &model->disc.trial.u));
-  model->state.active_dofs_max =
-    PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space.global_count * bs);
+  PetscCall(PetscMalloc3((model->disc.space->local * bs), &model->disc.u, (model->disc.space->local * bs),
+                         &model->disc.residual, (model->disc.space->local * bs), &model->disc.force));
+  PetscCall(MpmTrialReset(model->disc.trial));
+  PetscCall(PetscMalloc4((model->disc.points->count * dim * dim), &model->disc.trial->F,
+                         (model->disc.points->count * model->state.particles->stress_size), &model->disc.trial->stress,
+                         (model->disc.points->count * model->state.particles->state_size), &model->disc.trial->state,
+                         (model->disc.space->local * bs), &model->disc.trial->u));
+  model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->unknown_count);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,7 +132,7 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   *why = NULL;
   PetscCall(PrepareSpace(model, &rules, why));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -121,17 +140,17 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmConstraintsSetUp(&model->disc.constraints, &model->scene.bcs, &model->disc.grid, &model->disc.layout,
-                                &model->disc.space, model->state.time, time));
-  PetscCall(MpmContactsSetUp(&model->disc.contacts, rules, &model->disc.space, &model->disc.points,
-                             &model->state.particles, model->state.time, time));
-  PetscCall(PetscArrayzero(model->disc.force, model->disc.space.local * model->disc.layout.block));
-  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
-    PetscCall(MpmLoadApply(&model->scene.loads.at[l], MpmModelLoadFactor(model, l, time), rules, &model->disc.sum,
-                           &model->state.particles, model->disc.force));
+  PetscCall(MpmConstraintsSetUp(model->disc.constraints, model->scene.bcs, model->disc.grid, model->disc.layout,
+                                model->disc.space, model->state.time, time));
+  PetscCall(MpmContactsSetUp(model->disc.contacts, rules, model->disc.space, model->disc.points, model->state.particles,
+                             model->state.time, time));
+  PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    PetscCall(MpmLoadApply(&model->scene.loads->at[l], MpmModelLoadFactor(model, l, time), rules, model->disc.sum,
+                           model->state.particles, model->disc.force));
   }
   if (model->scene.body_force) {
-    PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, time, &model->disc.sum,
+    PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, time, model->disc.sum,
                                 model->disc.force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -147,7 +166,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
   if (!*why) {
-    model->disc.sum.dt = dt;
+    model->disc.sum->dt = dt;
     if (!again) PetscCall(MpmSolverSetUp(&model->solver));
     PetscCall(PrepareConditions(model, &rules, time));
     PetscCall(InitialGuess(model, PETSC_FALSE));
@@ -175,15 +194,15 @@ static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
 */
 static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
 {
-  const MpmGrid *grid = &model->disc.grid;
-  const PetscInt bs   = model->disc.layout.block;
+  const MpmGrid *grid = model->disc.grid;
+  const PetscInt bs   = model->disc.block;
 
   for (PetscInt a = 0; a < grid->dim; a++) {
     PetscReal reach = 0.;
 
     for (PetscInt i = 0; i < group->node_count; i++)
       reach =
-        PetscMax(reach, PetscAbsReal(model->disc.u[model->disc.space.group_nodes[group->node_offset + i] * bs + a]));
+        PetscMax(reach, PetscAbsReal(model->disc.u[model->disc.space->group_nodes[group->node_offset + i] * bs + a]));
     reach *= 3. / grid->h[a];
     if (!(reach < (PetscReal)group->first[a])) return PETSC_FALSE;
     if (!((PetscReal)(group->first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
@@ -194,35 +213,34 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
 /* Would the converged increment carry a point out of the grid? The reason names the first such point of the lowest rank. */
 static PetscErrorCode FindLost(MpmModel model, const char **why)
 {
-  const PetscInt dim = model->disc.grid.dim, bs = model->disc.layout.block,
-                 most = PetscPowInt(model->disc.space.width, dim);
-  PetscMPIInt rank    = model->size;
-  PetscReal  *storage;
-  MpmBasis    basis;
+  const PetscInt dim = model->disc.dim, bs = model->disc.block, most = PetscPowInt(model->disc.space->width, dim);
+  PetscMPIInt    rank = model->size;
+  PetscReal     *storage;
+  MpmBasis       basis;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
-  for (PetscInt g = 0; g < model->disc.space.group_count && rank == model->size; g++) {
-    const MpmGroup *group = &model->disc.space.groups[g];
-    const PetscInt *nodes = &model->disc.space.group_nodes[group->node_offset];
+  for (PetscInt g = 0; g < model->disc.space->group_count && rank == model->size; g++) {
+    const MpmGroup *group = &model->disc.space->groups[g];
+    const PetscInt *nodes = &model->disc.space->group_nodes[group->node_offset];
 
     if (FarFromEdge(model, group)) continue;
     for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
-      const PetscInt p              = model->disc.space.order[s];
+      const PetscInt p              = model->disc.space->order[s];
       PetscReal      x[MPM_MAX_DIM] = {0.};
 
-      MpmSpaceEvaluate(&model->disc.space, group, p, &basis);
+      MpmSpaceEvaluate(model->disc.space, group, p, &basis);
       for (PetscInt a = 0; a < dim; a++) {
-        x[a] = model->disc.points.x[p * dim + a];
+        x[a] = model->disc.points->x[p * dim + a];
         for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
       }
-      if (IsInside(&model->disc.grid, x)) continue;
+      if (IsInside(model->disc.grid, x)) continue;
       rank = model->rank;
       PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
                               dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
                                       : "point %" PetscInt_FMT " left the grid at (%g, %g)",
-                              model->disc.points.id[p], (double)x[0], (double)x[1], (double)x[2]));
+                              model->disc.points->id[p], (double)x[0], (double)x[1], (double)x[2]));
     }
   }
   PetscCall(PetscFree(storage));
@@ -236,15 +254,15 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
 /* The trial and the residual of the converged displacement: those of the last evaluation, where it was made there. */
 static PetscErrorCode FindTrial(MpmModel model)
 {
-  const PetscInt bs = model->disc.layout.block, count = model->disc.space.local * bs;
-  PetscBool      same = model->disc.trial.made;
+  const PetscInt bs = model->disc.block, count = model->disc.space->local * bs;
+  PetscBool      same = model->disc.trial->made;
   PetscInt       failed;
 
   PetscFunctionBeginUser;
-  if (same) PetscCall(PetscArraycmp(model->disc.trial.u, model->disc.u, count, &same));
+  if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.u, count, &same));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPIU_BOOL, MPI_LAND, model->comm));
   if (same) {
-    MpmFramesToAxes(&model->disc.constraints, bs, model->disc.space.owned, model->disc.residual);
+    MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmSumResidual(&model->solver, &failed));
@@ -257,24 +275,24 @@ static PetscErrorCode FindTrial(MpmModel model)
 /* The converged step becomes the state; reactions are the residual at the constrained nodes. */
 static PetscErrorCode Commit(MpmModel model)
 {
-  const PetscInt bs  = model->disc.layout.block;
-  const PetscInt dim = model->disc.grid.dim;
+  const PetscInt bs  = model->disc.block;
+  const PetscInt dim = model->disc.dim;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(FindTrial(model));
-  PetscCall(MpmCommitLocal(&model->disc.sum, model->disc.u));
-  model->disc.trial.made = PETSC_FALSE;
-  PetscCall(MpmContactsCommit(&model->disc.contacts, &model->disc.sum, model->disc.u, &model->state.particles));
-  PetscCall(PetscArrayzero(model->disc.reaction, model->scene.bcs.count * bs));
-  MpmConstraintsAddReactions(&model->disc.constraints, bs, model->disc.space.owned, model->disc.residual,
+  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
+  model->disc.trial->made = PETSC_FALSE;
+  PetscCall(MpmContactsCommit(model->disc.contacts, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(PetscArrayzero(model->disc.reaction, model->scene.bcs->count * bs));
+  MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)(model->scene.bcs.count * bs), MPIU_REAL,
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)(model->scene.bcs->count * bs), MPIU_REAL,
                            MPIU_SUM, model->comm));
-  for (PetscInt k = 0; k < model->disc.points.count * dim; k++)
-    model->disc.points.x[k] =
-      PetscMin(PetscMax(model->disc.points.x[k], model->disc.grid.lower[k % dim]), model->disc.grid.upper[k % dim]);
+  for (PetscInt k = 0; k < model->disc.points->count * dim; k++)
+    model->disc.points->x[k] =
+      PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -308,9 +326,9 @@ static PetscErrorCode FindReference(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &motion)); /* constrained nodes may move */
-  model->disc.sum.rest = (PetscBool)(motion == 0. && !model->disc.layout.means);
+  model->disc.sum->rest = (PetscBool)(motion == 0. && !model->disc.layout->means);
   PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
-  model->disc.sum.rest = PETSC_FALSE;
+  model->disc.sum->rest = PETSC_FALSE;
   PetscCall(VecNorm(model->solver.f, NORM_2, &model->solver.cache.reference));
   if (PetscIsInfOrNanReal(model->solver.cache.reference)) model->solver.cache.reference = 0.;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -375,9 +393,9 @@ static PetscErrorCode AcceptStep(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(Commit(model));
   model->state.dt_before = model->state.dt_last;
-  model->state.dt_last   = model->disc.sum.dt;
+  model->state.dt_last   = model->disc.sum->dt;
   model->disc.committed  = PETSC_TRUE;
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -385,7 +403,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
 static PetscErrorCode RollBackStep(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.trial.made = PETSC_FALSE;
+  model->disc.trial->made = PETSC_FALSE;
   PetscCall(VecZeroEntries(model->solver.x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,6 +16,16 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/shape.h"
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/walls.h"
+#include "bc/bc.h"
+#include "terms/load.h"
+#include "time/model.h"
 #include "time/time.h"
 
 /* ---- time ---- */
@@ -83,8 +93,8 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
       MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
   /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
   model->state.predict = PETSC_TRUE;
-  for (PetscInt m = 0; m < model->scene.materials.count; m++)
-    if (model->scene.materials.at[m].state_size) model->state.predict = PETSC_FALSE;
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (model->scene.materials->at[m].state_size) model->state.predict = PETSC_FALSE;
   PetscCall(MpmOptionsBool(
     &block, "predict",
     "start each step from the increment extrapolated from the last two; the default is true where no material has "
@@ -168,7 +178,7 @@ static PetscErrorCode WidenMarks(PetscInt had, PetscInt count, PetscInt scene, P
 /* Conditions and loads of all stages; `had` holds how many names were known when each stage's list was read. */
 static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
 {
-  const PetscInt scene_bcs = model->scene.bcs.count, scene_loads = model->scene.loads.count,
+  const PetscInt scene_bcs = model->scene.bcs->count, scene_loads = model->scene.loads->count,
                  n = model->scene.stage_count;
   PetscInt  *had;
   PetscBool *given;
@@ -185,18 +195,18 @@ static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
       PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
       PetscCall(MpmOptionsHeading(&block, "Stage"));
       PetscCall(MarkList(&block, "bcs", "conditions on nodes that act; default: -mpm_bcs; none",
-                         (NameList){&model->scene.bcs.count, &model->scene.bcs.names, PETSC_TRUE}, &stage->bcs,
+                         (NameList){&model->scene.bcs->count, &model->scene.bcs->names, PETSC_TRUE}, &stage->bcs,
                          &given[2 * k]));
       PetscCall(MarkList(&block, "loads", "loads that act; default: -mpm_loads; none",
-                         (NameList){&model->scene.loads.count, &model->scene.loads.names, PETSC_TRUE}, &stage->loads,
+                         (NameList){&model->scene.loads->count, &model->scene.loads->names, PETSC_TRUE}, &stage->loads,
                          &given[2 * k + 1]));
     }
-    had[2 * k]     = model->scene.bcs.count;
-    had[2 * k + 1] = model->scene.loads.count;
+    had[2 * k]     = model->scene.bcs->count;
+    had[2 * k + 1] = model->scene.loads->count;
   }
   for (PetscInt k = 0; k < n; k++) {
-    PetscCall(WidenMarks(had[2 * k], model->scene.bcs.count, scene_bcs, given[2 * k], &model->scene.stages[k].bcs));
-    PetscCall(WidenMarks(had[2 * k + 1], model->scene.loads.count, scene_loads, given[2 * k + 1],
+    PetscCall(WidenMarks(had[2 * k], model->scene.bcs->count, scene_bcs, given[2 * k], &model->scene.stages[k].bcs));
+    PetscCall(WidenMarks(had[2 * k + 1], model->scene.loads->count, scene_loads, given[2 * k + 1],
                          &model->scene.stages[k].loads));
   }
   PetscCall(PetscFree2(had, given));
@@ -230,7 +240,7 @@ static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, Mpm
   PetscInt count;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++) stage->material[b] = -1;
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) stage->material[b] = -1;
   PetscCall(MpmOptionsText(block, "materials", "body:material pairs: what bodies are made of from here on", NULL,
                            MPM_OPTIONAL, &text));
   if (!text || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -242,16 +252,16 @@ static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, Mpm
 
     MpmCheckInput(colon, "-%smaterials %s: must be body:material pairs, separated by commas", block->prefix, text);
     *colon   = '\0';
-    body     = FindName(model->scene.bodies.count, model->scene.bodies.names, pair[k]);
-    material = FindName(model->scene.materials.count, model->scene.materials.names, colon + 1);
+    body     = FindName(model->scene.bodies->count, model->scene.bodies->names, pair[k]);
+    material = FindName(model->scene.materials->count, model->scene.materials->names, colon + 1);
     MpmCheckInput(body >= 0, "-%smaterials %s: there is no body %s in -mpm_bodies", block->prefix, text, pair[k]);
     MpmCheckInput(material >= 0, "-%smaterials %s: there is no material %s in -mpm_materials", block->prefix, text,
                   colon + 1);
     MpmCheckInput(stage->material[body] < 0, "-%smaterials %s: body %s stands there twice", block->prefix, text,
                   pair[k]);
     stage->material[body] = material;
-    model->scene.materials.at[material].spacing =
-      PetscMax(model->scene.materials.at[material].spacing, MpmBodySpacing(model->scene.bodies.at[body]));
+    model->scene.materials->at[material].spacing =
+      PetscMax(model->scene.materials->at[material].spacing, MpmBodySpacing(model->scene.bodies->at[body]));
   }
   PetscCall(MpmNamesDestroy(count, &pair));
   PetscCall(PetscFree(text));
@@ -289,12 +299,12 @@ static PetscErrorCode CheckGravity(MpmModel model, const MpmStage *stage)
   PetscInt axes = 0;
 
   PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < model->disc.grid.dim; a++) {
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
     PetscReal along = 0.;
 
-    for (PetscInt l = 0; l < model->scene.loads.count; l++)
-      if (stage->loads[l] && model->scene.loads.at[l].type == MPM_LOAD_GRAVITY)
-        along += model->scene.loads.at[l].value[a];
+    for (PetscInt l = 0; l < model->scene.loads->count; l++)
+      if (stage->loads[l] && model->scene.loads->at[l].type == MPM_LOAD_GRAVITY)
+        along += model->scene.loads->at[l].value[a];
     axes += along != 0. ? 1 : 0;
   }
   MpmCheckInput(axes == 1, "-mpm_stage_%s_geostatic_method k0: gravity must act along one axis, here along %d",
@@ -307,13 +317,13 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
   if (MpmOptionsHelp() || stage->geostatic.method == MPM_GEOSTATIC_NONE) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->disc.layout.solid, "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name,
+  MpmCheckInput(model->disc.layout->solid, "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name,
                 model->scene.physics.name);
-  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
-    for (PetscInt k = 0; k < model->scene.bcs.at[b].component_count; k++)
-      MpmCheckInput(!stage->bcs[b] || model->scene.bcs.at[b].value[k] == 0.,
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++)
+      MpmCheckInput(!stage->bcs[b] || model->scene.bcs->at[b].value[k] == 0.,
                     "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
-                    model->scene.bcs.names[b], (double)model->scene.bcs.at[b].value[k], stage->name);
+                    model->scene.bcs->names[b], (double)model->scene.bcs->at[b].value[k], stage->name);
   }
   if (stage->geostatic.method == MPM_GEOSTATIC_K0) PetscCall(CheckGravity(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -325,7 +335,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   char                     prefix[256], time_prefix[256];
   const MpmOptions         block  = {options->comm, prefix, options->record};
   PetscInt                 type   = 0;
-  const NameList           bodies = {&model->scene.bodies.count, &model->scene.bodies.names, PETSC_FALSE};
+  const NameList           bodies = {&model->scene.bodies->count, &model->scene.bodies->names, PETSC_FALSE};
   PetscBool                given;
 
   PetscFunctionBeginUser;
@@ -352,8 +362,8 @@ static PetscErrorCode CheckBodies(const MpmModel model)
   PetscBool *there, *was;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2((model->scene.bodies.count + 1), &there, (model->scene.bodies.count + 1), &was));
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+  PetscCall(PetscMalloc2((model->scene.bodies->count + 1), &there, (model->scene.bodies->count + 1), &was));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     was[b]   = PETSC_FALSE;
     there[b] = PETSC_TRUE;
     for (PetscInt k = 0; k < model->scene.stage_count; k++)
@@ -363,8 +373,8 @@ static PetscErrorCode CheckBodies(const MpmModel model)
     const MpmStage *stage = &model->scene.stages[k];
     PetscInt        left  = 0;
 
-    for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
-      const char *body = model->scene.bodies.names[b];
+    for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+      const char *body = model->scene.bodies->names[b];
 
       MpmCheckInput(!stage->adds[b] || (!there[b] && !was[b]),
                     "-mpm_stage_%s_bodies %s: the body was there before; one joins once", stage->name, body);
@@ -390,17 +400,17 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
 
   PetscFunctionBeginUser;
   PetscCall(ReadSceneTime(model, options, &scene));
-  PetscCall(PetscCalloc1(model->scene.bodies.count, &model->state.parked));
+  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     MpmStage *stage = &model->scene.stages[k];
 
-    PetscCall(PetscMalloc1((model->scene.bodies.count + 1), &stage->material));
+    PetscCall(PetscMalloc1((model->scene.bodies->count + 1), &stage->material));
     stage->time = scene;
     if (stage->name) PetscCall(ReadStage(model, options, &scene, stage));
     else {
-      PetscCall(PetscCalloc1((model->scene.bodies.count + 1), &stage->removed));
-      PetscCall(PetscCalloc1((model->scene.bodies.count + 1), &stage->adds));
-      for (PetscInt b = 0; b < model->scene.bodies.count; b++) stage->material[b] = -1;
+      PetscCall(PetscCalloc1((model->scene.bodies->count + 1), &stage->removed));
+      PetscCall(PetscCalloc1((model->scene.bodies->count + 1), &stage->adds));
+      for (PetscInt b = 0; b < model->scene.bodies->count; b++) stage->material[b] = -1;
     }
     model->state.run_end += stage->time.end;
   }
@@ -421,7 +431,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(stage->adds));
     PetscCall(PetscFree(stage->material));
   }
-  for (PetscInt b = 0; model->state.parked && b < model->scene.bodies.count; b++)
+  for (PetscInt b = 0; model->state.parked && b < model->scene.bodies->count; b++)
     PetscCall(PetscFree(model->state.parked[b].data));
   PetscCall(PetscFree(model->scene.stages));
   PetscCall(PetscFree(model->state.parked));
@@ -440,17 +450,17 @@ PetscBool MpmStagesAreGeostatic(const MpmModel model)
 PetscBool MpmStagesKeepMass(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    for (PetscInt b = 0; b < model->scene.bodies.count; b++)
+    for (PetscInt b = 0; b < model->scene.bodies->count; b++)
       if (model->scene.stages[k].material[b] >= 0) return PETSC_TRUE;
   return MpmStagesAreGeostatic(model);
 }
 
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
-  if (!model->scene.loads.at[load].active) return 0.;
-  if (model->scene.loads.at[load].held) return model->state.load_scale * model->scene.loads.at[load].factor;
+  if (!model->scene.loads->at[load].active) return 0.;
+  if (model->scene.loads->at[load].held) return model->state.load_scale * model->scene.loads->at[load].factor;
   return model->state.load_scale *
-         MpmRampEvaluate(model->scene.loads.at[load].ramp, time - model->scene.loads.at[load].start);
+         MpmRampEvaluate(model->scene.loads->at[load].ramp, time - model->scene.loads->at[load].start);
 }
 
 /* ---- the points are there ---- */
@@ -459,7 +469,7 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
 static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
 {
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscBool there = PETSC_TRUE;
     PetscInt  first, end;
 
@@ -468,8 +478,8 @@ static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
       if (k <= stage && model->scene.stages[k].removed[b]) there = PETSC_FALSE;
     }
     if (there) continue;
-    MpmBodyGetIds(model->scene.bodies.at[b], &first, &end);
-    PetscCall(MpmParticlesRemove(&model->state.particles, first, end, &model->state.parked[b]));
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    PetscCall(MpmParticlesRemove(model->state.particles, first, end, &model->state.parked[b]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -477,8 +487,8 @@ static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
 static PetscErrorCode ReturnAll(MpmModel model)
 {
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++)
-    PetscCall(MpmParticlesReturn(&model->state.particles, &model->state.parked[b]));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -495,15 +505,15 @@ static PetscErrorCode ClearShares(MpmModel model)
   PetscInt count;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetLocalSize(model->state.particles.swarm, &count));
-  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
-    const char *field = model->scene.loads.at[l].share_field;
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const char *field = model->scene.loads->at[l].share_field;
     PetscReal  *share;
 
     if (!field) continue;
-    PetscCall(DMSwarmGetField(model->state.particles.swarm, field, NULL, NULL, (void **)&share));
+    PetscCall(DMSwarmGetField(model->state.particles->swarm, field, NULL, NULL, (void **)&share));
     PetscCall(PetscArrayzero(share, count));
-    PetscCall(DMSwarmRestoreField(model->state.particles.swarm, field, NULL, NULL, (void **)&share));
+    PetscCall(DMSwarmRestoreField(model->state.particles->swarm, field, NULL, NULL, (void **)&share));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -514,9 +524,9 @@ PetscErrorCode MpmStagesSelect(MpmModel model)
   PetscCall(ClearShares(model));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     PetscCall(ParkAbsent(model, k));
-    for (PetscInt l = 0; l < model->scene.loads.count; l++) {
+    for (PetscInt l = 0; l < model->scene.loads->count; l++) {
       if (FirstStage(model, l) == k)
-        PetscCall(MpmLoadSelect(&model->scene.loads.at[l], &model->disc.grid, &model->state.particles));
+        PetscCall(MpmLoadSelect(&model->scene.loads->at[l], model->disc.grid, model->state.particles));
     }
     PetscCall(ReturnAll(model));
   }
@@ -531,12 +541,12 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscInt first, end;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
-    MpmBodyGetIds(model->scene.bodies.at[b], &first, &end);
-    if (stage->adds[b]) PetscCall(MpmParticlesReturn(&model->state.particles, &model->state.parked[b]));
-    if (stage->removed[b]) PetscCall(MpmParticlesRemove(&model->state.particles, first, end, NULL));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+    if (stage->removed[b]) PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
   }
-  PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+  PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -545,9 +555,9 @@ static PetscErrorCode ResetDisplacement(MpmModel model)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
-  PetscCall(PetscArraycpy(points.x0, points.x, points.count * model->disc.grid.dim));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscArraycpy(points.x0, points.x, points.count * model->disc.dim));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   model->state.reference_output = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -556,20 +566,20 @@ static PetscErrorCode ResetDisplacement(MpmModel model)
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
-  model->scene.walls.count = 0;
-  for (PetscInt b = 0; b < model->scene.bcs.count; b++) {
-    MpmCondition *bc = &model->scene.bcs.at[b];
+  model->scene.wall_count = 0;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    MpmCondition *bc = &model->scene.bcs->at[b];
     PetscInt      walls;
 
     if (stage->bcs[b] && !bc->active) bc->start = model->state.time_start;
     bc->active = stage->bcs[b];
     if (!bc->active) continue;
-    PetscCall(MpmConditionGetWalls(bc, &model->disc.grid, MpmShapeDegree(model->scene.shape), &walls,
-                                   &model->scene.walls.at[model->scene.walls.count]));
-    model->scene.walls.count += walls;
+    PetscCall(MpmConditionGetWalls(bc, model->disc.grid, MpmShapeDegree(model->scene.shape), &walls,
+                                   &model->scene.walls[model->scene.wall_count]));
+    model->scene.wall_count += walls;
   }
-  for (PetscInt l = 0; l < model->scene.loads.count; l++) {
-    MpmLoad *load = &model->scene.loads.at[l];
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    MpmLoad *load = &model->scene.loads->at[l];
 
     if (stage->loads[l] && !load->active) load->start = model->state.time_start;
     load->active = stage->loads[l];
@@ -602,7 +612,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   model->state.dt_wanted = model->state.dt_nominal;
   model->state.dt_last   = 0.; /* nothing goes on as before */
   if (stage->name) {
-    PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
+    PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
     PetscCall(ChangeBodies(model, stage));
     PetscCall(MpmMaterialsChange(model, stage));
     if (stage->reset) PetscCall(ResetDisplacement(model));
@@ -624,7 +634,7 @@ PetscErrorCode MpmStageResume(MpmModel model)
     if (k) model->state.time = model->state.time_end;
     SetTime(model, k);
     PetscCall(Activate(model, &model->scene.stages[k]));
-    for (PetscInt b = 0; b < model->scene.bodies.count; b++) {
+    for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
       if (!model->scene.stages[k].adds[b]) continue;
       PetscCall(PetscFree(model->state.parked[b].data));
       model->state.parked[b].count = 0;

@@ -1,6 +1,10 @@
 /*
   How steps follow one another: their lengths, cuts after a failure, and the last resort before a run gives up.
 */
+#include "particles/particles.h"
+#include "space/rules.h"
+#include "time/integrator.h"
+#include "time/model.h"
 #include "time/time.h"
 
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
@@ -60,7 +64,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
-  PetscCall(MpmParticlesDistribute(&model->state.particles, &model->disc.grid, why));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.cuts = 0;

@@ -2,7 +2,9 @@
 /*
   How time goes on: steps, stages, the geostatic state.
 */
-#include "time/model.h"
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
 
 /*
   Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.

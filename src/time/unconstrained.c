@@ -7,6 +7,12 @@
   null space of M = sum r r^T are free. A boundary holds along its normal what touches it, and all of it with stick.
   A free translation along which the loads have a resultant leaves no equilibrium, however short the step.
 */
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "terms/rigid.h"
+#include "time/model.h"
 #include "time/time.h"
 
 #include <petscblaslapack.h>
@@ -46,7 +52,7 @@ static PetscInt Root(PetscInt parent[], PetscInt i)
 /* Gives all nodes of a piece the lowest global number among them. */
 static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
   PetscInt       *parent;
   PetscBool       changed = PETSC_TRUE;
 
@@ -84,12 +90,12 @@ static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
 /* All ranks know all pieces: their labels are the global numbers of one node each. */
 static PetscErrorCode FindPieces(MpmModel model, Pieces *pieces)
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
   PetscInt       *own, *label;
   PetscMPIInt     mine = 0, *count, *start;
 
   PetscFunctionBeginUser;
-  *pieces = (Pieces){.model = model, .dim = model->disc.grid.dim, .motions = model->disc.grid.dim == 2 ? 3 : 6};
+  *pieces = (Pieces){.model = model, .dim = model->disc.dim, .motions = model->disc.dim == 2 ? 3 : 6};
   PetscCall(PetscMalloc1(space->local, &pieces->of));
   PetscCall(PetscMalloc3(space->owned, &own, model->size, &count, (model->size + 1), &start));
   PetscCall(LabelPieces(model, pieces->of));
@@ -121,15 +127,6 @@ static PetscErrorCode SumPieces(const Pieces *pieces, size_t each, PetscReal val
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Place(const Pieces *pieces, PetscInt node, PetscReal x[])
-{
-  const MpmModel model = pieces->model;
-
-  for (PetscInt a = 0; a < pieces->dim; a++)
-    x[a] =
-      model->disc.grid.lower[a] + model->disc.grid.h[a] * (PetscReal)model->disc.space.node[node * pieces->dim + a];
-}
-
 /* Means over the nodes, and the root of their mean square distance; a cell at least. */
 static PetscErrorCode FindCentres(Pieces *pieces)
 {
@@ -137,10 +134,10 @@ static PetscErrorCode FindCentres(Pieces *pieces)
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(pieces->count, &nodes, pieces->count, &square));
-  for (PetscInt i = 0; i < pieces->model->disc.space.owned; i++) {
+  for (PetscInt i = 0; i < pieces->model->disc.space->owned; i++) {
     const PetscInt k = pieces->of[i];
 
-    Place(pieces, i, x);
+    MpmNodePosition(&pieces->model->disc, i, x);
     nodes[k] += 1.;
     for (PetscInt a = 0; a < pieces->dim; a++) pieces->centre[k][a] += x[a];
   }
@@ -148,15 +145,15 @@ static PetscErrorCode FindCentres(Pieces *pieces)
   PetscCall(SumPieces(pieces, MPM_MAX_DIM, pieces->centre[0]));
   for (PetscInt k = 0; k < pieces->count; k++)
     for (PetscInt a = 0; a < pieces->dim; a++) pieces->centre[k][a] /= nodes[k];
-  for (PetscInt i = 0; i < pieces->model->disc.space.owned; i++) {
+  for (PetscInt i = 0; i < pieces->model->disc.space->owned; i++) {
     const PetscInt k = pieces->of[i];
 
-    Place(pieces, i, x);
+    MpmNodePosition(&pieces->model->disc, i, x);
     for (PetscInt a = 0; a < pieces->dim; a++) square[k] += PetscSqr(x[a] - pieces->centre[k][a]);
   }
   PetscCall(SumPieces(pieces, 1, square));
   for (PetscInt k = 0; k < pieces->count; k++)
-    pieces->radius[k] = PetscMax(PetscSqrtReal(square[k] / nodes[k]), pieces->model->disc.grid.h[0]);
+    pieces->radius[k] = PetscMax(PetscSqrtReal(square[k] / nodes[k]), pieces->model->disc.h[0]);
   PetscCall(PetscFree2(nodes, square));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -193,18 +190,18 @@ static void Hold(const Pieces *pieces, PetscInt piece, const PetscReal q[], cons
 static void HoldByConditions(Pieces *pieces)
 {
   const MpmModel model = pieces->model;
-  const PetscInt bs = model->disc.layout.block, dim = pieces->dim;
+  const PetscInt bs = model->disc.block, dim = pieces->dim;
 
-  for (PetscInt i = 0; i < model->disc.space.owned; i++) {
-    const MpmFrame *frame = MpmConstraintsFrame(&model->disc.constraints, i);
+  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
+    const MpmFrame *frame = MpmConstraintsFrame(model->disc.constraints, i);
     PetscReal       x[MPM_MAX_DIM];
 
-    Place(pieces, i, x);
+    MpmNodePosition(&pieces->model->disc, i, x);
     for (PetscInt a = 0; a < dim; a++) {
       PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
 
       unit[a] = 1.;
-      if (model->disc.constraints.condition[i * bs + a] >= 0)
+      if (!MpmConstraintsFree(model->disc.constraints, i * bs + a))
         Hold(pieces, pieces->of[i], frame ? frame->axis[a] : unit, x);
     }
   }
@@ -214,20 +211,19 @@ static void HoldByConditions(Pieces *pieces)
 static void HoldByBoundaries(Pieces *pieces)
 {
   const MpmModel     model    = pieces->model;
-  const MpmContacts *contacts = &model->disc.contacts;
+  const MpmContacts *contacts = model->disc.contacts;
   const PetscInt     dim      = pieces->dim;
 
   for (PetscInt k = 0; k < contacts->count; k++) {
     const MpmContact  *contact  = &contacts->contact[k];
     const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
-    const PetscInt     node     = model->disc.space.group_nodes[model->disc.space.groups[contact->group].node_offset];
+    const PetscInt     node     = model->disc.space->group_nodes[model->disc.space->groups[contact->group].node_offset];
     const PetscInt     piece    = pieces->of[node];
     MpmSurface         before, after;
 
     MpmBoundaryDistance(boundary, contacts->before[contact->boundary], contact->face, &before);
     MpmBoundaryDistance(boundary, contacts->after[contact->boundary], contact->face, &after);
-    if (!boundary->bilateral && PetscMin(before.distance, after.distance) > MPM_TOLERANCE * model->disc.grid.h[0])
-      continue;
+    if (!boundary->bilateral && PetscMin(before.distance, after.distance) > MPM_TOLERANCE * model->disc.h[0]) continue;
     Hold(pieces, piece, before.normal, contact->face);
     for (PetscInt a = 0; a < dim && boundary->stick; a++) {
       PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
@@ -241,14 +237,14 @@ static void HoldByBoundaries(Pieces *pieces)
 static void AddLoads(Pieces *pieces)
 {
   const MpmModel model = pieces->model;
-  const PetscInt bs = model->disc.layout.block, dim = pieces->dim;
+  const PetscInt bs = model->disc.block, dim = pieces->dim;
 
-  for (PetscInt i = 0; i < model->disc.space.local; i++) {
+  for (PetscInt i = 0; i < model->disc.space->local; i++) {
     const PetscReal *force = &model->disc.force[i * bs];
     Sums            *sums  = &pieces->sums[pieces->of[i]];
     PetscReal        x[MPM_MAX_DIM], row[MOTIONS_MOST];
 
-    Place(pieces, i, x);
+    MpmNodePosition(&pieces->model->disc, i, x);
     Row(pieces, pieces->of[i], force, x, row);
     for (PetscInt k = 0; k < pieces->motions; k++) sums->load[k] += row[k];
     for (PetscInt a = 0; a < dim; a++) sums->size += PetscAbsReal(force[a]);
@@ -329,7 +325,7 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
   char    *text  = NULL;
 
   PetscFunctionBeginUser;
-  if (!model->disc.layout.solid) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.layout->solid) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindPieces(model, &pieces));
   PetscCall(FindCentres(&pieces));
   HoldByConditions(&pieces);
@@ -348,7 +344,7 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
     PetscCall(MpmTextAppend(&text, " (%s)", *why));
     PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
     *why       = model->solver.lost;
-    *retryable = (PetscBool)(*retryable && !(freedom.pushed && !model->scene.boundaries.count));
+    *retryable = (PetscBool)(*retryable && !(freedom.pushed && !model->scene.boundaries->count));
     PetscCall(PetscFree(text));
   }
   PetscCall(PetscFree(pieces.of));

@@ -1,6 +1,7 @@
 /*
-  jacobians PLUGIN - how far apart the forms of the Jacobian are, for the plugin's law and its physics, in 2D and 3D: a line
-  each with the case and the distances of colouring, dense, actions with tangents and without, and differences.
+  jacobians PLUGIN - how far apart the forms of the Jacobian are, for the plugin's law and its physics, in 2D and 3D, with
+  every shape: a line each with the case and the distances of colouring, dense, actions with tangents and without, and
+  differences.
 */
 #include <talus/talus.h>
 
@@ -17,7 +18,9 @@ static const struct {
   {"both", "-mpm_physics swelling -mpm_material_m_type fung"},
 };
 
-static PetscErrorCode Look(const char *plugin, PetscInt dim, size_t kind)
+static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2"};
+
+static PetscErrorCode Look(const char *plugin, PetscInt dim, size_t kind, const char *shape)
 {
   char             options[4096];
   MpmModel         model;
@@ -29,15 +32,15 @@ static PetscErrorCode Look(const char *plugin, PetscInt dim, size_t kind)
                           "%s%s -mpm_plugin %s -mpm_materials m -mpm_material_m_E 10 -mpm_material_m_nu 0.3 "
                           "-mpm_bodies b -mpm_body_b_material m -mpm_body_b_region box -mpm_bcs f -mpm_bc_f_region box "
                           "-mpm_material_m_density 1 -mpm_loads g -mpm_load_g_type gravity -mpm_load_g_value %s "
-                          "-mpm_time_step 0.25",
-                          blocks[dim - 2], kinds[kind].options, plugin, dim == 2 ? "0.5,-1" : "0.5,0.2,-1"));
+                          "-mpm_time_step 0.25 -mpm_shape %s",
+                          blocks[dim - 2], kinds[kind].options, plugin, dim == 2 ? "0.5,-1" : "0.5,0.2,-1", shape));
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
   PetscCall(MpmModelSetOptions(model, options));
   PetscCall(MpmModelSetFromOptions(model));
   PetscCall(MpmModelStep(model, &status)); /* the forms are compared for a body that has moved */
   PetscCall(MpmModelCheckJacobian(model, 0.02, &check));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s_%" PetscInt_FMT "d %d %.3e %.3e %.3e %.3e %.3e\n", kinds[kind].name, dim,
-                        (int)status, (double)check.coloring, (double)check.dense, (double)check.matfree[0],
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s_%" PetscInt_FMT "d_%s %d %.3e %.3e %.3e %.3e %.3e\n", kinds[kind].name,
+                        dim, shape, (int)status, (double)check.coloring, (double)check.dense, (double)check.matfree[0],
                         (double)check.matfree[1], (double)check.differences));
   PetscCall(MpmModelDestroy(&model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -47,7 +50,8 @@ int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   for (PetscInt dim = 2; dim <= 3; dim++)
-    for (size_t kind = 0; kind < sizeof(kinds) / sizeof(kinds[0]); kind++) PetscCall(Look(argv[1], dim, kind));
+    for (size_t kind = 0; kind < sizeof(kinds) / sizeof(kinds[0]); kind++)
+      for (size_t s = 0; s < sizeof(shapes) / sizeof(shapes[0]); s++) PetscCall(Look(argv[1], dim, kind, shapes[s]));
   PetscCall(PetscFinalize());
   return 0;
 }

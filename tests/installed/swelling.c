@@ -1,13 +1,14 @@
 /*
-  Swelling: a neo-Hookean solid that what diffuses through it, c, pushes apart
+  Swelling: a solid of any law that what diffuses through it, c, pushes apart
 
-    tau = mu (b - 1) + (lambda ln J - beta c) 1 ,       P = V_0 tau dF^{-T}                conjugate to grad du
+    tau = tau_law - beta c 1 ,       P = V_0 tau dF^{-T}                                    conjugate to grad du
     V_0 ((c - c_n)/dt + gamma J)                                                           conjugate to c
     V_0 D J grad c                                                                         conjugate to grad c
 
-  lambda and mu are the material's, beta, gamma and D the physics'. It asks no law, so it has a direction for each input.
+  beta, gamma and D are the physics' parameters. It has a direction for each input. c is quadratic, whatever the
+  displacement is.
 */
-#include "talus/point/elasticity.h"
+#include "talus/point/law.h"
 
 enum { PUSH, SOURCE, DIFFUSIVITY };
 
@@ -17,20 +18,16 @@ enum { PUSH, SOURCE, DIFFUSIVITY };
 static int SwellingKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
   const double *physics = point->physics_parameter;
-  const Lame    lame    = LameFromParameters(point->parameter);
   const Tensor  dF      = TensorFromGradient(input);
   const Tensor  F       = TensorMulArray(&dF, point->F_n);
-  const Sym     b       = SymLeftCauchyGreen(&F);
-  const Sym     sheared = SymScaleBy(lame.mu, &b);
   const Scalar  J = TensorDet(&F), c = input[SOLID];
-  Scalar        pressure, rate;
+  Scalar        rate;
   Tensor        P;
   Sym           tau;
 
-  if (!(ScalarValue(J) > 0.)) return 1;
-  pressure = ScalarShift(ScalarScale(lame.lambda, ScalarLog(J)), -lame.mu);
-  tau      = SymShift(&sheared, ScalarAdd(pressure, ScalarScale(-physics[PUSH], c)));
-  P        = SymTimesInverseTranspose(&tau, &dF, point->volume0);
+  if (!(ScalarValue(J) > 0.) || LawStress(point, &dF, &tau)) return 1;
+  tau = SymShift(&tau, ScalarScale(-physics[PUSH], c));
+  P   = SymTimesInverseTranspose(&tau, &dF, point->volume0);
   for (int k = 0; k < SOLID; k++) flux[k] = P.a[k];
   rate        = ScalarScale(1. / point->dt, ScalarShift(c, -point->value_n[0]));
   flux[SOLID] = ScalarScale(point->volume0, ScalarAdd(rate, ScalarScale(physics[SOURCE], J)));
@@ -52,6 +49,7 @@ static const MpmField fields[] = {
   {.name = "displacement", .gradient = 1, .increment = 1, .unit = "m", .near_null = MPM_NEAR_NULL_RIGID},
   {.name       = "solvent",
    .components = 1,
+   .degree     = 2,
    .value      = 1,
    .gradient   = 1,
    .rate       = 1,

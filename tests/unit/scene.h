@@ -3,6 +3,15 @@
   Scenes for the tests of the engine: a model made from a line of options, and a step of it taken apart, so that residual and Jacobian can
   be looked at for any displacement.
 */
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "time/time.h"
 #include "run/run.h"
 #include "unit.h"
 
@@ -60,7 +69,7 @@ static inline PetscErrorCode SceneBegin(MpmModel model, PetscReal dt)
   const char *why;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+  PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &why));
   PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -75,9 +84,9 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
   PetscCall(MpmGatherSolution(&model->solver, x));
   PetscCall(MpmSumResidual(&model->solver, &failed));
   PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%" PetscInt_FMT " points have no answer", failed);
-  PetscCall(MpmCommitLocal(&model->disc.sum, model->disc.u));
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &model->disc.points));
-  model->state.time += model->disc.sum.dt;
+  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  model->state.time += model->disc.sum->dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,17 +97,17 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
 static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const PetscReal amplitude[], PetscBool direction,
                                        Vec x)
 {
-  const PetscInt bs = model->disc.layout.block, dim = model->disc.grid.dim;
+  const PetscInt bs = model->disc.block, dim = model->disc.dim;
   PetscScalar   *values;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayWrite(x, &values));
-  for (PetscInt k = 0; k < model->disc.space.owned * bs; k++) {
-    const PetscInt *node  = &model->disc.space.node[(k / bs) * dim];
+  for (PetscInt k = 0; k < model->disc.space->owned * bs; k++) {
+    const PetscInt *node  = &model->disc.space->node[(k / bs) * dim];
     const PetscInt  place = (node[0] * 1000 + node[1]) * 1000 + (dim > 2 ? node[2] : 0);
 
     values[k] = amplitude[k % bs] * SceneRandom(seed, place, k % bs);
-    if (model->disc.constraints.condition[k] >= 0) values[k] = direction ? 0. : model->disc.constraints.value[k];
+    if (!MpmConstraintsFree(model->disc.constraints, k)) values[k] = direction ? 0. : model->disc.constraints->value[k];
   }
   PetscCall(VecRestoreArrayWrite(x, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -242,7 +251,7 @@ static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v
 /* The diagonal without a matrix against the local Jacobian's, and the inverted diagonal blocks times its blocks against identity. */
 static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, SceneVerdict *verdict)
 {
-  const PetscInt     bs = model->disc.layout.block;
+  const PetscInt     bs = model->disc.block;
   Mat                J;
   Vec                y, z;
   PetscReal          norm;
@@ -261,12 +270,12 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
   verdict->diagonal /= norm;
   PetscCall(MatInvertBlockDiagonal(J, &inverse));
   verdict->blocks = 0.;
-  for (PetscInt i = 0; i < model->disc.space.owned; i++) {
+  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
     PetscInt    rows[MPM_MAX_BLOCK];
     PetscScalar block[MPM_MAX_BLOCK * MPM_MAX_BLOCK];
     PetscReal   off = 0., least = PETSC_MAX_REAL;
 
-    for (PetscInt c = 0; c < bs; c++) rows[c] = (model->disc.space.global_begin + i) * bs + c;
+    for (PetscInt c = 0; c < bs; c++) rows[c] = (model->disc.space->global_begin + i) * bs + c;
     PetscCall(MatGetValues(local, bs, rows, bs, rows, block));
     for (PetscInt r = 0; r < bs; r++) {
       least = PetscMin(least, PetscAbsScalar(block[r * bs + r]));
@@ -322,8 +331,8 @@ static inline PetscErrorCode SceneRun(MpmModel model)
     const PetscReal next = model->state.dt_nominal * (PetscReal)(k + 1);
     const char     *why;
 
-    PetscCall(MpmParticlesRebalance(&model->state.particles, &model->disc.grid, PETSC_FALSE, &moved));
-    PetscCall(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+    PetscCall(MpmParticlesRebalance(model->state.particles, model->disc.grid, PETSC_FALSE, &moved));
+    PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
     PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &retryable));
     PetscCheck(!why, PETSC_COMM_SELF, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", k, why);
     model->state.time = next;
@@ -335,19 +344,19 @@ static inline PetscErrorCode SceneRun(MpmModel model)
 /* Values of all points by id, on every rank of the model; free with PetscFree(). */
 static inline PetscErrorCode SceneById(MpmModel model, PetscInt components, const char *field, PetscReal **all)
 {
-  const PetscInt total = (PetscInt)model->state.particles.total * components;
+  const PetscInt total = (PetscInt)model->state.particles->total * components;
   PetscReal     *values;
   PetscInt      *id, count;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(total, all));
-  PetscCall(DMSwarmGetLocalSize(model->state.particles.swarm, &count));
-  PetscCall(DMSwarmGetField(model->state.particles.swarm, "id", NULL, NULL, (void **)&id));
-  PetscCall(DMSwarmGetField(model->state.particles.swarm, field, NULL, NULL, (void **)&values));
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  PetscCall(DMSwarmGetField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmGetField(model->state.particles->swarm, field, NULL, NULL, (void **)&values));
   for (PetscInt k = 0; k < count * components; k++)
     (*all)[id[k / components] * components + k % components] += values[k];
-  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, field, NULL, NULL, (void **)&values));
-  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, field, NULL, NULL, (void **)&values));
+  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *all, (PetscMPIInt)total, MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -359,13 +368,13 @@ static inline PetscErrorCode SceneFieldDifference(MpmModel a, MpmModel b, PetscI
   PetscReal *of_a, *of_b, *of_base = NULL, most = 0.;
 
   PetscFunctionBeginUser;
-  PetscCheck(a->state.particles.total == b->state.particles.total, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+  PetscCheck(a->state.particles->total == b->state.particles->total, PETSC_COMM_SELF, PETSC_ERR_PLIB,
              "the models have different numbers of points");
   PetscCall(SceneById(a, components, field, &of_a));
   PetscCall(SceneById(b, components, field, &of_b));
   if (base) PetscCall(SceneById(a, components, base, &of_base));
   *difference = 0.;
-  for (PetscInt k = 0; k < (PetscInt)a->state.particles.total * components; k++) {
+  for (PetscInt k = 0; k < (PetscInt)a->state.particles->total * components; k++) {
     *difference = PetscMax(*difference, PetscAbsReal(of_a[k] - of_b[k]));
     most        = PetscMax(most, PetscAbsReal(of_a[k] - (of_base ? of_base[k] : 0.)));
   }

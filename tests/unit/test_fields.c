@@ -12,10 +12,22 @@ void MpmKernelCreate_toy_3d_0(MpmKernelSet *set);
 void MpmKernelCreate_toy_3d_1(MpmKernelSet *set);
 void MpmKernelCreate_toy_3d_13(MpmKernelSet *set);
 
-static const MpmField fields[] = {
+static MpmField fields[] = {
   {.name = "displacement", .gradient = 1, .increment = 1, .near_null = MPM_NEAR_NULL_RIGID},
   {.name = "concentration", .components = 1, .value = 1, .gradient = 1, .rate = 1, .symbol = "c"},
 };
+
+/* Shapes of the scalar's own: the degree (0: the scene's) and how far its nodes stand apart. */
+static const struct {
+  int degree, spacing;
+} own[] = {{0, 0}, {1, 1}, {2, 1}, {3, 1}, {1, 2}, {2, 2}};
+#define OWN_COUNT ((PetscInt)(sizeof(own) / sizeof(own[0])))
+
+static void SetOwn(PetscInt k)
+{
+  fields[1].degree  = own[k].degree;
+  fields[1].spacing = own[k].spacing;
+}
 
 #define DIFFUSIVITY 0.5
 #define COUPLING    3.
@@ -77,13 +89,40 @@ START_TEST(layout)
 }
 END_TEST
 
-/* A kernel of another number of inputs than the fields have. */
+/* Bases of a shape stand side by side; fields that ask for the same share it. */
+START_TEST(layout_shapes)
+{
+  for (PetscInt k = 0; k < OWN_COUNT; k++) {
+    const PetscInt shape = k ? 1 : 0;
+    MpmPhysics     toy   = Toy();
+    MpmLayout      plan;
+
+    SetOwn(k);
+    UNIT_CALL(MpmLayoutCreate(&toy, 2, &plan));
+    ck_assert_int_eq((int)plan.shape_count, (int)(1 + shape));
+    for (PetscInt c = 0; c < 3; c++) ck_assert_int_eq((int)plan.shape_of[c], c < 2 ? 0 : (int)shape);
+    for (PetscInt i = 4; i < 7; i++) ck_assert_int_eq((int)plan.basis_of[i], (int)(shape * MPM_BASES + i - 4));
+    ck_assert(MpmLayoutUsesValues(&plan));
+  }
+  SetOwn(0);
+}
+END_TEST
+
+/* A kernel of another number of inputs than the fields have; shapes that there are not. */
 START_TEST(layout_refuses)
 {
   MpmPhysics toy = Toy();
   MpmLayout  plan;
 
-  toy.field_count = 1;
+  fields[1].degree = 4;
+  UNIT_FAILS(MpmLayoutCreate(&toy, 2, &plan), PETSC_ERR_SUP,
+             "physics toy, field concentration: degree 4 must be 0 to 3, spacing 0 at least 0");
+  SetOwn(0);
+  fields[0].degree = 2;
+  UNIT_FAILS(MpmLayoutCreate(&toy, 2, &plan), PETSC_ERR_SUP,
+             "physics toy, field displacement: the first field has the scene's shape");
+  fields[0].degree = 0;
+  toy.field_count  = 1;
   UNIT_FAILS(MpmLayoutCreate(&toy, 2, &plan), PETSC_ERR_PLIB, "physics toy: kernel with 7 inputs, fields with 4");
 }
 END_TEST
@@ -101,9 +140,9 @@ static PetscErrorCode CreateBlock(MPI_Comm comm, PetscInt dim, const char *shape
     "%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type neo_hookean -mpm_material_m_E 10 -mpm_material_m_nu 0.3 "
     "-mpm_bodies b -mpm_body_b_material m -mpm_body_b_region box -mpm_time_step 0.1 -mpm_time_end 0.4",
     dim == 2
-      ? "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_lower 0.5,0.4 "
+      ? "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2.4 -mpm_grid_cells 6,6 -mpm_body_b_lower 0.5,0.4 "
         "-mpm_body_b_upper 2.5,1.6 "
-      : "-mpm_dim 3 -mpm_grid_lower 0,0,0 -mpm_grid_upper 2,2,1.2 -mpm_grid_cells 4,4,3 -mpm_body_b_lower 0.5,0.5,0.4 "
+      : "-mpm_dim 3 -mpm_grid_lower 0,0,0 -mpm_grid_upper 2,2,1.6 -mpm_grid_cells 4,4,4 -mpm_body_b_lower 0.5,0.5,0.4 "
         "-mpm_body_b_upper 1.5,1.5,0.8 ",
     !held ? ""
     : dim == 2
@@ -121,10 +160,22 @@ static PetscErrorCode CreateBlock(MPI_Comm comm, PetscInt dim, const char *shape
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A lattice of nodes some cells apart must fit the grid. */
+START_TEST(lattice_refuses)
+{
+  MpmModel model;
+
+  fields[1].spacing = 4;
+  UNIT_FAILS(CreateBlock(PETSC_COMM_SELF, 2, "gimp", PETSC_FALSE, &model), PETSC_ERR_USER_INPUT,
+             "-mpm_grid_cells 6: the nodes of concentration stand 4 cells apart on axis x, must be a multiple of 4");
+  SetOwn(0);
+}
+END_TEST
+
 /* How strongly one field's values act on the other's rows: 1-norms of the Jacobian's off-diagonal blocks by their action on ones. */
 static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *on_scalar, PetscReal *on_solid)
 {
-  const PetscInt bs = model->disc.layout.block;
+  const PetscInt bs = model->disc.block;
   Vec            v, Jv;
   PetscScalar   *values;
 
@@ -139,7 +190,7 @@ static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *
     PetscCall(SceneFill(model, seed, amplitude, PETSC_TRUE, v));
     PetscCall(MatMult(J, v, Jv));
     PetscCall(VecGetArray(Jv, &values));
-    for (PetscInt k = 0; k < model->disc.space.owned * bs; k++)
+    for (PetscInt k = 0; k < model->disc.space->owned * bs; k++)
       if ((k % bs == bs - 1) != from) sum += PetscAbsScalar(values[k]);
     PetscCall(VecRestoreArray(Jv, &values));
     PetscCall(MPIU_Allreduce(&sum, result, 1, MPIU_REAL, MPIU_SUM, model->comm));
@@ -151,13 +202,13 @@ static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *
 
 static PetscErrorCode Look(MpmModel model, SceneVerdict *verdict, PetscReal *on_scalar, PetscReal *on_solid)
 {
-  const PetscInt dim = model->disc.grid.dim;
+  const PetscInt dim = model->disc.dim;
   PetscReal      amplitude[MPM_MAX_BLOCK];
   Vec            v;
   Mat            J;
 
   PetscFunctionBeginUser;
-  for (PetscInt c = 0; c <= dim; c++) amplitude[c] = c < dim ? 0.04 * model->disc.grid.h[c] : 1.;
+  for (PetscInt c = 0; c <= dim; c++) amplitude[c] = c < dim ? 0.04 * model->disc.h[c] : 1.;
   PetscCall(SceneBegin(model, 0.1));
   PetscCall(SceneFill(model, 1, amplitude, PETSC_FALSE, model->solver.x));
   PetscCall(SceneCommit(model, model->solver.x));
@@ -175,16 +226,20 @@ static PetscErrorCode Look(MpmModel model, SceneVerdict *verdict, PetscReal *on_
 
 START_TEST(jacobians)
 {
-  for (PetscInt k = 0; k < 4 * MPM_SHAPE_COUNT; k++) {
-    const PetscInt dim = 2 + k % 2, held = (k / 2) % 2, shape = k / 4;
-    MpmModel       model;
-    SceneVerdict   verdict;
-    PetscReal      on_scalar, on_solid;
-    char           name[100];
+  /* all shapes with the scalar in the same, then each of the scalar's own with one of them */
+  for (PetscInt k = 0; k < 4 * (MPM_SHAPE_COUNT + OWN_COUNT - 1); k++) {
+    const PetscInt dim = 2 + k % 2, held = (k / 2) % 2, shape = k / 4 % MPM_SHAPE_COUNT,
+                   degree = PetscMax(k / 4 - MPM_SHAPE_COUNT + 1, 0);
+    MpmModel     model;
+    SceneVerdict verdict;
+    PetscReal    on_scalar, on_solid;
+    char         name[100];
 
+    SetOwn(degree);
     SCENE_CALL(CreateBlock(PETSC_COMM_WORLD, dim, MpmShapeTypes[shape], (PetscBool)held, &model));
     SCENE_CALL(Look(model, &verdict, &on_scalar, &on_solid));
-    snprintf(name, sizeof(name), "%dD %s %s", (int)dim, MpmShapeTypes[shape], held ? "held" : "free");
+    snprintf(name, sizeof(name), "%dD %s, scalar of degree %d, spacing %d, %s", (int)dim, MpmShapeTypes[shape],
+             own[degree].degree, own[degree].spacing, held ? "held" : "free");
     ck_assert_msg(on_scalar > 1e-3 && on_solid > 1e-3, "%s: the fields do not act on each other", name);
     ck_assert_msg(verdict.coloring <= 1e-14, "%s: local and coloured Jacobian differ by %g", name,
                   (double)verdict.coloring);
@@ -237,28 +292,36 @@ static PetscErrorCode Start(MpmModel model, PetscBool mode)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) points.value[p] = mode ? Mode(points.x[2 * p]) : 0.7;
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Newton starts from what the points hold: where nothing has to change there is no iteration. */
-START_TEST(uniform)
+static void RunUniform(PetscInt k)
 {
   MpmModel  model;
   MpmPoints points;
   PetscReal worst = 0.;
 
+  SetOwn(k);
   SCENE_CALL(CreateStrip("-mpm_bcs still,left -mpm_bc_left_value 0.7", &model));
   SCENE_CALL(Start(model, PETSC_FALSE));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) worst = PetscMax(worst, PetscAbsReal(points.value[p] - 0.7));
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
-  ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-13)), "the value is wrong by %g", (double)worst);
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
+  ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-13)), "degree %d: the value is wrong by %g", own[k].degree,
+                (double)worst);
   ck_assert_int_eq((int)model->solver.newton_total, 0);
   SCENE_CALL(SceneDestroy(&model));
+  SetOwn(0);
+}
+
+START_TEST(uniform)
+{
+  for (PetscInt k = 0; k < OWN_COUNT; k++) RunUniform(k);
 }
 END_TEST
 
@@ -285,12 +348,12 @@ START_TEST(decay)
                 &model));
   SCENE_CALL(Start(model, PETSC_TRUE));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     worst = PetscMax(worst, PetscAbsReal(points.value[p] - factor * Mode(points.x[2 * p])));
     moved = PetscMax(moved, PetscAbsReal(points.x[2 * p] - points.x0[2 * p]));
   }
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   ck_assert_msg(PetscAbsReal(rate / (DIFFUSIVITY * PETSC_PI * PETSC_PI) - 1.) < 0.01, "the discrete rate is %g",
                 (double)rate);
   ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-9)), "the mode is wrong by %g", (double)worst);
@@ -312,33 +375,43 @@ static PetscReal Inflow(PetscReal x, PetscReal time)
   return c;
 }
 
-START_TEST(inflow)
+static void RunInflow(PetscInt k)
 {
   MpmModel  model;
   MpmPoints points;
   PetscReal worst = 0., content[2] = {0., 0.}, flow;
 
+  SetOwn(k);
   SCENE_CALL(CreateStrip("-mpm_bcs still,left -mpm_bc_left_value 1", &model));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     worst = PetscMax(worst, PetscAbsReal(points.value[p] - Inflow(points.x[2 * p], model->state.time)));
     content[0] += points.volume0[p] * points.value[p];
   }
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
-  ck_assert_msg(SceneAll((PetscBool)(worst <= 0.01)), "away from the series by %g", (double)worst);
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
+  ck_assert_msg(SceneAll((PetscBool)(worst <= 0.01)), "degree %d, spacing %d: away from the series by %g",
+                own[k].degree, own[k].spacing, (double)worst);
   /* one more step: what enters through the constrained nodes is what the points gain */
   model->state.time_end = model->state.dt_nominal;
   model->state.time     = 0.;
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) content[1] += points.volume0[p] * points.value[p];
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, content, 2, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  flow = model->disc.reaction[1 * model->disc.layout.block + 2];
+  flow = model->disc.reaction[1 * model->disc.block + 2];
+  /* 21 x 3 nodes, on the lattice of spacing 2 11 x 2 of them */
+  ck_assert_int_eq((int)model->disc.space->unknown_count, 2 * 63 + (own[k].spacing > 1 ? 22 : 63));
   ck_assert_double_gt(flow, 0.05);
   ck_assert_double_eq_tol(flow, (content[1] - content[0]) / DT, 1e-9 * flow / DT);
   SCENE_CALL(SceneDestroy(&model));
+  SetOwn(0);
+}
+
+START_TEST(inflow)
+{
+  for (PetscInt k = 0; k < OWN_COUNT; k++) RunInflow(k);
 }
 END_TEST
 
@@ -347,10 +420,12 @@ END_TEST
 /* Four steps in which the body is stretched and sheared while the scalar enters: the same on these ranks as on one. */
 START_TEST(ranks_agree)
 {
-  for (PetscInt dim = 2; dim <= 3; dim++) {
-    MpmModel  model, alone;
-    PetscReal moved = 0., value = 0.;
+  for (PetscInt k = 0; k < 6; k++) {
+    const PetscInt dim = 2 + k % 2;
+    MpmModel       model, alone;
+    PetscReal      moved = 0., value = 0.;
 
+    SetOwn(k / 2);
     SCENE_CALL(CreateBlock(PETSC_COMM_WORLD, dim, "gimp", PETSC_TRUE, &model));
     SCENE_CALL(SceneRun(model));
     SCENE_CALL(CreateBlock(PETSC_COMM_SELF, dim, "gimp", PETSC_TRUE, &alone));
@@ -364,12 +439,14 @@ START_TEST(ranks_agree)
     SCENE_CALL(MpmModelDestroy(&alone));
     SCENE_CALL(SceneDestroy(&model));
   }
+  SetOwn(0);
 }
 END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {layout, layout_refuses, jacobians, uniform, decay, inflow, ranks_agree};
+  const TTest *const tests[] = {layout,  layout_shapes, layout_refuses, lattice_refuses, jacobians,
+                                uniform, decay,         inflow,         ranks_agree};
 
   return UnitRun(&argc, &argv, "fields", sizeof(tests) / sizeof(tests[0]), tests);
 }

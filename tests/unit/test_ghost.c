@@ -38,10 +38,10 @@ static PetscErrorCode Shift(MpmModel model, PetscReal part)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(&model->state.particles, &points));
-  for (PetscInt k = 0; k < points.count * model->disc.grid.dim; k++)
-    points.x[k] += part * model->disc.grid.h[k % model->disc.grid.dim];
-  PetscCall(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt k = 0; k < points.count * model->disc.dim; k++)
+    points.x[k] += part * model->disc.h[k % model->disc.dim];
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,7 +64,7 @@ static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, Pets
 /* The penalty's force on nodal values sum_a x_a^degree (centred), and the same for random values of that size. */
 static PetscErrorCode Forces(MpmModel model, PetscInt degree, PetscReal *polynomial, PetscReal *random)
 {
-  const PetscInt bs = model->disc.layout.block, dim = model->disc.grid.dim, n = model->disc.space.local * bs;
+  const PetscInt bs = model->disc.block, dim = model->disc.dim, n = model->disc.space->local * bs;
   PetscReal     *u, *f, norm[2];
   PetscInt       failed;
 
@@ -73,16 +73,16 @@ static PetscErrorCode Forces(MpmModel model, PetscInt degree, PetscReal *polynom
   for (PetscInt kind = 0; kind < 2; kind++) {
     norm[kind] = 0.;
     for (PetscInt k = 0; k < n; k++) {
-      const PetscInt *node  = &model->disc.space.node[k / bs * dim];
+      const PetscInt *node  = &model->disc.space->node[k / bs * dim];
       PetscReal       value = 0.;
 
-      for (PetscInt a = 0; a < dim; a++) value += Coefficient(model, node[a], model->disc.grid.cells[a], degree);
+      for (PetscInt a = 0; a < dim; a++) value += Coefficient(model, node[a], model->disc.grid->cells[a], degree);
       u[k] = kind ? SceneRandom(1, (node[0] * 100 + node[1]) * 100 + (dim > 2 ? node[2] : 0), k % bs) : value;
       f[k] = 0.;
     }
-    PetscCall(MpmTermGhost.residual(NULL, &model->disc.sum, u, f, &failed));
-    PetscCall(MpmSpaceAddToOwners(&model->disc.space, bs, f));
-    for (PetscInt k = 0; k < model->disc.space.owned * bs; k++) norm[kind] = PetscMax(norm[kind], PetscAbsReal(f[k]));
+    PetscCall(MpmTermGhost.residual(NULL, model->disc.sum, u, f, &failed));
+    PetscCall(MpmSpaceAddToOwners(model->disc.space, bs, f));
+    for (PetscInt k = 0; k < model->disc.space->owned * bs; k++) norm[kind] = PetscMax(norm[kind], PetscAbsReal(f[k]));
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, norm, 2, MPIU_REAL, MPIU_MAX, model->comm));
   *polynomial = norm[0];
@@ -105,7 +105,7 @@ static void CheckPolynomials(const char *const factor[])
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
       degree = MpmShapeDegree(model->scene.shape);
-      ck_assert_msg(SceneAll((PetscBool)(model->disc.space.face_count > 0 || model->size > 1)), "%s has no faces",
+      ck_assert_msg(SceneAll((PetscBool)(model->disc.space->face_count > 0 || model->size > 1)), "%s has no faces",
                     shapes[s]);
       SCENE_CALL(Forces(model, degree, &polynomial, &random));
       ck_assert_msg(random > 0., "%dD %s: no penalty", (int)dim, shapes[s]);

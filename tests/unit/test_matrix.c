@@ -85,13 +85,13 @@ static PetscErrorCode ByCoordinates(MpmModel model, Mat *mat)
   PetscInt           failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmPatternCreateMat(disc->pattern, &disc->space, model->comm, COORDINATES_ONLY, mat));
+  PetscCall(MpmPatternCreateMat(disc->pattern, disc->space, model->comm, COORDINATES_ONLY, mat));
   ck_assert(disc->pattern->coordinates);
   PetscCall(MpmGatherSolution(&model->solver, model->solver.x));
   for (PetscInt again = 0; again < 2; again++) { /* a second time in the same matrix */
-    PetscCall(MpmPatternBegin(disc->pattern, &disc->space, &disc->constraints, *mat));
-    PetscCall(MpmTermsTangent(disc->terms, &disc->sum, disc->u, disc->pattern, NULL, &failed));
-    PetscCall(MpmPatternEnd(disc->pattern, &disc->space, disc->diagonal, *mat));
+    PetscCall(MpmPatternBegin(disc->pattern, disc->space, disc->constraints, *mat));
+    PetscCall(MpmTermsTangent(disc->terms, disc->sum, disc->u, disc->pattern, NULL, &failed));
+    PetscCall(MpmPatternEnd(disc->pattern, disc->space, disc->diagonal, *mat));
   }
   disc->pattern->coordinates = PETSC_FALSE;
   PetscCall(PetscObjectChangeTypeName((PetscObject)*mat, model->size > 1 ? MATMPIAIJ : MATSEQAIJ));
@@ -114,7 +114,7 @@ START_TEST(test_same_matrix)
       SCENE_CALL(ByCoordinates(model, &coordinates));
       SCENE_CALL(SceneDifference(direct, &coordinates, &difference));
       ck_assert_msg(SceneAll((PetscBool)(difference <= (model->size > 1 ? 1e-15 : 0.))), "%dD, F-bar %d: %g",
-                    (int)model->disc.grid.dim, (int)fbar, (double)difference);
+                    (int)model->disc.dim, (int)fbar, (double)difference);
       SCENE_CALL(MatDestroy(&direct));
       SCENE_CALL(SceneDestroy(&model));
     }
@@ -138,9 +138,8 @@ START_TEST(test_run)
       SCENE_CALL(Create(k, options, &model[m]));
       SCENE_CALL(SceneRun(model[m]));
     }
-    SCENE_CALL(SceneFieldDifference(model[0], model[1], model[0]->disc.grid.dim, "position", "position0", &difference));
-    ck_assert_msg(SceneAll((PetscBool)(difference <= 1e-10)), "%dD: %g", (int)model[0]->disc.grid.dim,
-                  (double)difference);
+    SCENE_CALL(SceneFieldDifference(model[0], model[1], model[0]->disc.dim, "position", "position0", &difference));
+    ck_assert_msg(SceneAll((PetscBool)(difference <= 1e-10)), "%dD: %g", (int)model[0]->disc.dim, (double)difference);
     for (int m = 0; m < 2; m++) SCENE_CALL(SceneDestroy(&model[m]));
   }
 }

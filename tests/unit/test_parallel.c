@@ -106,8 +106,8 @@ START_TEST(ownership)
     PetscInt       misplaced = 0, mine, nodes[4];
 
     SCENE_CALL(Create(PETSC_COMM_WORLD, scenes[s], "", &model));
-    grid = &model->disc.grid;
-    SCENE_CALL(CountMisplaced(&model->state.particles, grid, &misplaced));
+    grid = model->disc.grid;
+    SCENE_CALL(CountMisplaced(model->state.particles, grid, &misplaced));
     SCENE_CALL(CountNodes(grid, nodes));
     ck_assert_msg(SceneAll((PetscBool)(misplaced == 0)), "scene %d: points on the wrong rank", (int)s);
     for (PetscInt r = 0; r < rank_count; r++)
@@ -150,12 +150,12 @@ START_TEST(balance)
     PetscReal share;
 
     SCENE_CALL(Create(PETSC_COMM_WORLD, shapes[s].scene, "", &model));
-    SCENE_CALL(DMSwarmGetLocalSize(model->state.particles.swarm, &count));
-    share = (PetscReal)count * (PetscReal)rank_count / (PetscReal)model->state.particles.total;
+    SCENE_CALL(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+    share = (PetscReal)count * (PetscReal)rank_count / (PetscReal)model->state.particles->total;
     SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, &share, 1, MPIU_REAL, MPIU_MAX, PETSC_COMM_WORLD));
     ck_assert_msg(share <= shapes[s].most, "scene %d: a rank holds %g times its part", (int)s, (double)share);
-    ck_assert_msg(PetscAbsReal(share - model->state.particles.imbalance) < 1e-12, "scene %d: %g is reported", (int)s,
-                  (double)model->state.particles.imbalance);
+    ck_assert_msg(PetscAbsReal(share - model->state.particles->imbalance) < 1e-12, "scene %d: %g is reported", (int)s,
+                  (double)model->state.particles->imbalance);
     SCENE_CALL(SceneDestroy(&model));
   }
 }
@@ -291,7 +291,7 @@ START_TEST(migration)
     PetscInt     unused;
 
     SCENE_CALL(Create(PETSC_COMM_WORLD, scenes[s], "", &model));
-    grid = &model->disc.grid;
+    grid = model->disc.grid;
     SCENE_CALL(Deal(grid, &particles));
     SCENE_CALL(Visit(&particles, grid, PLACE_ANYWHERE, 1, &unused));
     SCENE_CALL(MpmParticlesMigrate(&particles, grid));
@@ -322,17 +322,16 @@ START_TEST(thousand_migrations)
   PetscBool    moved;
 
   SCENE_CALL(Create(PETSC_COMM_WORLD, block, "", &model));
-  SCENE_CALL(Deal(&model->disc.grid, &particles));
+  SCENE_CALL(Deal(model->disc.grid, &particles));
   for (PetscInt k = 0; k < 1000; k++) {
-    SCENE_CALL(
-      Visit(&particles, &model->disc.grid, k % 100 == 99 ? PLACE_TOGETHER : PLACE_ANYWHERE, 1000 + k, &unused));
-    SCENE_CALL(MpmParticlesMigrate(&particles, &model->disc.grid));
+    SCENE_CALL(Visit(&particles, model->disc.grid, k % 100 == 99 ? PLACE_TOGETHER : PLACE_ANYWHERE, 1000 + k, &unused));
+    SCENE_CALL(MpmParticlesMigrate(&particles, model->disc.grid));
     if (k % 10 == 9) {
-      SCENE_CALL(MpmParticlesRebalance(&particles, &model->disc.grid, PETSC_TRUE, &moved));
-      SCENE_CALL(MpmParticlesMigrate(&particles, &model->disc.grid));
+      SCENE_CALL(MpmParticlesRebalance(&particles, model->disc.grid, PETSC_TRUE, &moved));
+      SCENE_CALL(MpmParticlesMigrate(&particles, model->disc.grid));
     }
     ck_assert_str_eq(particles.lost, "");
-    CheckArrived(&particles, &model->disc.grid, "one of a thousand");
+    CheckArrived(&particles, model->disc.grid, "one of a thousand");
   }
   SCENE_CALL(MpmParticlesDestroy(&particles));
   SCENE_CALL(SceneDestroy(&model));
@@ -385,12 +384,12 @@ START_TEST(lost_points)
     const char  *why;
 
     SCENE_CALL(Create(PETSC_COMM_WORLD, block, "", &model));
-    SCENE_CALL(Deal(&model->disc.grid, &particles));
+    SCENE_CALL(Deal(model->disc.grid, &particles));
     SCENE_CALL(MpmParticlesGetArrays(&particles, &points));
     for (PetscInt p = 0; p < 3 * points.count; p++) points.x[p] = 1.;
     SCENE_CALL(MpmParticlesRestoreArrays(&particles, &points));
-    SCENE_CALL(Befall(&particles, &model->disc.grid, 123, cases[k].mishap));
-    SCENE_CALL(MpmParticlesDistribute(&particles, &model->disc.grid, &why));
+    SCENE_CALL(Befall(&particles, model->disc.grid, 123, cases[k].mishap));
+    SCENE_CALL(MpmParticlesDistribute(&particles, model->disc.grid, &why));
     ck_assert(why != NULL);
     ck_assert_str_eq(why, cases[k].text);
     ck_assert_int_eq((int)particles.gone, cases[k].mishap == REMOVED || cases[k].mishap == TWICE);
@@ -408,19 +407,19 @@ START_TEST(far_migration)
   PetscInt  far = 0, misplaced;
 
   SCENE_CALL(Create(PETSC_COMM_WORLD, bar, "", &model));
-  SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     PetscInt cell[MPM_MAX_DIM];
 
     points.x[2 * p] = 6. - points.x[2 * p];
-    MpmGridFindCell(&model->disc.grid, &points.x[2 * p], cell);
-    far = PetscMax(far, PetscAbsInt(MpmGridNodeOwner(&model->disc.grid, cell) - my_rank));
+    MpmGridFindCell(model->disc.grid, &points.x[2 * p], cell);
+    far = PetscMax(far, PetscAbsInt(MpmGridNodeOwner(model->disc.grid, cell) - my_rank));
   }
-  SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
+  SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, &far, 1, MPIU_INT, MPI_MAX, PETSC_COMM_WORLD));
   ck_assert_int_eq((int)far, (int)rank_count - 1);
-  SCENE_CALL(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
-  SCENE_CALL(CountMisplaced(&model->state.particles, &model->disc.grid, &misplaced));
+  SCENE_CALL(MpmParticlesMigrate(model->state.particles, model->disc.grid));
+  SCENE_CALL(CountMisplaced(model->state.particles, model->disc.grid, &misplaced));
   ck_assert(SceneAll((PetscBool)(misplaced == 0)));
   SCENE_CALL(SceneDestroy(&model));
 }
@@ -435,17 +434,17 @@ START_TEST(one_rank_stays)
 
   SCENE_CALL(Create(PETSC_COMM_SELF, bar, "", &model));
   for (PetscInt pass = 0; pass < 2; pass++) {
-    SCENE_CALL(MpmParticlesGetArrays(&model->state.particles, &points));
-    SCENE_CALL(DMSwarmGetField(model->state.particles.swarm, DMSwarmField_rank, NULL, NULL, (void **)&target));
-    ck_assert_int_eq((int)points.count, (int)model->state.particles.total);
+    SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
+    SCENE_CALL(DMSwarmGetField(model->state.particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&target));
+    ck_assert_int_eq((int)points.count, (int)model->state.particles->total);
     for (PetscInt p = 0; p < points.count; p++) {
       if (pass) touched += target[p] != 77 || points.id[p] != p;
       target[p]       = 77;
       points.x[2 * p] = 6. - points.x[2 * p];
     }
-    SCENE_CALL(DMSwarmRestoreField(model->state.particles.swarm, DMSwarmField_rank, NULL, NULL, (void **)&target));
-    SCENE_CALL(MpmParticlesRestoreArrays(&model->state.particles, &points));
-    if (!pass) SCENE_CALL(MpmParticlesMigrate(&model->state.particles, &model->disc.grid));
+    SCENE_CALL(DMSwarmRestoreField(model->state.particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&target));
+    SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
+    if (!pass) SCENE_CALL(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   }
   ck_assert(SceneAll((PetscBool)(touched == 0)));
   SCENE_CALL(SceneDestroy(&model));
@@ -455,7 +454,7 @@ END_TEST
 /* Is there a field of this name? Asking for one that is missing is an error. */
 static PetscBool HasField(MpmModel model, const char *name)
 {
-  const DM  swarm = model->state.particles.swarm;
+  const DM  swarm = model->state.particles->swarm;
   void     *values;
   UnitError error;
 
@@ -498,30 +497,29 @@ static PetscInt Key(const MpmGrid *grid, const MpmSpace *space, PetscInt i)
 /* The places of all active nodes, by number, on every rank. */
 static PetscErrorCode GatherKeys(MpmModel model, PetscInt **keys)
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(space->global_count, keys));
   for (PetscInt k = 0; k < space->global_count; k++) (*keys)[k] = -1;
-  for (PetscInt i = 0; i < space->owned; i++) (*keys)[space->global[i]] = Key(&model->disc.grid, space, i);
+  for (PetscInt i = 0; i < space->owned; i++) (*keys)[space->global[i]] = Key(model->disc.grid, space, i);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *keys, (PetscMPIInt)space->global_count, MPIU_INT, MPI_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static void CheckNumbers(MpmModel model, PetscInt *keys)
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
   PetscBool       fine  = PETSC_TRUE, duplicates;
   PetscInt        total = space->owned;
 
   for (PetscInt i = 0; i < space->local; i++) {
-    if (keys[space->global[i]] != Key(&model->disc.grid, space, i)) fine = PETSC_FALSE;
+    if (keys[space->global[i]] != Key(model->disc.grid, space, i)) fine = PETSC_FALSE;
     if (i < space->owned && space->global[i] != space->global_begin + i) fine = PETSC_FALSE;
-    if ((MpmGridNodeOwner(
-           &model->disc.grid,
-           (const PetscInt[]){space->node[i * model->disc.grid.dim], space->node[i * model->disc.grid.dim + 1],
-                              model->disc.grid.dim > 2 ? space->node[i * model->disc.grid.dim + 2] : 0}) == my_rank) !=
-        (i < space->owned))
+    if ((MpmGridNodeOwner(model->disc.grid,
+                          (const PetscInt[]){space->node[i * model->disc.dim], space->node[i * model->disc.dim + 1],
+                                             model->disc.dim > 2 ? space->node[i * model->disc.dim + 2] : 0}) ==
+         my_rank) != (i < space->owned))
       fine = PETSC_FALSE;
   }
   ck_assert_msg(SceneAll(fine), "ghosts and owners number a node differently");
@@ -538,22 +536,22 @@ static void CheckNumbers(MpmModel model, PetscInt *keys)
 /* Values go from owners to ghosts, and sums from ghosts to owners. */
 static void CheckScatter(MpmModel model)
 {
-  const MpmSpace *space = &model->disc.space;
+  const MpmSpace *space = model->disc.space;
   PetscReal      *local, *sums, far = 0.;
   const PetscInt  size = space->global_count * VALUES;
 
   SCENE_CALL(PetscMalloc2((space->local * VALUES), &local, size, &sums));
   for (PetscInt k = 0; k < space->local * VALUES; k++) {
-    local[k] = k < space->owned * VALUES ? SceneRandom(7, Key(&model->disc.grid, space, k / VALUES), k % VALUES) : 1e30;
+    local[k] = k < space->owned * VALUES ? SceneRandom(7, Key(model->disc.grid, space, k / VALUES), k % VALUES) : 1e30;
   }
   SCENE_CALL(MpmSpaceToGhosts(space, VALUES, local));
   for (PetscInt k = 0; k < space->local * VALUES; k++) {
-    far = PetscMax(far, PetscAbsReal(local[k] - SceneRandom(7, Key(&model->disc.grid, space, k / VALUES), k % VALUES)));
+    far = PetscMax(far, PetscAbsReal(local[k] - SceneRandom(7, Key(model->disc.grid, space, k / VALUES), k % VALUES)));
   }
   ck_assert_msg(SceneAll((PetscBool)(far == 0.)), "a ghost does not have its owner's values");
   for (PetscInt k = 0; k < size; k++) sums[k] = 0.;
   for (PetscInt k = 0; k < space->local * VALUES; k++) {
-    local[k] = (PetscReal)(1 + my_rank) * SceneRandom(8, Key(&model->disc.grid, space, k / VALUES), k % VALUES);
+    local[k] = (PetscReal)(1 + my_rank) * SceneRandom(8, Key(model->disc.grid, space, k / VALUES), k % VALUES);
     sums[space->global[k / VALUES] * VALUES + k % VALUES] += local[k];
   }
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, sums, (PetscMPIInt)size, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
@@ -582,9 +580,9 @@ START_TEST(numbering)
     SCENE_CALL(Create(PETSC_COMM_SELF, scenes[s], "", &alone));
     SCENE_CALL(SceneBegin(alone, 0.25));
     SCENE_CALL(GatherKeys(alone, &keys_alone));
-    SCENE_CALL(PetscSortInt(alone->disc.space.global_count, keys_alone));
-    ck_assert_int_eq((int)model->disc.space.global_count, (int)alone->disc.space.global_count);
-    SCENE_CALL(PetscArraycmp(keys, keys_alone, model->disc.space.global_count, &same));
+    SCENE_CALL(PetscSortInt(alone->disc.space->global_count, keys_alone));
+    ck_assert_int_eq((int)model->disc.space->global_count, (int)alone->disc.space->global_count);
+    SCENE_CALL(PetscArraycmp(keys, keys_alone, model->disc.space->global_count, &same));
     ck_assert_msg(SceneAll(same), "other nodes are active than on one rank");
     SCENE_CALL(PetscFree(keys));
     SCENE_CALL(PetscFree(keys_alone));
@@ -599,24 +597,24 @@ END_TEST
 /* The run on these ranks against the same on one, point by point. */
 static void CheckSame(MpmModel model, MpmModel alone, const char *name)
 {
-  const PetscInt dim   = model->disc.grid.dim;
+  const PetscInt dim   = model->disc.dim;
   PetscReal      moved = 0., stress = 0., largest = 0.;
   MpmPoints      points;
 
   SCENE_CALL(SceneFieldDifference(alone, model, dim, "position", "position0", &moved));
-  SCENE_CALL(SceneFieldDifference(alone, model, alone->state.particles.stress_size, "stress", NULL, &stress));
+  SCENE_CALL(SceneFieldDifference(alone, model, alone->state.particles->stress_size, "stress", NULL, &stress));
   ck_assert_msg(SceneAll((PetscBool)(moved <= 1e-9)), "%s: displacements differ by %g", name, (double)moved);
   ck_assert_msg(SceneAll((PetscBool)(stress <= 1e-8)), "%s: stresses differ by %g", name, (double)stress);
   ck_assert_int_eq((int)model->solver.newton_total, (int)alone->solver.newton_total);
   ck_assert_int_eq((int)model->state.active_dofs_max, (int)alone->state.active_dofs_max);
-  for (PetscInt k = 0; k < alone->scene.bcs.count * dim; k++)
+  for (PetscInt k = 0; k < alone->scene.bcs->count * dim; k++)
     largest = PetscMax(largest, PetscAbsReal(alone->disc.reaction[k]));
-  for (PetscInt k = 0; k < alone->scene.bcs.count * dim; k++)
+  for (PetscInt k = 0; k < alone->scene.bcs->count * dim; k++)
     ck_assert_double_eq_tol(model->disc.reaction[k], alone->disc.reaction[k], 1e-8 * largest);
-  SCENE_CALL(MpmParticlesGetArrays(&alone->state.particles, &points));
+  SCENE_CALL(MpmParticlesGetArrays(alone->state.particles, &points));
   for (PetscInt k = 0; k < points.count * dim; k++) moved = PetscMax(moved, PetscAbsReal(points.x[k] - points.x0[k]));
-  SCENE_CALL(MpmParticlesRestoreArrays(&alone->state.particles, &points));
-  ck_assert_msg(moved > 0.02 * model->disc.grid.h[0], "%s: nothing has moved", name);
+  SCENE_CALL(MpmParticlesRestoreArrays(alone->state.particles, &points));
+  ck_assert_msg(moved > 0.02 * model->disc.h[0], "%s: nothing has moved", name);
 }
 
 /* How many points changed rank during the run. */
@@ -625,15 +623,15 @@ static PetscErrorCode CountTravellers(MpmModel model, PetscInt id_count, PetscBo
   PetscInt *id, count;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetLocalSize(model->state.particles.swarm, &count));
-  PetscCall(DMSwarmGetField(model->state.particles.swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  PetscCall(DMSwarmGetField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
   if (!travellers) PetscCall(PetscArrayzero(before, id_count));
   else *travellers = 0;
   for (PetscInt p = 0; p < count; p++) {
     if (!travellers) before[id[p]] = PETSC_TRUE;
     else *travellers += !before[id[p]];
   }
-  PetscCall(DMSwarmRestoreField(model->state.particles.swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
   if (travellers) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, travellers, 1, MPIU_INT, MPI_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -645,10 +643,10 @@ static void RunBoth(const char *name, const char *scene, const char *more, Petsc
   PetscInt   travellers;
 
   SCENE_CALL(Create(PETSC_COMM_WORLD, scene, more, &model));
-  SCENE_CALL(PetscMalloc1(model->state.particles.total, &here));
-  SCENE_CALL(CountTravellers(model, (PetscInt)model->state.particles.total, here, NULL));
+  SCENE_CALL(PetscMalloc1(model->state.particles->total, &here));
+  SCENE_CALL(CountTravellers(model, (PetscInt)model->state.particles->total, here, NULL));
   SCENE_CALL(SceneRun(model));
-  SCENE_CALL(CountTravellers(model, (PetscInt)model->state.particles.total, here, &travellers));
+  SCENE_CALL(CountTravellers(model, (PetscInt)model->state.particles->total, here, &travellers));
   SCENE_CALL(Create(PETSC_COMM_SELF, scene, more, &alone));
   SCENE_CALL(SceneRun(alone));
   CheckSame(model, alone, name);
@@ -726,7 +724,7 @@ START_TEST(empty_ranks)
            "-mpm_output_prefix %s/crumb",
            directory);
   SCENE_CALL(Create(PETSC_COMM_WORLD, crumb, more, &model));
-  SCENE_CALL(DMSwarmGetLocalSize(model->state.particles.swarm, &count));
+  SCENE_CALL(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
   busy = count > 0;
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, &busy, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
   ck_assert_int_eq((int)busy, 1);

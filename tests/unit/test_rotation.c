@@ -57,12 +57,12 @@ typedef struct {
 
 static PetscErrorCode GetState(MpmModel model, State *state)
 {
-  const PetscInt dim = model->disc.grid.dim;
+  const PetscInt dim = model->disc.dim;
 
   PetscFunctionBeginUser;
   PetscCall(SceneById(model, dim, "position", &state->x));
   PetscCall(SceneById(model, dim * dim, "F", &state->F));
-  PetscCall(SceneById(model, model->state.particles.stress_size, "stress", &state->stress));
+  PetscCall(SceneById(model, model->state.particles->stress_size, "stress", &state->stress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -92,11 +92,11 @@ typedef struct {
 
 static void Compare(MpmModel model, const PetscReal Q[], const State *start, const State *now, Error *error)
 {
-  const PetscInt dim = model->disc.grid.dim, size = model->state.particles.stress_size;
+  const PetscInt dim = model->disc.dim, size = model->state.particles->stress_size;
   PetscReal      most = 0.;
 
   *error = (Error){0., 0., 0.};
-  for (PetscInt p = 0; p < (PetscInt)model->state.particles.total; p++) {
+  for (PetscInt p = 0; p < (PetscInt)model->state.particles->total; p++) {
     const PetscReal *x0 = &start->x[p * dim], *F0 = &start->F[p * dim * dim], *s0 = &start->stress[p * size];
     const PetscReal *F = &now->F[p * dim * dim], *s = &now->stress[p * size];
 
@@ -125,18 +125,18 @@ static void Compare(MpmModel model, const PetscReal Q[], const State *start, con
 /* The nodal displacement (Q - I) (x - c). */
 static PetscErrorCode Rotate(MpmModel model, const PetscReal Q[])
 {
-  const PetscInt dim = model->disc.grid.dim, bs = model->disc.layout.block;
+  const PetscInt dim = model->disc.dim, bs = model->disc.block;
   PetscScalar   *values;
 
   PetscFunctionBeginUser;
   PetscCall(SceneBegin(model, 1.));
   PetscCall(VecGetArrayWrite(model->solver.x, &values));
-  for (PetscInt i = 0; i < model->disc.space.owned; i++) {
+  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
     PetscReal arm[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++)
       arm[a] =
-        model->disc.grid.lower[a] + model->disc.grid.h[a] * (PetscReal)model->disc.space.node[i * dim + a] - center[a];
+        model->disc.grid->lower[a] + model->disc.h[a] * (PetscReal)model->disc.space->node[i * dim + a] - center[a];
     for (PetscInt a = 0; a < dim; a++) {
       values[i * bs + a] = -arm[a];
       for (PetscInt b = 0; b < dim; b++) values[i * bs + a] += Q[a * dim + b] * arm[b];
@@ -163,7 +163,7 @@ static void Turn(PetscInt dim, PetscInt shape, const Law *law)
            scene[dim], law->parameters, MpmShapeTypes[shape], law->name, STEPS + 1);
   SCENE_CALL(SceneCreate(PETSC_COMM_WORLD, NULL, options, &model));
   SCENE_CALL(SceneBegin(model, 1.));
-  for (PetscInt a = 0; a < dim; a++) amplitude[a] = 0.05 * model->disc.grid.h[a];
+  for (PetscInt a = 0; a < dim; a++) amplitude[a] = 0.05 * model->disc.h[a];
   SCENE_CALL(SceneFill(model, 1, amplitude, PETSC_FALSE, model->solver.x));
   SCENE_CALL(SceneCommit(model, model->solver.x));
   SCENE_CALL(GetState(model, &start));

@@ -1,7 +1,7 @@
 /*
   Shape functions: tabulated values, the identities they must keep, and the definition itself by quadrature.
 */
-#include "grid/grid.h"
+#include "grid/shape.h"
 #include "unit.h"
 
 /* Check writes a line for every assertion that it looks at; the ones made millions of times are only seen when they fail. */

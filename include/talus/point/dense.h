@@ -11,6 +11,12 @@
 #define MPM_FN static inline
 #endif
 
+/* Components of a symmetric tensor at a point: in plane strain xx, yy, zz, xy. */
+MPM_FN int MpmSymSize(long dim)
+{
+  return dim == 2 ? 4 : 6;
+}
+
 /* det A */
 MPM_FN double MpmDeterminant(long dim, const double A[])
 {

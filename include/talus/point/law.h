@@ -7,9 +7,8 @@
 
     MPM_DIM          2 (plane strain) or 3
     MPM_DIRECTIONS   number of derivative directions that a Scalar carries: 0 (plain double), 1 (one direction, for
-                     Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). What
-                     else a kernel takes, such as a mean over the cell, it composes from these by the chain rule; a
-                     physics that asks no law may have as many directions as inputs
+                     Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). A
+                     physics may have as many directions as inputs: LawStress() composes a law's by the chain rule
     MPM_SENSITIVITY  defined in one more instance of every law, of one direction: that of anything the law is given,
                      history, deformation, parameters and dF. Real is a double in all others
 
@@ -74,3 +73,7 @@ typedef int (*MPM_INSTANCE(MpmKernel))(const MpmKernelPoint *point, const Scalar
 #include "lookup.h"
 
 #include "instance.h"
+
+#if !defined(MPM_SENSITIVITY)
+#include "compose.h"
+#endif

@@ -195,16 +195,26 @@ typedef struct {
 /* What multigrid is told of a field's modes of little energy. */
 typedef enum { MPM_NEAR_NULL_NONE, MPM_NEAR_NULL_RIGID, MPM_NEAR_NULL_CONSTANT } MpmNearNull;
 
+/* At most so many unknowns a node has (displacement, pressure, damage, ...), inputs a kernel, and shapes a physics. */
+#define MPM_MAX_BLOCK  8
+#define MPM_MAX_INPUTS 24
+#define MPM_MAX_SHAPES 3
+
 /*
   One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.
 
   An increment field (the displacement) restarts at zero each step. Any other field is solved for as a total. With
   `rate` the engine keeps the field's value at the points, hands it to the kernel as value_n, and starts the step from
   its projection to the nodes.
+
+  Fields have the scene's shape unless they ask for B-splines of another degree, or for a coarser lattice of nodes; the
+  displacement always has the scene's. Where the scene's shape averages over the points' domains, so do degrees 1 and 2.
 */
 typedef struct {
   const char *name;
   int         components; /* 0: as many as the space has dimensions */
+  int         degree;     /* of its shape, 1 to 3; 0: the scene's */
+  int         spacing;    /* its nodes stand so many cells apart; 0: one */
   int         value;      /* is the value an input of the kernel? */
   int         gradient;   /* is the gradient? */
   int         increment;

@@ -1,0 +1,62 @@
+#pragma once
+/*
+  How a physics asks the law of its material, whatever number of directions its own kernel carries. Included by law.h.
+
+  Laws are compiled for dim^2 directions, those of dF. Where a kernel carries others, as many as it has inputs say, the
+  law is asked for its derivatives by dF, and the chain rule does the rest:
+
+    tau = tau(dF) ,   d tau = sum_k (d tau / d dF_k) d dF_k
+*/
+#define LAW_DIRECTIONS (MPM_DIM * MPM_DIM)
+
+#if MPM_DIRECTIONS < 2 || MPM_DIRECTIONS == LAW_DIRECTIONS
+
+/* The Kirchhoff stress at dF. Non-zero where the law has no answer. */
+MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
+{
+  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt, point->table};
+  const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
+
+  return law(&law_point, dF, tau);
+}
+
+#else
+
+/* A Scalar of LAW_DIRECTIONS directions as it lies in memory, see dual_number.h. */
+#if defined(__AVX__) && defined(__GNUC__) && !defined(__CUDACC__)
+#define LAW_LANE 4
+#else
+#define LAW_LANE 1
+#endif
+typedef struct {
+  double d[(LAW_DIRECTIONS + LAW_LANE - 1) / LAW_LANE * LAW_LANE];
+  double v[LAW_LANE];
+} LawScalar;
+typedef struct {
+  LawScalar a[LAW_DIRECTIONS];
+} LawTensor;
+typedef struct {
+  LawScalar a[MPM_SYM];
+} LawSym;
+typedef int (*LawTangent)(const MpmLawPoint *point, const LawTensor *dF, LawSym *tau);
+
+MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
+{
+  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt, point->table};
+  const LawTangent  law       = (LawTangent)point->law[MPM_FORM_TANGENT];
+  LawTensor         seeded    = {{{{0.}, {0.}}}};
+  LawSym            answer;
+
+  for (int k = 0; k < LAW_DIRECTIONS; k++) {
+    for (int lane = 0; lane < LAW_LANE; lane++) seeded.a[k].v[lane] = ScalarValue(dF->a[k]);
+    seeded.a[k].d[k] = 1.;
+  }
+  if (law(&law_point, &seeded, &answer)) return 1;
+  for (int i = 0; i < MPM_SYM; i++) {
+    tau->a[i] = ScalarConstant(answer.a[i].v[0]);
+    for (int k = 0; k < LAW_DIRECTIONS; k++) ScalarAddDirections(&tau->a[i], answer.a[i].d[k], &dF->a[k]);
+  }
+  return 0;
+}
+
+#endif

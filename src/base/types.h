@@ -1,0 +1,46 @@
+#pragma once
+/*
+  Names of the engine's types, for headers that only hand pointers to them around; what they are stands in the header of
+  their own folder, which a file includes when it looks inside.
+*/
+
+/* options, geometry */
+typedef struct MpmDatabase   MpmDatabase;
+typedef struct MpmOptions    MpmOptions;
+typedef struct _p_MpmRecord *MpmRecord;
+typedef struct _p_MpmRegion *MpmRegion;
+typedef struct _p_MpmRamp   *MpmRamp;
+
+/* point, grid, particles */
+typedef struct MpmLayout    MpmLayout;
+typedef struct MpmMaterial  MpmMaterial;
+typedef struct MpmMaterials MpmMaterials;
+typedef struct MpmGrid      MpmGrid;
+typedef struct MpmSplit     MpmSplit;
+typedef struct MpmBodies    MpmBodies;
+typedef struct MpmParked    MpmParked;
+typedef struct MpmParticles MpmParticles;
+typedef struct MpmPoints    MpmPoints;
+/* The diagonal of U = sqrt(F^T F); non-zero where F has none. */
+typedef int (*MpmStretch)(const double *F, double *diagonal);
+
+/* space, bc */
+typedef struct MpmFace        MpmFace;
+typedef struct MpmGroup       MpmGroup;
+typedef struct MpmRules       MpmRules;
+typedef struct MpmSpace       MpmSpace;
+typedef struct MpmSum         MpmSum;
+typedef struct MpmTrial       MpmTrial;
+typedef struct MpmWall        MpmWall;
+typedef struct MpmConditions  MpmConditions;
+typedef struct MpmConstraints MpmConstraints;
+
+/* terms, time */
+typedef struct MpmBoundaries     MpmBoundaries;
+typedef struct MpmContacts       MpmContacts;
+typedef struct MpmDiscretization MpmDiscretization;
+typedef struct MpmLoads          MpmLoads;
+typedef struct MpmPattern        MpmPattern;
+typedef struct MpmTerms          MpmTerms;
+typedef struct MpmStage          MpmStage;
+typedef struct MpmIntegrator     MpmIntegrator;

@@ -1,0 +1,79 @@
+#pragma once
+/*
+  Shape functions: one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and
+  3D.
+
+  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: linear basis functions, 2, 3), evaluated at the point
+  or averaged over the point's domain [x - l, x + l]. Averages are taken knot interval by knot interval, so that they
+  are exact for any l, keep a partition of unity to rounding, and need no case distinction on l/h.
+*/
+#include "base/base.h"
+
+/*E
+  MpmShapeType - the shape functions, by the names that the option -mpm_shape takes
+E*/
+typedef enum {
+  MPM_SHAPE_LINEAR,        /* linear basis functions at the point */
+  MPM_SHAPE_GIMP,          /* the same averaged over the point's domain (contiguous-particle GIMP) */
+  MPM_SHAPE_BSPLINE2,      /* quadratic B-spline at the point */
+  MPM_SHAPE_BSPLINE3,      /* cubic B-spline at the point */
+  MPM_SHAPE_GIMP_BSPLINE2, /* quadratic B-spline averaged over the point's domain */
+  MPM_SHAPE_COUNT
+} MpmShapeType;
+extern const char *const MpmShapeTypes[];
+
+/*E
+  MpmEdgeType - how B-splines end at an edge, by the names that the option -mpm_shape_edge takes; linear basis
+  functions (linear, gimp) have nothing beyond an edge
+E*/
+typedef enum {
+  MPM_EDGE_LINEAR, /* coefficients beyond extend the others linearly: no second derivative there */
+  MPM_EDGE_OPEN /* not-a-knot: the knot next to the edge is left out: polynomials of the spline's degree up to the edge */
+} MpmEdgeType;
+extern const char *const MpmEdgeTypes[];
+
+/* Does the shape average over the point's domain, so that domains must be followed? */
+PetscBool MpmShapeHasDomain(MpmShapeType type);
+/* Degree of the grid's spline: 1 for linear basis functions, under GIMP too. */
+PetscInt MpmShapeDegree(MpmShapeType type);
+/* The shape of another degree, 1 to 3, that averages where `type` does, if there is such a one. */
+MpmShapeType MpmShapeOfDegree(MpmShapeType type, PetscInt degree);
+
+/* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
+PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);
+
+/* What an edge of a spline of this degree is where so many cells lie between it and the next: not-a-knot ends need more of
+   them than the degree. */
+MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells);
+/* What the k-th node from an edge inwards (0: on it) gets of the coefficient of the node on it (beyond 0) or of the one
+   beyond it (1), for a spline of degree 2 or 3; k up to the degree. */
+PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond, PetscInt k);
+
+/* The nodes of one axis that a point touches. */
+typedef struct {
+  PetscInt   first, count; /* the first node with a weight, and how many, <= MpmShapeWidth() */
+  PetscReal *weight;
+  PetscReal *gradient; /* derivatives by xi (divide by h for d/dx) */
+} MpmShapeLine;
+
+/*
+  MpmShapeEvaluate - weights and gradients on one axis
+
+  Input Parameters:
++ type        - the shape
+. edge        - how splines end at the edges
+. xi          - the point, (x - lower)/h: node i stands at xi = i
+. half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has clipped it
+                so that the domain stays between the edges
+. edge_lower  - first node of the axis, or of the wall that bounds the material
+- edge_upper  - last node
+
+  Output Parameter:
+. line - the nodes, and their weights in arrays of the caller's: room for MpmShapeWidth() of them
+
+  Nodes beyond the edges do not exist. With MPM_EDGE_LINEAR their coefficients are the linear extension u_{-k} = 2 u_0 -
+  u_k. With either type the edge node carries the edge's value exactly, and a linear field has its nodal values as
+  coefficients.
+*/
+void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
+                      PetscInt edge_upper, MpmShapeLine *line);

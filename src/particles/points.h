@@ -1,0 +1,27 @@
+#pragma once
+/*
+  The points' fields as arrays.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+#define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
+
+/* The points' fields, lent by MpmParticlesGetArrays(); NULL where a field is not registered. */
+typedef struct MpmPoints {
+  PetscInt   count;
+  PetscInt  *id, *material;
+  PetscReal *x, *x0;      /* position now and at the start, m */
+  PetscReal *F;           /* dim x dim, row-major */
+  PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
+  PetscReal *volume0;
+  PetscReal *mass;   /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
+  PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
+  PetscReal *state;  /* state_size values */
+  PetscReal *value;  /* rate values */
+  PetscReal
+    *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
+} MpmPoints;
+
+/* A point's mass, kg. */
+PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial *materials, PetscInt p);

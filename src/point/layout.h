@@ -1,0 +1,38 @@
+#pragma once
+/*
+  The layout of a physics' unknowns and of its kernel's inputs.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/* A shape that fields share: 0 and 1 in the first one, which is the scene's. */
+typedef struct {
+  PetscInt degree;  /* of its splines; 0: the scene's shape */
+  PetscInt spacing; /* of its nodes, in cells */
+} MpmFieldShape;
+
+/*
+  The layout that follows from a physics' fields: block size, their shapes, and which basis function and component each
+  kernel input takes.
+*/
+typedef struct MpmLayout {
+  PetscInt      dim, block, inputs, rates;
+  PetscInt      shape_count;
+  MpmFieldShape shape[MPM_MAX_SHAPES];
+  PetscInt      shape_of[MPM_MAX_BLOCK];
+  PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
+  PetscInt  component_of[MPM_MAX_INPUTS];
+  PetscInt  basis_of[MPM_MAX_INPUTS];      /* shape * MPM_BASES, + 0 weight, + 1.. derivatives */
+  PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
+  PetscInt  means;                         /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
+  PetscBool increment[MPM_MAX_BLOCK];
+  const char *component_name[MPM_MAX_BLOCK], *component_symbol[MPM_MAX_BLOCK]; /* symbol: NULL where it has none */
+  MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */
+  PetscBool   solid; /* the displacement's gradient is all that the kernel sees */
+  const MpmKernelSet *kernel;
+} MpmLayout;
+
+PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout);
+/* Do any of the kernel's inputs need the weights, not only their derivatives? */
+PetscBool MpmLayoutUsesValues(const MpmLayout *layout);

@@ -1,0 +1,48 @@
+#pragma once
+/*
+  The materials of a scene: laws with their parameters' values.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+#define MPM_NU_LOCKS 0.45 /* Poisson's ratio above which material is nearly incompressible */
+
+/* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
+typedef struct MpmMaterial {
+  char        *name;
+  MpmLawInfo   info;
+  double      *parameter;
+  double      *physics_parameter; /* what the physics takes of this material */
+  MpmLawTable *table;             /* by parameter */
+  MpmFunction  law[MPM_FORM_COUNT];
+  PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
+  PetscReal    stiffness;   /* at rest, Pa */
+  PetscReal    penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+  PetscReal    spacing; /* most cells from point to point on an axis at the start; 0: unknown */
+  PetscInt     state_size;
+} MpmMaterial;
+
+/* Materials, with the names of their blocks. */
+typedef struct MpmMaterials {
+  PetscInt     count;
+  char       **names;
+  MpmMaterial *at;
+} MpmMaterials;
+
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
+/* The parameters of the physics, which stand in the material's block too. */
+PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, MpmMaterial *material);
+PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
+/* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
+PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
+/*
+  The law's answer and its derivative in a direction of anything that it depends on; `input` without parameters and
+  tables, which are the material's. Non-zero where the law has no answer.
+*/
+int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input, const MpmLawInput *direction,
+                           const MpmLawOutput *value, const MpmLawOutput *derivative);
+/* Components of one history variable. */
+PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
+/* Initial history of a material, after the tables of its law. */
+void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[]);

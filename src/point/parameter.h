@@ -1,0 +1,15 @@
+#pragma once
+/*
+  The parameters of laws, read from options: numbers and tables.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/*
+  Reads one parameter of a law into a number, or into a table that MpmTablesDestroy() frees, or PetscFree() its `value`.
+  The other of the two is zero. Collective.
+*/
+PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *parameter, double *value,
+                                MpmLawTable *table);
+PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table);

@@ -1,0 +1,22 @@
+#pragma once
+/*
+  What there is to choose from: laws, physics and functions of points, those compiled in and those registered later.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
+PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
+/* A built-in physics with its compiled kernels. */
+PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
+/* Appends the names of all physics that scenes may ask for. */
+PetscErrorCode MpmPhysicsList(char **words);
+/* The function that gives the diagonal of U = sqrt(F^T F). */
+MpmStretch MpmStretchFind(PetscInt dim);
+
+/* What has been registered besides what was compiled in; NULL behind the last. */
+const MpmLawInstance *MpmLawRegistered(PetscInt k);
+const MpmPhysics     *MpmPhysicsRegistered(PetscInt k);
+/* Loads the files of -mpm_plugin; they stay loaded, and a second time does nothing. Collective. */
+PetscErrorCode MpmPluginsLoad(const MpmOptions *options);

@@ -1,0 +1,31 @@
+#pragma once
+/*
+  States with a wanted stress.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/*
+  States of one material with a wanted stress. Where the law's stress follows from its state alone (`stateful`), F
+  stays the identity and all six components are met; otherwise F carries the stress, in plane strain without the
+  component across the plane.
+*/
+typedef struct {
+  const MpmMaterial *material;
+  MpmKernelSet       kernel;
+  MpmFunction        law[MPM_FORM_COUNT];
+  PetscInt           dim, model_dim; /* of the kernel, and of the model */
+  int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
+  PetscBool          stateful;
+} MpmInitial;
+
+#define MPM_INITIAL_STATE 64 /* most values of a history in 3D */
+PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmInitial *initial);
+/*
+  F and state with the Cauchy stress `stress` (xx, yy, zz, xy (, yz, xz); on exit the stress of that state), from the
+  history state_n on. Returns 0; 1 where the stress is outside the yield surface and the law's return has moved it; 2
+  where there is no such state.
+*/
+int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
+                   PetscReal state[]);

@@ -1,0 +1,34 @@
+#pragma once
+/*
+  What a space is made by: shapes, walls, the ghost penalty.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "grid/shape.h"
+
+#define MPM_GHOST_FACTOR 1e-2 /* of the ghost penalty; */
+#define MPM_GHOST_REST   3e-7 /* in a geostatic stage, with iterative solvers; */
+#define MPM_GHOST_SPARSE 1e-1 /* where points are sparse; */
+#define MPM_GHOST_RESCUE 1e-1 /* and where a run would give up with less */
+
+/* What a space is made by, borrowed from the model. */
+typedef struct MpmRules {
+  const MpmGrid     *grid;
+  MpmShapeType       shape;
+  MpmEdgeType        edge;
+  const MpmLayout   *layout;
+  PetscInt           wall_count;
+  const MpmWall     *walls;
+  MpmStretch         stretch;
+  const MpmMaterial *materials;
+  PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
+  PetscBool          mean;          /* points of one cell stand side by side, for means over it */
+} MpmRules;
+
+/* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
+void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
+/*
+  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, clipped at walls and at the
+  grid's edges. The clipping is not kept. PETSC_FALSE where the point has no stretch.
+*/
+PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt point, PetscReal half[]);

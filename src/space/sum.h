@@ -1,0 +1,40 @@
+#pragma once
+/*
+  What the sums over points work with, and what goes between points and nodes outside of the residual (point_to_node.c,
+  node_to_point.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/* What the points would be at the step's end, F, Cauchy stress and history, at the displacement u last evaluated. */
+typedef struct MpmTrial {
+  PetscReal *F, *stress, *state, *u;
+  PetscBool  made; /* it holds what goes with the model's residual */
+} MpmTrial;
+
+/* All that the loops over points need; borrowed for the length of a step. */
+typedef struct MpmSum {
+  const MpmGrid     *grid;
+  const MpmSpace    *space;
+  const MpmLayout   *layout;
+  const MpmMaterial *materials;
+  const MpmPoints   *points;
+  PetscInt           block, state_size; /* values a node has, and a point */
+  PetscReal          dt;
+  PetscBool          rest;  /* no motion: stresses are those of the step's start */
+  const MpmTrial    *trial; /* where residuals leave the step's end; NULL: nowhere */
+} MpmSum;
+
+/*
+  Values of the points at the owned nodes, by the weights of one of the space's shapes, and with their gradients by x where
+  `gradient` is not NULL (point_to_node.c). Point p has `components` values from value[p*stride] and components * dim
+  derivatives from gradient[p*stride].
+*/
+typedef struct {
+  PetscInt         shape, components, stride;
+  const PetscReal *value, *gradient;
+} MpmPointValues;
+PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values, PetscReal nodal[]);
+
+/* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);

@@ -1,0 +1,16 @@
+#pragma once
+/*
+  Walls, which bound the material inside of the grid.
+*/
+#include "base/base.h"
+
+/*
+  A wall: the plane of a Dirichlet condition on the component along its axis. Domains are clipped there and splines end
+  there.
+*/
+typedef struct MpmWall {
+  PetscInt  axis;
+  PetscInt  node;                                   /* the plane, as a node index on the axis */
+  PetscInt  side;                                   /* +1: bounds the material above it, -1: below it */
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* where along the other axes, m */
+} MpmWall;

@@ -1,0 +1,237 @@
+/*
+  Weights of every point with the shapes of the physics' fields.
+
+  A field may have splines of another degree than the scene's shape, or nodes on a coarser lattice: of spacing r, whose
+  nodes are those of the grid with indices that are multiples of r. What such a shape gives is spread over the grid's
+  nodes, with zeros between, and all shapes of a point over the smallest box that holds the nodes of each.
+*/
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/walls.h"
+
+/* Does a wall stand beside this point, that is, does the point project into the wall's extent? */
+static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    if (a != wall->axis && (x[a] < wall->lower[a] || x[a] > wall->upper[a])) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[])
+{
+  const MpmGrid *grid  = rules->grid;
+  const MpmWall *walls = rules->walls;
+
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    lower[a] = 0;
+    upper[a] = grid->nodes[a] - 1;
+  }
+  for (PetscInt w = 0; w < rules->wall_count; w++) {
+    const PetscInt  a  = walls[w].axis;
+    const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
+
+    if (walls[w].side > 0) {
+      if (xi >= (PetscReal)walls[w].node && walls[w].node > lower[a] && WallFaces(&walls[w], grid->dim, x))
+        lower[a] = walls[w].node;
+    } else {
+      if (xi <= (PetscReal)walls[w].node && walls[w].node < upper[a] && WallFaces(&walls[w], grid->dim, x))
+        upper[a] = walls[w].node;
+    }
+  }
+}
+
+PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt p, PetscReal half[])
+{
+  const MpmGrid   *grid = rules->grid;
+  const PetscInt   dim  = grid->dim;
+  const PetscReal *x    = &points->x[p * dim];
+  PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
+  const PetscBool  good           = (PetscBool)!rules->stretch(&points->F[p * dim * dim], U);
+
+  MpmSpaceEdges(rules, x, lower, upper);
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
+    PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
+
+    l       = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
+    half[a] = PetscMax(l, 0.);
+  }
+  return good;
+}
+
+/* Those of all points, and the longest: infinite when a point has no stretch. */
+static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
+{
+  const PetscInt dim = rules->grid->dim;
+
+  *longest = 0.;
+  for (PetscInt p = 0; p < points->count; p++) {
+    if (!MpmSpaceHalfLengths(rules, points, p, &half[p * dim])) *longest = PETSC_INFINITY;
+    for (PetscInt a = 0; a < dim; a++) *longest = PetscMax(*longest, half[p * dim + a]);
+  }
+}
+
+/* The nodes that points touch with one shape, and their weights: per point and axis `width` values. */
+typedef struct {
+  PetscInt   width;
+  PetscInt  *first, *count;
+  MpmWeights values;
+} Lines;
+
+/* A shape on the lattice of its nodes. */
+typedef struct {
+  MpmShapeType type;
+  PetscInt     spacing;
+} Shape;
+
+/* The weights of a point on one axis, gradients by xi; edges and nodes are those of the grid. */
+static void EvaluateLine(const Shape *shape, MpmEdgeType edge, PetscReal xi, PetscReal half, PetscInt lower,
+                         PetscInt upper, MpmShapeLine *line)
+{
+  const PetscInt r = shape->spacing;
+
+  if (r == 1) {
+    MpmShapeEvaluate(shape->type, edge, xi, half, lower, upper, line);
+    return;
+  }
+  /* the lattice's nodes on the edges, or next behind them */
+  MpmShapeEvaluate(shape->type, edge, xi / (PetscReal)r, half / (PetscReal)r, lower / r, (upper + r - 1) / r, line);
+  for (PetscInt i = line->count - 1; i >= 0; i--) {
+    const PetscReal weight = line->weight[i], gradient = line->gradient[i] / (PetscReal)r;
+
+    for (PetscInt k = 0; k < r && (k == 0 || i + 1 < line->count); k++)
+      line->weight[i * r + k] = line->gradient[i * r + k] = 0.;
+    line->weight[i * r]   = weight;
+    line->gradient[i * r] = gradient;
+  }
+  line->first *= r;
+  line->count = (line->count - 1) * r + 1;
+}
+
+static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *points, const Shape *shape,
+                                    const PetscReal half[], Lines *lines)
+{
+  const MpmGrid *grid = rules->grid;
+  const PetscInt dim = grid->dim, count = points->count * dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(count, &lines->first, count, &lines->count));
+  PetscCall(
+    PetscMalloc2((count * lines->width), &lines->values.weight, (count * lines->width), &lines->values.gradient));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+    MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscInt  k    = p * dim + a;
+      const PetscReal xi   = (points->x[k] - grid->lower[a]) / grid->h[a];
+      MpmShapeLine    line = {.weight   = &lines->values.weight[k * lines->width],
+                              .gradient = &lines->values.gradient[k * lines->width]};
+
+      EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
+      for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
+      lines->first[k] = line.first;
+      lines->count[k] = line.count;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All shapes over one box a point, which becomes the space's width. */
+static PetscErrorCode Unite(MpmSpace *space, PetscInt count, Lines lines[], PetscInt **box_first, PetscInt **box_count)
+{
+  PetscInt *first, *size;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(count, &first, count, &size));
+  space->width = 1;
+  for (PetscInt k = 0; k < count; k++) {
+    PetscInt end = 0;
+
+    first[k] = PETSC_INT_MAX;
+    for (PetscInt s = 0; s < space->shape_count; s++) {
+      first[k] = PetscMin(first[k], lines[s].first[k]);
+      end      = PetscMax(end, lines[s].first[k] + lines[s].count[k]);
+    }
+    size[k]      = end - first[k];
+    space->width = PetscMax(space->width, size[k]);
+  }
+  for (PetscInt s = 0; s < space->shape_count; s++) {
+    MpmWeights *to = &space->shape[s];
+
+    PetscCall(PetscCalloc2((count * space->width), &to->weight, (count * space->width), &to->gradient));
+    for (PetscInt k = 0; k < count; k++) {
+      const PetscInt place = k * space->width + lines[s].first[k] - first[k], from = k * lines[s].width;
+
+      PetscCall(PetscArraycpy(&to->weight[place], &lines[s].values.weight[from], lines[s].count[k]));
+      PetscCall(PetscArraycpy(&to->gradient[place], &lines[s].values.gradient[from], lines[s].count[k]));
+    }
+    PetscCall(PetscFree2(lines[s].values.weight, lines[s].values.gradient));
+    if (s) PetscCall(PetscFree2(lines[s].first, lines[s].count));
+  }
+  *box_first = first;
+  *box_count = size;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The shapes of the fields, and most nodes that a point touches with each on an axis; PETSC_FALSE where they are too many. */
+static PetscBool ListShapes(const MpmRules *rules, PetscReal longest, Shape shapes[], Lines lines[])
+{
+  PetscInt sum = 0;
+
+  if (!(longest < MPM_MAX_WIDTH)) return PETSC_FALSE;
+  for (PetscInt s = 0; s < rules->layout->shape_count; s++) {
+    const MpmFieldShape *wanted = &rules->layout->shape[s];
+
+    shapes[s].type    = wanted->degree ? MpmShapeOfDegree(rules->shape, wanted->degree) : rules->shape;
+    shapes[s].spacing = wanted->spacing;
+    lines[s].width    = (MpmShapeWidth(shapes[s].type, longest / (PetscReal)wanted->spacing) - 1) * wanted->spacing + 1;
+    sum += lines[s].width;
+  }
+  return (PetscBool)(sum <= MPM_MAX_WIDTH);
+}
+
+PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
+                                      PetscInt **box_first, PetscInt **box_count, const char **why)
+{
+  const PetscInt dim  = rules->grid->dim;
+  PetscReal     *half = NULL, longest = 0.;
+  Shape          shapes[MPM_MAX_SHAPES];
+  Lines          lines[MPM_MAX_SHAPES];
+
+  PetscFunctionBeginUser;
+  space->dim         = dim;
+  space->point_count = points->count;
+  space->shape_count = rules->layout->shape_count;
+  if (MpmShapeHasDomain(rules->shape)) {
+    PetscCall(PetscMalloc1((points->count * dim), &half));
+    HalfLengths(rules, points, half, &longest);
+    /* the Jacobian's window, and with it the colours, must be the same on all ranks */
+    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, rules->grid->comm));
+  }
+  if (!ListShapes(rules, longest, shapes, lines)) {
+    *why = longest < MPM_MAX_WIDTH ? "a point's domain spans too many cells"
+                                   : "a point has no stretch, or its domain spans too many cells";
+    PetscCall(PetscFree(half));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt s = 0; s < space->shape_count; s++)
+    PetscCall(EvaluateLines(rules, points, &shapes[s], half, &lines[s]));
+  PetscCall(PetscFree(half));
+  space->first = lines[0].first;
+  space->count = lines[0].count;
+  if (space->shape_count > 1) {
+    PetscCall(Unite(space, points->count * dim, lines, box_first, box_count));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  space->width    = lines[0].width;
+  space->shape[0] = lines[0].values;
+  *box_first      = space->first;
+  *box_count      = space->count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,60 @@
+#pragma once
+/*
+  A scene: what was read.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "grid/shape.h"
+#include "talus/talus.h"
+
+/* How time is cut into steps. */
+typedef struct {
+  PetscReal end, step, step_min, step_max, growth;
+  PetscBool adaptive;
+} MpmTimeControl;
+
+typedef enum { MPM_GEOSTATIC_NONE, MPM_GEOSTATIC_GRAVITY, MPM_GEOSTATIC_K0 } MpmGeostaticMethod;
+
+/* The search for a geostatic state: stress in equilibrium without displacement. */
+typedef struct {
+  MpmGeostaticMethod method;
+  PetscReal          k0;
+  PetscReal          tolerance; /* largest displacement that remains, in heights of the material */
+  PetscInt           iterations;
+} MpmGeostatic;
+
+/*
+  One stage of a scene: which conditions and loads act, how time runs, and what happens to the bodies at its start. A
+  scene without stages is one stage without a name.
+*/
+typedef struct MpmStage {
+  char          *name;
+  MpmTimeControl time;
+  PetscBool     *bcs, *loads;    /* by the model's lists: does it act? */
+  PetscBool     *removed, *adds; /* by the model's bodies */
+  PetscInt      *material;       /* by the model's bodies: of its points from here on, or -1 */
+  PetscBool      reset;          /* displacements start at zero again */
+  MpmGeostatic   geostatic;
+} MpmStage;
+
+/* What was read: constant from then on. */
+typedef struct {
+  char          *title, *prefix;
+  MpmPhysics     physics;
+  MpmStretch     stretch;
+  MpmShapeType   shape;
+  MpmEdgeType    edge;
+  MpmMaterials  *materials;
+  MpmBodies     *bodies;
+  MpmConditions *bcs;
+  MpmBoundaries *boundaries;
+  MpmLoads      *loads;
+  PetscInt       wall_count; /* of the stage under way */
+  MpmWall       *walls;
+  MpmBodyForce   body_force;
+  void          *body_force_ctx;
+  PetscBool      fbar, fbar_auto;
+  const char    *fbar_why; /* what `auto` went by, or NULL */
+  PetscInt       stage_count;
+  MpmStage      *stages;
+} MpmScene;

@@ -1,0 +1,27 @@
+#pragma once
+/*
+  How far a run has come.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/* What moves on: points, time, and how steps go. */
+typedef struct {
+  const MpmIntegrator *integrator;
+  MpmParticles        *particles;
+  PetscReal            time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscReal            dt_wanted; /* of the next step */
+  PetscReal            dt_last;   /* of the last step, 0 before the first; */
+  PetscReal            dt_before; /* of the one before */
+  PetscBool            adaptive;
+  PetscBool            predict; /* start from the last step's increment */
+  PetscInt             step, cuts, cuts_total;
+  PetscInt             stage;      /* the one under way */
+  MpmParked           *parked;     /* per body: points that a later stage adds */
+  PetscReal            time_start; /* of the stage under way; time_end is its end */
+  PetscReal            run_end;
+  PetscReal            load_scale;               /* what a geostatic stage applies of its loads; otherwise 1 */
+  PetscBool            reference_output;         /* position0 goes into the next state that is written */
+  PetscBool            ghost_auto, ghost_rescue; /* nobody has set the ghost penalty; raise it before giving up */
+  PetscInt64           active_dofs_max;
+} MpmState;
