@@ -33,7 +33,7 @@
   longer a smooth function of it.
 
   Source: de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, sections 8.2 and 14.4; Koiter (1953),
-  doi:10.1090/qam/59769, for edges.
+  Quarterly of Applied Mathematics 11, 350-354, for edges.
 */
 #include "talus/point/elasticity.h"
 #include "talus/point/implicit.h"
