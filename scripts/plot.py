@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the results of a run of Talus: points coloured by a field, as a picture or moving, or curves of the history."""
+"""Draws the results of a run of Talus: points coloured by a field, as a picture or moving, curves of the history, or a
+laboratory test."""
 import argparse
 import re
 import sys
@@ -16,6 +17,7 @@ from matplotlib.colors import Normalize
 from PIL import Image
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from plot_laboratory import is_laboratory, plot_laboratory
 from results import Results, ResultsError, component_names, pressure, von_mises
 
 EXAMPLES = """examples:
@@ -23,6 +25,7 @@ EXAMPLES = """examples:
   plot.py out/cantilever --field von_mises --step 20 --output mises.png
   plot.py out/cantilever --field stress --component xx --animate --output cantilever.gif
   plot.py out/cantilever --history track_tip_ux track_tip_uy --x load --output tip.png
+  plot.py out/triaxial --measured data.csv --output triaxial.png       (a run of one point: physics stress_point)
 
 Animations are GIF, or MP4 and others where ffmpeg is installed; they show the written states, deformed.
 derived fields: von_mises and pressure (from stress), and the magnitude of vectors (no --component)."""
@@ -328,6 +331,9 @@ def parse(arguments):
     parser.add_argument("--fps", type=float, default=8.0, help="pictures a second of a film (8)")
     parser.add_argument("--history", nargs="+", metavar="COLUMN", help="draw columns of the history instead of points")
     parser.add_argument("--x", default="time", metavar="COLUMN", help="the column along the x axis (time)")
+    parser.add_argument("--measured", metavar="FILE.csv",
+                        help="measurements beside a laboratory test: columns strain_yy, p, q, eps_v, e, signs as in the "
+                             "history")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"),
                         help="ends of the colour bar, in its unit (the field's extremes)")
     parser.add_argument("--colours", metavar="MAP", help="a colour map of matplotlib")
@@ -336,6 +342,16 @@ def parse(arguments):
     arguments = parser.parse_args(arguments)
     arguments.output = arguments.output or ("plot.gif" if arguments.animate else "plot.png")
     return arguments
+
+
+def draw(results, arguments):
+    if arguments.history:
+        return plot_history(results, arguments)
+    if arguments.measured and not is_laboratory(results):
+        raise ResultsError("--measured: measurements go with a laboratory test, physics stress_point")
+    if is_laboratory(results):
+        return plot_laboratory(results, arguments.measured, arguments.title)
+    return plot_points(results, arguments)
 
 
 def main(arguments=None):
@@ -347,7 +363,7 @@ def main(arguments=None):
         if arguments.animate:
             animate(results, arguments)
         else:
-            figure = plot_history(results, arguments) if arguments.history else plot_points(results, arguments)
+            figure = draw(results, arguments)
             figure.savefig(arguments.output, dpi=150, bbox_inches="tight")
     except (ResultsError, OSError, ValueError) as error:
         print(f"plot.py: {error}", file=sys.stderr)

@@ -182,7 +182,8 @@ PetscErrorCode MpmModelSetUp(MpmModel model);
   Output Parameter:
 . status - 0, or MPM_EXIT_GAVEUP with the reason in the summary and at MpmModelGetReason()
 
-  Once a model: a run that has ended is closed.
+  Once a model: a run that has ended is closed. A scene of one point (physics stress_point) is run or set up, not stepped,
+  and lends no points.
 @*/
 PetscErrorCode MpmModelRun(MpmModel model, int *status);
 

@@ -33,6 +33,7 @@ typedef struct MpmSum         MpmSum;
 typedef struct MpmTrial       MpmTrial;
 typedef struct MpmWall        MpmWall;
 typedef struct MpmConditions  MpmConditions;
+typedef struct MpmActing      MpmActing;
 typedef struct MpmConstraints MpmConstraints;
 
 /* terms, time */
@@ -40,6 +41,7 @@ typedef struct MpmBoundaries     MpmBoundaries;
 typedef struct MpmContacts       MpmContacts;
 typedef struct MpmDiscretization MpmDiscretization;
 typedef struct MpmLoads          MpmLoads;
+typedef struct MpmLoadActing     MpmLoadActing;
 typedef struct MpmPattern        MpmPattern;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;

@@ -18,8 +18,6 @@ typedef struct {
   PetscInt  component[MPM_MAX_BLOCK];
   PetscReal value[MPM_MAX_BLOCK];
   MpmRamp   ramp;
-  PetscBool active; /* in this stage; its ramp counts from `start` */
-  PetscReal start;
 } MpmCondition;
 
 /* Conditions, with the names of their blocks. */
@@ -28,6 +26,19 @@ typedef struct MpmConditions {
   char        **names;
   MpmCondition *at;
 } MpmConditions;
+
+/* Whether a condition acts in the stage, and from when its ramp counts. */
+struct MpmActing {
+  PetscBool active;
+  PetscReal start;
+};
+
+/* The conditions as a step from time_n to `time` takes them; `acting` by condition. */
+typedef struct {
+  const MpmConditions *conditions;
+  const MpmActing     *acting;
+  PetscReal            time_n, time;
+} MpmPrescription;
 
 /* The frame of a node with a condition along a normal; rows q_r, of which the first `constrained` are (node_frames.c). */
 typedef struct {
@@ -59,8 +70,8 @@ PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
                                     MpmWall *walls);
-PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time);
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
+                                   const MpmLayout *layout, const MpmSpace *space);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
 /* Is the local unknown solved for? */
 static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, PetscInt unknown)

@@ -21,12 +21,20 @@ PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a ramp adds in the step, or its factor at the step's end for unknowns that are totals. */
-static PetscReal StepFactor(const MpmCondition *bc, PetscBool increment, PetscReal time_n, PetscReal time)
+/* What the ramp of condition b adds in the step, or its factor at the step's end for unknowns that are totals. */
+static PetscReal StepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment)
 {
-  const PetscReal before = increment && time_n > bc->start ? MpmRampEvaluate(bc->ramp, time_n - bc->start) : 0.;
+  const MpmRamp   ramp   = step->conditions->at[b].ramp;
+  const PetscReal start  = step->acting[b].start;
+  const PetscReal before = increment && step->time_n > start ? MpmRampEvaluate(ramp, step->time_n - start) : 0.;
 
-  return MpmRampEvaluate(bc->ramp, time - bc->start) - before;
+  return MpmRampEvaluate(ramp, step->time - start) - before;
+}
+
+/* Does condition b act, with a normal or without, at x? */
+static PetscBool Holds(const MpmPrescription *step, PetscInt b, const PetscReal x[])
+{
+  return (PetscBool)(step->acting[b].active && MpmRegionContains(step->conditions->at[b].region, x));
 }
 
 static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
@@ -36,14 +44,13 @@ static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt no
 }
 
 /* The frame of a node from all conditions that hold it; the last one counts first. */
-static void MakeFrame(PetscInt bc_count, const MpmCondition bcs[], const PetscReal x[], PetscInt dim, PetscReal time_n,
-                      PetscReal time, MpmFrame *frame)
+static void MakeFrame(const MpmPrescription *step, const PetscReal x[], PetscInt dim, MpmFrame *frame)
 {
-  for (PetscInt b = bc_count - 1; b >= 0; b--) {
-    const MpmCondition *bc     = &bcs[b];
-    const PetscReal     factor = StepFactor(bc, PETSC_TRUE, time_n, time);
+  for (PetscInt b = step->conditions->count - 1; b >= 0; b--) {
+    const MpmCondition *bc     = &step->conditions->at[b];
+    const PetscReal     factor = StepFactor(step, b, PETSC_TRUE);
 
-    if (!bc->active || !MpmRegionContains(bc->region, x)) continue;
+    if (!Holds(step, b, x)) continue;
     if (bc->inclined) {
       MpmFrameAdd(frame, dim, bc->normal, bc->value[0] * factor, b);
       continue;
@@ -60,11 +67,10 @@ static void MakeFrame(PetscInt bc_count, const MpmCondition bcs[], const PetscRe
 }
 
 /* The frames of this step's nodes, and what they hold. */
-static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
-                                  PetscInt bs, const MpmSpace *space, PetscReal time_n, PetscReal time)
+static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
+                                  PetscInt bs, const MpmSpace *space)
 {
-  const MpmCondition *bcs   = conditions->at;
-  PetscInt            count = 0;
+  PetscInt count = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(space->local, &constraints->frame_of));
@@ -73,8 +79,8 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmConditio
 
     constraints->frame_of[i] = -1;
     NodePosition(grid, space, i, x);
-    for (PetscInt b = 0; b < conditions->count && constraints->frame_of[i] < 0; b++)
-      if (bcs[b].active && bcs[b].inclined && MpmRegionContains(bcs[b].region, x)) constraints->frame_of[i] = count++;
+    for (PetscInt b = 0; b < step->conditions->count && constraints->frame_of[i] < 0; b++)
+      if (step->conditions->at[b].inclined && Holds(step, b, x)) constraints->frame_of[i] = count++;
   }
   PetscCall(PetscCalloc1(count, &constraints->frames));
   for (PetscInt i = 0; i < space->local; i++) {
@@ -84,7 +90,7 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmConditio
     MpmFrame *frame = &constraints->frames[constraints->frame_of[i]];
 
     NodePosition(grid, space, i, x);
-    MakeFrame(conditions->count, bcs, x, grid->dim, time_n, time, frame);
+    MakeFrame(step, x, grid->dim, frame);
     for (PetscInt r = 0; r < grid->dim; r++) {
       constraints->condition[i * bs + r] = r < frame->constrained ? frame->condition[r] : MPM_FREE;
       constraints->value[i * bs + r]     = r < frame->constrained ? frame->value[r] : 0.;
@@ -105,12 +111,33 @@ static void LeaveOutUnsupported(MpmConstraints *constraints, const MpmLayout *la
   }
 }
 
-PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditions *conditions, const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space, PetscReal time_n, PetscReal time)
+/* The components that condition b prescribes at the nodes in its region. */
+static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescription *step, PetscInt b,
+                                const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space)
 {
-  const MpmCondition *bcs      = conditions->at;
-  const PetscInt      bs       = layout->block;
-  PetscBool           inclined = PETSC_FALSE;
+  const MpmCondition *bc = &step->conditions->at[b];
+  const PetscInt      bs = layout->block;
+
+  for (PetscInt i = 0; i < space->local; i++) {
+    PetscReal x[MPM_MAX_DIM];
+
+    NodePosition(grid, space, i, x);
+    if (!Holds(step, b, x)) continue;
+    for (PetscInt k = 0; k < bc->component_count; k++) {
+      const PetscInt c = bc->component[k];
+
+      constraints->condition[i * bs + c] = b;
+      constraints->value[i * bs + c]     = bc->value[k] * StepFactor(step, b, layout->increment[c]);
+      constraints->any                   = PETSC_TRUE;
+    }
+  }
+}
+
+PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
+                                   const MpmLayout *layout, const MpmSpace *space)
+{
+  const PetscInt bs       = layout->block;
+  PetscBool      inclined = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(MpmConstraintsReset(constraints));
@@ -118,23 +145,12 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmConditi
   PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
   PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
   for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = MPM_FREE;
-  for (PetscInt b = 0; b < conditions->count; b++) {
-    if (bcs[b].active && bcs[b].inclined) inclined = PETSC_TRUE;
-    for (PetscInt i = 0; i < space->local && bcs[b].active && !bcs[b].inclined; i++) {
-      PetscReal x[MPM_MAX_DIM];
-
-      NodePosition(grid, space, i, x);
-      if (!MpmRegionContains(bcs[b].region, x)) continue;
-      for (PetscInt k = 0; k < bcs[b].component_count; k++) {
-        const PetscInt c = bcs[b].component[k];
-
-        constraints->condition[i * bs + c] = b;
-        constraints->value[i * bs + c]     = bcs[b].value[k] * StepFactor(&bcs[b], layout->increment[c], time_n, time);
-        constraints->any                   = PETSC_TRUE;
-      }
-    }
+  for (PetscInt b = 0; b < step->conditions->count; b++) {
+    if (!step->acting[b].active) continue;
+    if (step->conditions->at[b].inclined) inclined = PETSC_TRUE;
+    else PrescribeComponents(constraints, step, b, grid, layout, space);
   }
-  if (inclined) PetscCall(SetUpFrames(constraints, conditions, grid, bs, space, time_n, time));
+  if (inclined) PetscCall(SetUpFrames(constraints, step, grid, bs, space));
   LeaveOutUnsupported(constraints, layout, space);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

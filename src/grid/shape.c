@@ -1,5 +1,5 @@
 /*
-  One-dimensional shape functions of material points; grid/grid.h says what they are.
+  One-dimensional shape functions of material points; grid/shape.h says what they are.
 
   With B the cardinal B-spline of degree p centred at a node and [x - l, x + l] the point's domain,
 

@@ -6,17 +6,15 @@
   CSV: a line of names, then a row of numbers a point; lines that start with # are remarks. A quantity of several
   components has a column each: stress_xx, F_xy, half_length_x; the position's are x, y and z. Rank 0 reads.
 */
-#include <errno.h>
-#include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "options/options.h"
+#include "io/csv_table.h"
 #include "io/hdf5_rows.h"
 #include "io/io.h"
 #include "io/point_table.h"
 
-#define MESSAGE_LENGTH 512
+#define MESSAGE_LENGTH MPM_CSV_MESSAGE
 
 struct _p_MpmPointFile {
   MPI_Comm    comm;
@@ -29,9 +27,7 @@ struct _p_MpmPointFile {
   hid_t       file, group; /* HDF5, or negative; it stays silent while the file is open */
   H5E_auto2_t report;
   void       *context;
-  PetscInt    columns; /* CSV, rank 0 */
-  char      **name;
-  PetscReal  *table; /* row by row */
+  MpmCsvTable csv; /* rank 0 */
 };
 
 /* A complaint that rank 0 has, or an empty one: all ranks end with it, or none. */
@@ -53,110 +49,6 @@ static PetscErrorCode DealRows(MpmPointFile file)
 }
 
 /* ---- CSV ---- */
-
-/* Cuts a line at its commas, blanks around the words taken off; returns how many words there are. */
-static PetscInt CutLine(char *line, PetscInt most, char *word[])
-{
-  PetscInt count = 0;
-
-  for (char *next = line; next; count++) {
-    char *end = strchr(next, ','), *last;
-
-    if (end) *end = '\0';
-    while (*next == ' ' || *next == '\t') next++;
-    for (last = next + strlen(next); last > next && strchr(" \t\r\n", last[-1]); last--) last[-1] = '\0';
-    if (count < most) word[count] = next;
-    next = end ? end + 1 : NULL;
-  }
-  return count;
-}
-
-/* One row into the table; a complaint where it is not one. */
-static PetscErrorCode TakeRow(MpmPointFile file, char *line, long long number, char message[MESSAGE_LENGTH])
-{
-  char   **word;
-  PetscInt count;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(file->columns, &word));
-  count = CutLine(line, file->columns, word);
-  if (count != file->columns)
-    PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "line %lld has %d numbers, its columns are %d", number, (int)count,
-                            (int)file->columns));
-  for (PetscInt c = 0; c < file->columns && !message[0]; c++) {
-    char *end;
-
-    file->table[file->total * file->columns + c] = (PetscReal)strtod(word[c], &end);
-    if (end == word[c] || *end)
-      PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "line %lld, column %s: '%.40s' is not a number", number,
-                              file->name[c], word[c]));
-  }
-  file->total++;
-  PetscCall(PetscFree(word));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode TakeNames(MpmPointFile file, char *line)
-{
-  PetscInt most = 1;
-  char   **word;
-
-  PetscFunctionBeginUser;
-  for (const char *c = line; *c; c++) most += *c == ',';
-  PetscCall(PetscMalloc1(most, &word));
-  file->columns = CutLine(line, most, word);
-  PetscCall(PetscMalloc1(file->columns, &file->name));
-  for (PetscInt c = 0; c < file->columns; c++) PetscCall(PetscStrallocpy(word[c], &file->name[c]));
-  PetscCall(PetscFree(word));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The whole file as text, or NULL and a complaint. */
-static PetscErrorCode ReadText(const char *path, char **text, char message[MESSAGE_LENGTH])
-{
-  FILE *stream = fopen(path, "rb");
-  long  length = -1;
-
-  PetscFunctionBeginUser;
-  *text = NULL;
-  if (stream && !fseek(stream, 0, SEEK_END)) length = ftell(stream);
-  if (length == LONG_MAX) { /* a folder */
-    errno  = EISDIR;
-    length = -1;
-  }
-  if (length < 0) PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "cannot be read: %s", strerror(errno)));
-  else {
-    rewind(stream);
-    PetscCall(PetscCalloc1(((size_t)length + 1), text));
-    if (fread(*text, 1, (size_t)length, stream) != (size_t)length)
-      PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "cannot be read"));
-  }
-  if (stream) (void)fclose(stream);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadTable(MpmPointFile file, char message[MESSAGE_LENGTH])
-{
-  char     *text, *next;
-  PetscInt  lines  = 1;
-  long long number = 0;
-
-  PetscFunctionBeginUser;
-  PetscCall(ReadText(file->path, &text, message));
-  for (const char *c = text; c && *c; c++) lines += *c == '\n';
-  for (char *line = text; line && !message[0]; line = next) {
-    number++;
-    next = strchr(line, '\n');
-    if (next) *next++ = '\0';
-    if (line[0] == '#' || !line[strspn(line, " \t\r")]) continue;
-    if (!file->columns) {
-      PetscCall(TakeNames(file, line));
-      PetscCall(PetscMalloc1(((size_t)lines * (size_t)file->columns), &file->table));
-    } else PetscCall(TakeRow(file, line, number, message));
-  }
-  PetscCall(PetscFree(text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* In the plane a tensor may come without its components across it: they are 0, and F_zz is 1. */
 static PetscBool MayBeAbsent(const char *name)
@@ -182,9 +74,7 @@ static PetscErrorCode GetColumns(MpmPointFile file, PetscInt components, char *c
   PetscCall(PetscMalloc3(file->size, &counts, file->size, &starts, components, &column));
   *found = 0;
   for (PetscInt k = 0; k < components; k++) {
-    column[k] = -1;
-    for (PetscInt c = 0; c < file->columns; c++)
-      if (!strcmp(file->name[c], names[k])) column[k] = c;
+    column[k] = MpmCsvTableFind(&file->csv, names[k]);
     *found += column[k] >= 0;
   }
   for (PetscInt k = 0; *found && k < components; k++)
@@ -201,7 +91,7 @@ static PetscErrorCode GetColumns(MpmPointFile file, PetscInt components, char *c
         for (PetscInt k = 0; k < components; k++) {
           const PetscReal absent = strcmp(names[k], "F_zz") ? 0. : 1.;
 
-          all[i * components + k] = column[k] < 0 ? absent : file->table[i * file->columns + column[k]];
+          all[i * components + k] = column[k] < 0 ? absent : file->csv.value[i * file->csv.columns + column[k]];
         }
     }
     PetscCallMPI(MPI_Scatterv(all, counts, starts, MPIU_REAL, values, mine, MPIU_REAL, 0, file->comm));
@@ -317,7 +207,10 @@ PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const cha
   if (!file->rank) hdf5 = H5Fis_hdf5(path) > 0;
   PetscCallMPI(MPI_Bcast(&hdf5, 1, MPI_INT, 0, file->comm));
   if (hdf5) PetscCall(OpenHDF5(file, step));
-  else if (!file->rank) PetscCall(ReadTable(file, message));
+  else if (!file->rank) {
+    PetscCall(MpmCsvTableRead(file->path, &file->csv, message));
+    file->total = file->csv.rows;
+  }
   PetscCall(Share(file, message));
   PetscCall(DealRows(file));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -332,9 +225,7 @@ PetscErrorCode MpmPointFileClose(MpmPointFile *handle)
   if (file->group >= 0) (void)H5Gclose(file->group);
   if (file->file >= 0) (void)H5Fclose(file->file);
   (void)H5Eset_auto2(H5E_DEFAULT, file->report, file->context);
-  for (PetscInt c = 0; c < file->columns; c++) PetscCall(PetscFree(file->name[c]));
-  PetscCall(PetscFree(file->name));
-  PetscCall(PetscFree(file->table));
+  PetscCall(MpmCsvTableDestroy(&file->csv));
   PetscCall(PetscFree(file->path));
   PetscCall(PetscFree(*handle));
   PetscFunctionReturn(PETSC_SUCCESS);

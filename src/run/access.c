@@ -10,39 +10,38 @@
 
 /* ---- loads and reactions ---- */
 
-static PetscErrorCode FindLoad(MpmModel model, const char name[], MpmLoad **load)
+static PetscErrorCode FindLoad(MpmModel model, const char name[], PetscInt *load)
 {
   PetscFunctionBeginUser;
-  *load = NULL;
-  for (PetscInt l = 0; l < model->scene.loads->count && !*load; l++)
-    if (!strcmp(model->scene.loads->names[l], name)) *load = &model->scene.loads->at[l];
-  PetscCheck(*load, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no load %s", name);
+  for (*load = 0; *load < model->scene.loads->count; (*load)++)
+    if (!strcmp(model->scene.loads->names[*load], name)) break;
+  PetscCheck(*load < model->scene.loads->count, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no load %s", name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmModelSetLoadFactor(MpmModel model, const char name[], PetscReal factor)
 {
-  MpmLoad *load;
+  PetscInt load;
 
   PetscFunctionBeginUser;
   PetscCall(FindLoad(model, name, &load));
   PetscCheck(!PetscIsInfOrNanReal(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
              "load %s: its factor is not finite", name);
-  load->held   = PETSC_TRUE;
-  load->factor = factor;
+  model->state.loads[load].forced = PETSC_TRUE;
+  model->state.loads[load].factor = factor;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const PetscReal value[])
 {
-  MpmLoad *load;
+  PetscInt load;
 
   PetscFunctionBeginUser;
   PetscCall(FindLoad(model, name, &load));
   for (PetscInt a = 0; a < model->disc.dim; a++) {
     PetscCheck(!PetscIsInfOrNanReal(value[a]), PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "load %s: its value is not finite", name);
-    load->value[a] = value[a];
+    model->scene.loads->at[load].value[a] = value[a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

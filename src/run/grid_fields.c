@@ -256,8 +256,7 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   if (!model->disc.committed) {
     PetscCall(MpmStepSpace(model, &why));
     if (why) PetscFunctionReturn(PETSC_SUCCESS); /* the step will say so */
-    PetscCall(MpmConstraintsSetUp(model->disc.constraints, model->scene.bcs, model->disc.grid, model->disc.layout,
-                                  model->disc.space, model->state.time, model->state.time));
+    PetscCall(MpmModelPrescribe(model, model->state.time));
   }
   PetscCall(NodeArraysCreate(model, &arrays));
   PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));

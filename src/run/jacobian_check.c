@@ -132,6 +132,7 @@ static PetscErrorCode Check(MpmModel model, PetscReal cells, MpmJacobianCheck *c
 PetscErrorCode MpmModelCheckJacobian(MpmModel model, PetscReal cells, MpmJacobianCheck *check)
 {
   PetscFunctionBeginUser;
+  PetscCheck(!model->laboratory, model->comm, PETSC_ERR_SUP, "a stress point has no grid's Jacobian");
   PetscCall(MpmModelSetUp(model));
   MpmModelCall(model, Check(model, cells, check));
   PetscFunctionReturn(PETSC_SUCCESS);

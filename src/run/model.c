@@ -17,6 +17,7 @@
 #include "terms/rigid.h"
 #include "time/integrator.h"
 #include "time/time.h"
+#include "run/laboratory.h"
 #include "run/run.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
@@ -69,10 +70,16 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
 
 /* ---- what the caller sets ---- */
 
+/* Has the scene been read? */
+static PetscBool HasScene(const MpmModel model)
+{
+  return (PetscBool)(model->scene.stages || model->laboratory);
+}
+
 PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
 {
   PetscFunctionBeginUser;
-  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
   PetscCall(MpmDatabaseInsert(model->database, model->comm, options));
   model->caller.own = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -81,7 +88,7 @@ PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
 PetscErrorCode MpmModelSetOptionsPrefix(MpmModel model, const char prefix[])
 {
   PetscFunctionBeginUser;
-  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
   PetscCheck(!prefix || prefix[0] != '-', model->comm, PETSC_ERR_ARG_WRONG, "%s: a prefix has no dash", prefix);
   PetscCall(PetscFree(model->caller.prefix));
   PetscCall(PetscStrallocpy(prefix, &model->caller.prefix));
@@ -138,6 +145,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   if (!model) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
   if (model->state.particles->swarm) PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(PetscFree(model->results->history_row));
@@ -167,7 +175,9 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.boundaries->at));
   PetscCall(PetscFree(model->scene.loads->at));
   PetscCall(PetscFree(model->results->tracks.at));
-  PetscCall(PetscFree(model->scene.walls));
+  PetscCall(PetscFree(model->state.bcs));
+  PetscCall(PetscFree(model->state.loads));
+  PetscCall(PetscFree(model->state.walls));
   PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
   PetscCall(PetscFree(model->scene.materials));
@@ -204,8 +214,8 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
   if (!model->scene.physics.name) {
     PetscCall(MpmPhysicsList(&words));
     PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
-    MpmCheckInput(found && !(model->scene.physics.traits & MPM_PHYSICS_INTERNAL), "-mpm_physics %s: must be one of %s",
-                  name, words);
+    MpmCheckInput(found && !(model->scene.physics.traits & MPM_PHYSICS_INTERNAL),
+                  "-mpm_physics %s: must be one of %s, " MPM_STRESS_POINT, name, words);
     PetscCall(PetscFree(words));
   }
   PetscCall(MpmLayoutCreate(&model->scene.physics, dim, model->disc.layout));
@@ -213,19 +223,28 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Dimension, physics, shape: what everything else depends on. */
-static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
+/* Dimension and physics: what everything else depends on. Free the physics' name. */
+static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscInt *dim, char **physics)
 {
-  char    *name;
-  PetscInt dim = 2, shape = MPM_SHAPE_GIMP, edge = MPM_EDGE_LINEAR, jacobian = MPM_JACOBIAN_AUTO;
-
   PetscFunctionBeginUser;
+  *dim = 2;
   PetscCall(MpmOptionsHeading(options, "Scene"));
   PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->scene.title));
   PetscCall(MpmPluginsLoad(options));
-  PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, &dim, NULL));
-  PetscCall(
-    MpmOptionsText(options, "physics", "what is solved: solid, or what a plugin brings", "solid", MPM_OPTIONAL, &name));
+  PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, dim, NULL));
+  PetscCall(MpmOptionsText(options, "physics",
+                           "what is solved: solid, " MPM_STRESS_POINT
+                           " (one point in the laboratory), or what a plugin brings",
+                           "solid", MPM_OPTIONAL, physics));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How the grid's equations are made. */
+static PetscErrorCode ReadDiscretization(MpmModel model, const MpmOptions *options, PetscInt dim, const char *physics)
+{
+  PetscInt shape = MPM_SHAPE_GIMP, edge = MPM_EDGE_LINEAR, jacobian = MPM_JACOBIAN_AUTO;
+
+  PetscFunctionBeginUser;
   PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
   model->scene.shape = (MpmShapeType)shape;
   PetscCall(MpmOptionsWord(options, "shape_edge", "how splines end at the grid's edges and at walls", MpmEdgeTypes,
@@ -235,8 +254,7 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options)
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->solver.jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
   PetscCall(MpmStabilizationRead(model, options));
-  PetscCall(CreatePhysics(model, name, dim));
-  PetscCall(PetscFree(name));
+  PetscCall(CreatePhysics(model, physics, dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -262,6 +280,17 @@ static PetscErrorCode CheckPrefix(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What all runs have. */
+static PetscErrorCode ReadPrefix(MpmModel model, const MpmOptions *options, const MpmOptions *block)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(block, "Output"));
+  PetscCall(MpmOptionsText(block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->scene.prefix));
+  PetscCall(CheckPrefix(model));
+  PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->results->quiet, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
 {
   const MpmOptions block = {options->comm, "mpm_output_", options->record};
@@ -269,10 +298,7 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
 
   PetscFunctionBeginUser;
   model->results->output_every = 1;
-  PetscCall(MpmOptionsHeading(&block, "Output"));
-  PetscCall(
-    MpmOptionsText(&block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->scene.prefix));
-  PetscCall(CheckPrefix(model));
+  PetscCall(ReadPrefix(model, options, &block));
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->output_every, NULL));
   PetscCall(MpmOutputSetFromOptions(model, &block));
@@ -281,7 +307,6 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
                            "PETSc viewer such as ascii:FILE",
                            NULL, MPM_OPTIONAL, &view));
   PetscCall(PetscFree(view));
-  PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->results->quiet, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -363,7 +388,9 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                              &model->scene.loads->names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
-  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->scene.walls));
+  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls));
+  PetscCall(PetscCalloc1(model->scene.bcs->count, &model->state.bcs));
+  PetscCall(PetscCalloc1(model->scene.loads->count, &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
@@ -464,29 +491,48 @@ static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
 static PetscErrorCode TakeOptions(MpmModel model)
 {
   PetscFunctionBeginUser;
-  PetscCheck(!model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
   if (!model->caller.own) PetscCall(MpmDatabaseTake(model->database, model->caller.prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A scene of bodies on a grid. */
+static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options, PetscInt dim, const char *physics)
+{
+  PetscBool particular;
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadDiscretization(model, options, dim, physics));
+  PetscCall(MpmGridSetFromOptions(model->disc.grid, options, model->disc.layout->dim));
+  PetscCall(MpmDiscretizationSize(&model->disc));
+  PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
+  PetscCall(ReadMaterialsAndBodies(model, options));
+  PetscCall(ReadConditions(model, options));
+  PetscCall(MpmStagesRead(model, options));
+  PetscCall(MpmStabilizationSettle(model));
+  PetscCall(ReadOutput(model, options));
+  PetscCall(MpmCheckpointSetFromOptions(model, options));
+  PetscCall(MpmSolverSetFromOptions(&model->solver, options));
+  PetscCall(MpmOptionsHas(options, "dim", &particular));
+  if (MpmOptionsHelp() && !particular) PetscCall(MpmLaboratoryPrintHelp(model, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ReadScene(MpmModel model)
 {
-  const MpmOptions options = {model->comm, "mpm_", model->record};
+  const MpmOptions options = {model->comm, "mpm_", model->record}, output = {model->comm, "mpm_output_", model->record};
   PetscLogDouble   since;
+  PetscInt         dim;
+  char            *physics;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
-  PetscCall(ReadKind(model, &options));
-  PetscCall(MpmGridSetFromOptions(model->disc.grid, &options, model->disc.layout->dim));
-  PetscCall(MpmDiscretizationSize(&model->disc));
-  PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
-  PetscCall(ReadMaterialsAndBodies(model, &options));
-  PetscCall(ReadConditions(model, &options));
-  PetscCall(MpmStagesRead(model, &options));
-  PetscCall(MpmStabilizationSettle(model));
-  PetscCall(ReadOutput(model, &options));
-  PetscCall(MpmCheckpointSetFromOptions(model, &options));
-  PetscCall(MpmSolverSetFromOptions(&model->solver, &options));
+  PetscCall(ReadKind(model, &options, &dim, &physics));
+  if (!model->scene.physics.name && !strcmp(physics, MPM_STRESS_POINT)) {
+    PetscCall(MpmLaboratoryRead(model, &options, dim));
+    PetscCall(ReadPrefix(model, &options, &output));
+  } else PetscCall(ReadBodiesOnGrid(model, &options, dim, physics));
+  PetscCall(PetscFree(physics));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
@@ -527,6 +573,10 @@ PetscErrorCode MpmModelSetUp(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (model->caller.set_up) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->laboratory) {
+    MpmModelCall(model, MpmLaboratorySetUp(model));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCheck(model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetFromOptions() comes first");
   MpmModelCall(model, SetUp(model));
   PetscFunctionReturn(PETSC_SUCCESS);

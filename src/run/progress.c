@@ -7,6 +7,7 @@
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
+#include "run/laboratory.h"
 #include "run/run.h"
 
 #define MEMORY        0.95 /* weight of what was summed before this step */
@@ -49,6 +50,12 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   PetscCall(MpmTextQuote(model->scene.title[0] ? model->scene.title : model->scene.prefix, &title));
   PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, title));
   PetscCall(PetscFree(title));
+  if (model->laboratory) {
+    PetscCall(MpmLaboratoryText(model, sizeof(text), text));
+    PetscCall(PetscPrintf(model->comm, "  %s\n", text));
+    PetscCall(PrintTitles(model));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
                         model->scene.physics.name, grid->dim, MpmShapeTypes[model->scene.shape],
                         model->scene.edge == MPM_EDGE_OPEN ? " with not-a-knot ends" : "",

@@ -10,6 +10,7 @@
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/time.h"
+#include "run/laboratory.h"
 #include "run/run.h"
 
 static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)
@@ -180,6 +181,13 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < model->disc.dim; a++) summary.cells *= model->disc.grid->cells[a];
+  if (model->laboratory) {
+    summary.physics  = MPM_STRESS_POINT;
+    summary.shape    = NULL;
+    summary.jacobian = MpmJacobianTypes[MPM_JACOBIAN_LOCAL];
+    summary.solver   = "direct";
+    summary.points   = 1;
+  }
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->results->start;
   PetscCall(PetscArraycpy(summary.time, model->monitor.seconds, MPM_TIME_COUNT));

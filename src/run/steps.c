@@ -4,6 +4,7 @@
 #include "options/options.h"
 #include "particles/particles.h"
 #include "time/time.h"
+#include "run/laboratory.h"
 #include "run/run.h"
 
 /* ---- one step ---- */
@@ -55,6 +56,7 @@ static PetscErrorCode StepOnce(MpmModel model)
 PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
 {
   PetscFunctionBeginUser;
+  PetscCheck(!model->laboratory, model->comm, PETSC_ERR_SUP, "a stress point is run, not stepped");
   PetscCall(MpmModelSetUp(model));
   *status = MPM_COMPLETED;
   if (AtEnd(model)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -156,6 +158,10 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscFunctionBeginUser;
   PetscCall(MpmModelSetUp(model));
   PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
+  if (model->laboratory) {
+    MpmModelCall(model, MpmLaboratoryRun(model, status));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   MpmModelCall(model, Run(model));
   *status = model->caller.why ? MPM_EXIT_GAVEUP : 0;
   PetscFunctionReturn(PETSC_SUCCESS);

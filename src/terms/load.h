@@ -18,10 +18,6 @@ typedef struct {
   PetscInt     face_axis, face_side; /* traction: the face of the points' domains it acts on */
   PetscBool    face_given;
   MpmRamp      ramp;
-  PetscBool    active; /* in this stage; its ramp counts from `start` */
-  PetscReal    start;
-  PetscBool    held; /* the caller has set the factor, and the ramp is not asked */
-  PetscReal    factor;
 } MpmLoad;
 
 /* Loads, with the names of their blocks. */
@@ -30,6 +26,14 @@ typedef struct MpmLoads {
   char   **names;
   MpmLoad *at;
 } MpmLoads;
+
+/* Whether a load acts in the stage, and by which factor. */
+struct MpmLoadActing {
+  PetscBool active;
+  PetscReal start;  /* its ramp counts from here */
+  PetscBool forced; /* the caller has set the factor, and the ramp is not asked */
+  PetscReal factor;
+};
 
 PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load);
 PetscErrorCode MpmLoadDestroy(MpmLoad *load);

@@ -3,10 +3,10 @@
   What the sums over tangents share: a point's own, and what ties the nodes of a cell together through its mean. Inlined into
   the loops of tangent.c and tangent_diagonal.c.
 */
+#include "space/unit.h"
 #include "terms/cell_mean.h"
 #include "terms/point_term.h"
 #include "terms/sparsity.h"
-#include "space/unit.h"
 
 /*
   What ties the nodes of a cell together through its mean m_bar, and f, the flux conjugate to it: one value for each

@@ -63,9 +63,3 @@ void           MpmBoundaryDistance(const MpmBoundary *boundary, const PetscReal 
 /* Room for the boundaries' motions and reactions; the boundaries are borrowed. */
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
 PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);
-/* Finds the contacts of the step from time_n to `time`. */
-PetscErrorCode MpmContactsSetUp(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
-                                const MpmPoints *points, MpmParticles *particles, PetscReal time_n, PetscReal time);
-/* Reactions and depths of the converged step; keeps the slips. */
-PetscErrorCode MpmContactsCommit(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
-                                 MpmParticles *particles);

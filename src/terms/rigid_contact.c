@@ -257,10 +257,13 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsSetUp(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
-                                const MpmPoints *points, MpmParticles *particles, PetscReal time_n, PetscReal time)
+/* Finds the contacts of the step. */
+static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
 {
-  PetscReal h = rules->grid->h[0];
+  MpmContacts    *contacts = (MpmContacts *)ctx;
+  const MpmRules *rules    = step->rules;
+  const MpmSpace *space    = step->sum->space;
+  PetscReal       h        = rules->grid->h[0];
 
   PetscFunctionBeginUser;
   PetscCall(PetscFree(contacts->weight));
@@ -272,13 +275,13 @@ PetscErrorCode MpmContactsSetUp(MpmContacts *contacts, const MpmRules *rules, co
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     const PetscReal still[MPM_MAX_DIM] = {0., 0., 0.};
 
-    if (time_n > 0.) MpmBoundaryMotion(&contacts->boundaries[b], time_n, contacts->before[b]);
+    if (step->time_n > 0.) MpmBoundaryMotion(&contacts->boundaries[b], step->time_n, contacts->before[b]);
     else PetscCall(PetscArraycpy(contacts->before[b], still, MPM_MAX_DIM));
-    MpmBoundaryMotion(&contacts->boundaries[b], time, contacts->after[b]);
-    PetscCall(List(contacts, b, rules, space, points));
+    MpmBoundaryMotion(&contacts->boundaries[b], step->time, contacts->after[b]);
+    PetscCall(List(contacts, b, rules, space, step->sum->points));
   }
-  PetscCall(Weights(contacts, rules, space, points));
-  PetscCall(LoadSlips(contacts, particles, space->dim));
+  PetscCall(Weights(contacts, rules, space, step->sum->points));
+  PetscCall(LoadSlips(contacts, step->particles, space->dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -459,9 +462,6 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermContact = {
-  .name = "rigid contact", .residual = Residual, .tangent = Tangent, .apply = Apply, .diagonal = Diagonal};
-
 /* ---- the converged step ---- */
 
 /* The slip is kept while a point touches. */
@@ -485,9 +485,11 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsCommit(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+/* Reactions and depths of the converged step; keeps the slips. */
+static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
-  const PetscInt dim = sum->space->dim;
+  MpmContacts   *contacts = (MpmContacts *)ctx;
+  const PetscInt dim      = sum->space->dim;
   Answer        *answers;
 
   PetscFunctionBeginUser;
@@ -514,3 +516,11 @@ PetscErrorCode MpmContactsCommit(MpmContacts *contacts, const MpmSum *sum, const
                            sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const MpmTerm MpmTermContact = {.name     = "rigid contact",
+                                .prepare  = Prepare,
+                                .residual = Residual,
+                                .tangent  = Tangent,
+                                .apply    = Apply,
+                                .diagonal = Diagonal,
+                                .commit   = Commit};

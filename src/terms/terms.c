@@ -41,6 +41,22 @@ PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->prepare) PetscCall(terms->term[k]->prepare(terms->ctx[k], step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->commit) PetscCall(terms->term[k]->commit(terms->ctx[k], sum, u, particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed)
 {

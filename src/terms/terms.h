@@ -5,19 +5,30 @@
 #include "base/base.h"
 #include "base/types.h"
 
+/* A step from time_n to `time`, as terms prepare for it; the particles' arrays are lent to the sum. */
+typedef struct {
+  const MpmRules *rules;
+  const MpmSum   *sum;
+  MpmParticles   *particles;
+  PetscReal       time_n, time;
+} MpmTermStep;
+
 /*
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
   later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then has no such part.
 
   boxes     boxes of nodes that the term couples, added to a space whose nodes are not numbered yet
+  prepare   what the term needs of the step, once the space is there
   residual  residual += term(u)
   tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL it also does what residual() does
   apply     y += (d term / d u) du; NULL for the points, whose action keeps data of its own (MpmAction)
   diagonal  its diagonal blocks, block^2 values a node
+  commit    what the term keeps of the converged step
 */
 typedef struct {
   const char *name;
   PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+  PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
   PetscErrorCode (*residual)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                              PetscInt *failed);
   PetscErrorCode (*tangent)(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
@@ -25,6 +36,7 @@ typedef struct {
   PetscErrorCode (*apply)(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[], PetscReal y[]);
   PetscErrorCode (*diagonal)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                              PetscInt *failed);
+  PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 } MpmTerm;
 
 extern const MpmTerm MpmTermPoints;    /* the physics at the points (residual.c, tangent.c) */
@@ -45,6 +57,8 @@ PetscErrorCode MpmTermsDestroy(MpmTerms **terms);
 /* The space of the points with the boxes of all terms; `why` as for MpmSpaceBegin(). */
 PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
                                   const MpmPoints *points, const char **why);
+PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
+PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 /* Sums over all terms; `blocks` starts from zero. */
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed);

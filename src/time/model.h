@@ -23,8 +23,9 @@ typedef struct {
   const char *why;      /* the last step was given up */
 } MpmCaller;
 
-/* Results and progress, which are the run's. */
-typedef struct MpmResults MpmResults;
+/* Results and progress, and the test of a stress point, which are the run's. */
+typedef struct MpmResults    MpmResults;
+typedef struct MpmLaboratory MpmLaboratory;
 
 struct _p_MpmModel {
   MPI_Comm          comm;
@@ -38,4 +39,5 @@ struct _p_MpmModel {
   MpmDiscretization disc;
   MpmSolver         solver;
   MpmResults       *results;
+  MpmLaboratory    *laboratory; /* NULL: the scene has a grid and bodies */
 };

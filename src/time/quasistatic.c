@@ -1,6 +1,7 @@
 /*
   One step: space, conditions and loads, Newton, commit.
 */
+#include "base/newton_reason.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
@@ -93,8 +94,8 @@ static MpmRules Rules(MpmModel model)
                     .shape      = model->scene.shape,
                     .edge       = model->scene.edge,
                     .layout     = model->disc.layout,
-                    .wall_count = model->scene.wall_count,
-                    .walls      = model->scene.walls,
+                    .wall_count = model->state.wall_count,
+                    .walls      = model->state.walls,
                     .stretch    = model->scene.stretch,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
@@ -136,14 +137,23 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time)
+{
+  const MpmPrescription step = {model->scene.bcs, model->state.bcs, model->state.time, time};
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Conditions and loads at the step's end. */
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmConstraintsSetUp(model->disc.constraints, model->scene.bcs, model->disc.grid, model->disc.layout,
-                                model->disc.space, model->state.time, time));
-  PetscCall(MpmContactsSetUp(model->disc.contacts, rules, model->disc.space, model->disc.points, model->state.particles,
-                             model->state.time, time));
+  PetscCall(MpmModelPrescribe(model, time));
+  PetscCall(MpmTermsPrepare(model->disc.terms,
+                            &(MpmTermStep){rules, model->disc.sum, model->state.particles, model->state.time, time}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     PetscCall(MpmLoadApply(&model->scene.loads->at[l], MpmModelLoadFactor(model, l, time), rules, model->disc.sum,
@@ -284,7 +294,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(FindTrial(model));
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
-  PetscCall(MpmContactsCommit(model->disc.contacts, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
   PetscCall(PetscArrayzero(model->disc.reaction, model->scene.bcs->count * bs));
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
@@ -295,28 +305,6 @@ static PetscErrorCode Commit(MpmModel model)
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static const char *ReasonText(SNESConvergedReason reason)
-{
-  switch (reason) {
-  case SNES_DIVERGED_FUNCTION_DOMAIN:
-    return "a point had no stress (domain error)";
-  case MPM_SNES_DIVERGED_NAN:
-    return "the residual was not finite";
-  case SNES_DIVERGED_LINEAR_SOLVE:
-    return "the linear solver failed";
-  case SNES_DIVERGED_MAX_IT:
-    return "Newton reached its iteration limit";
-  case SNES_DIVERGED_LINE_SEARCH:
-    return "the line search failed";
-  case SNES_DIVERGED_LOCAL_MIN:
-    return "Newton's step does not lower the residual";
-  case SNES_DIVERGED_DTOL:
-    return "the residual grew without bound";
-  default:
-    return "Newton did not converge";
-  }
 }
 
 /* The residual at the step's start, which the tolerance refers to. */
@@ -375,9 +363,9 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *ret
   PetscCall(Solve(model, &reason));
   if (reason < 0) {
     *retryable = PETSC_TRUE;
-    *why       = ReasonText(reason);
+    *why       = MpmNewtonReason(reason);
     PetscCall(MpmUnconstrainedExplain(model, why, retryable));
-    if (*why == ReasonText(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
+    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *retryable = PETSC_FALSE;

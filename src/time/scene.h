@@ -49,8 +49,6 @@ typedef struct {
   MpmConditions *bcs;
   MpmBoundaries *boundaries;
   MpmLoads      *loads;
-  PetscInt       wall_count; /* of the stage under way */
-  MpmWall       *walls;
   MpmBodyForce   body_force;
   void          *body_force_ctx;
   PetscBool      fbar, fbar_auto;

@@ -457,10 +457,11 @@ PetscBool MpmStagesKeepMass(const MpmModel model)
 
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
-  if (!model->scene.loads->at[load].active) return 0.;
-  if (model->scene.loads->at[load].held) return model->state.load_scale * model->scene.loads->at[load].factor;
-  return model->state.load_scale *
-         MpmRampEvaluate(model->scene.loads->at[load].ramp, time - model->scene.loads->at[load].start);
+  const MpmLoadActing *acting = &model->state.loads[load];
+
+  if (!acting->active) return 0.;
+  if (acting->forced) return model->state.load_scale * acting->factor;
+  return model->state.load_scale * MpmRampEvaluate(model->scene.loads->at[load].ramp, time - acting->start);
 }
 
 /* ---- the points are there ---- */
@@ -566,20 +567,20 @@ static PetscErrorCode ResetDisplacement(MpmModel model)
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
-  model->scene.wall_count = 0;
+  model->state.wall_count = 0;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
-    MpmCondition *bc = &model->scene.bcs->at[b];
-    PetscInt      walls;
+    MpmActing *bc = &model->state.bcs[b];
+    PetscInt   walls;
 
     if (stage->bcs[b] && !bc->active) bc->start = model->state.time_start;
     bc->active = stage->bcs[b];
     if (!bc->active) continue;
-    PetscCall(MpmConditionGetWalls(bc, model->disc.grid, MpmShapeDegree(model->scene.shape), &walls,
-                                   &model->scene.walls[model->scene.wall_count]));
-    model->scene.wall_count += walls;
+    PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape),
+                                   &walls, &model->state.walls[model->state.wall_count]));
+    model->state.wall_count += walls;
   }
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    MpmLoad *load = &model->scene.loads->at[l];
+    MpmLoadActing *load = &model->state.loads[l];
 
     if (stage->loads[l] && !load->active) load->start = model->state.time_start;
     load->active = stage->loads[l];

@@ -18,6 +18,10 @@ typedef struct {
   PetscInt             step, cuts, cuts_total;
   PetscInt             stage;      /* the one under way */
   MpmParked           *parked;     /* per body: points that a later stage adds */
+  MpmActing           *bcs;        /* by the scene's lists: what acts in the stage under way */
+  MpmLoadActing       *loads;
+  PetscInt             wall_count; /* that follow from it */
+  MpmWall             *walls;
   PetscReal            time_start; /* of the stage under way; time_end is its end */
   PetscReal            run_end;
   PetscReal            load_scale;               /* what a geostatic stage applies of its loads; otherwise 1 */

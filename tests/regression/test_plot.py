@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/plot.py without a screen: pictures in 2D and 3D, films, also of bodies that come and go, curves; and what it says
-of what is not there."""
+"""scripts/plot.py without a screen: pictures in 2D and 3D, films, also of bodies that come and go, curves, laboratory tests;
+and what it says of what is not there."""
 import sys
 from pathlib import Path
 
@@ -57,11 +57,18 @@ with Test() as test:
         process = plot(scene, "--field", "von_mises", "--animate", "--output", "film.gif")
         test.check("film.status", process.returncode, 0, 0)
         test.check("film.pictures", Image.open(scene.folder / "film.gif").n_frames, count, count)
+    laboratory = test.run(example("triaxial"), mpm_quiet=None)
+    (laboratory.folder / "measured.csv").write_text("# remark\nstrain_yy,q,p\n-0.01,250e3,\n-0.05,260e3,-187e3\n")
+    check_picture(test, laboratory, "laboratory.png")
+    check_picture(test, laboratory, "measured.png", "--measured", "measured.csv")
+    for name, words in (("measured", ("--measured", "none.csv")), ("columns", ("--measured", "triaxial_summary.json"))):
+        process = plot(laboratory, *words)
+        test.check(f"wrong_{name}", process.returncode == 2 and len(process.stderr.splitlines()) == 1, 1, 1)
     process = plot(plane, "--history", "track_top_uy", "track_toe_ux", "--output", "curves.svg")
     test.check("curves", process.returncode == 0 and "<svg" in (plane.folder / "curves.svg").read_text(), 1, 1)
     for name, words in (("field", ("--field", "colour")), ("step", ("--step", "1")), ("column", ("--history", "load_x")),
                         ("component", ("--field", "stress", "--component", "xyz")), ("map", ("--colours", "none")),
-                        ("tensor", ("--field", "stress"))):
+                        ("tensor", ("--field", "stress")), ("run", ("--measured", "a.csv"))):
         process = plot(plane, *words)
         test.check(f"wrong_{name}", process.returncode == 2 and process.stderr.startswith("plot.py:")
                    and len(process.stderr.splitlines()) == 1, 1, 1)

@@ -5,6 +5,7 @@
   Ranks: 1 2
 */
 #include "terms/rigid.h"
+#include "terms/terms.h"
 #include "scene.h"
 #include "terms/sparsity.h"
 
@@ -280,7 +281,7 @@ static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plast
 static void CheckTouch(MpmModel model)
 {
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
-    SCENE_CALL(MpmContactsCommit(model->disc.contacts, model->disc.sum, model->disc.u, model->state.particles));
+    SCENE_CALL(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
     ck_assert_msg(model->disc.contacts->depth[b] > 0.01 * model->disc.h[0], "boundary %s has a depth of %g",
                   model->scene.boundaries->names[b], (double)model->disc.contacts->depth[b]);
   }

@@ -212,6 +212,29 @@ START_TEST(errors)
 }
 END_TEST
 
+/* A stress point has no steps and points to lend, and says so. */
+START_TEST(laboratory)
+{
+  MpmModel         model;
+  MpmStatus        status;
+  MpmJacobianCheck check;
+  PetscInt         count;
+
+  CALL(MpmModelCreate(PETSC_COMM_WORLD, &model));
+  CALL(MpmModelSetOptions(model, "-mpm_dim 3 -mpm_physics stress_point -mpm_materials m -mpm_material_m_type hencky "
+                                 "-mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 -mpm_point_material m "
+                                 "-mpm_point_path oedometer -mpm_point_end -0.1 -mpm_point_stress -1e3,-2e3,-1e3,0,0,0"));
+  CALL(MpmModelSetFromOptions(model));
+  UNIT_FAILS(MpmModelSetOptions(model, "-mpm_point_end 1"), PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  CALL(MpmModelSetUp(model));
+  CALL(MpmModelSetUp(model));
+  UNIT_FAILS(MpmModelStep(model, &status), PETSC_ERR_SUP, "a stress point is run, not stepped");
+  UNIT_FAILS(MpmModelCheckJacobian(model, 0.01, &check), PETSC_ERR_SUP, "a stress point has no grid's Jacobian");
+  UNIT_FAILS(MpmModelGetPointCount(model, &count, NULL), PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  CALL(MpmModelDestroy(&model));
+}
+END_TEST
+
 /* ---- hooks and loads ---- */
 
 typedef struct {
@@ -374,7 +397,7 @@ static int RunCaptured(int count, char **words, const TTest *const tests[], size
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {interleaved, databases, errors, hooks, points, memory};
+  const TTest *const tests[] = {interleaved, databases, errors, laboratory, hooks, points, memory};
   static char        dump[]  = "-malloc_dump";
   char             **words   = (char **)calloc((size_t)argc + 2, sizeof(char *));
   int                result;

@@ -1,0 +1,20 @@
+#pragma once
+/*
+  A table in a CSV file: a line of names, then a row of numbers each. Lines that start with # are remarks.
+*/
+#include "base/base.h"
+
+/* Start from zeros; `value` holds row by row. */
+typedef struct {
+  PetscInt   columns;
+  char     **name;
+  PetscInt64 rows;
+  PetscReal *value;
+} MpmCsvTable;
+
+#define MPM_CSV_MESSAGE 512
+/* Not collective. What is wrong with the file goes into `message`, which stays as it is where nothing is. */
+PetscErrorCode MpmCsvTableRead(const char *path, MpmCsvTable *table, char message[MPM_CSV_MESSAGE]);
+/* The column of that name, or -1. */
+PetscInt       MpmCsvTableFind(const MpmCsvTable *table, const char *name);
+PetscErrorCode MpmCsvTableDestroy(MpmCsvTable *table);

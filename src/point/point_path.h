@@ -1,0 +1,44 @@
+#pragma once
+/*
+  Paths of laboratory tests: what is prescribed to one point, against time.
+
+  A path is a table of stresses and strains by component, linear between its rows; the tests with a name are tables of two
+  rows, from time 0 to 1.
+
+  Order of calls: MpmPointPathRead(), MpmPointPathBegin(), MpmPointPathAt(), MpmPointPathDestroy().
+*/
+#include "options/options.h"
+#include "point/stress_point.h"
+
+typedef enum {
+  MPM_PATH_ISOTROPIC,
+  MPM_PATH_OEDOMETER,
+  MPM_PATH_TRIAXIAL_DRAINED,
+  MPM_PATH_TRIAXIAL_UNDRAINED,
+  MPM_PATH_BIAXIAL_DRAINED,
+  MPM_PATH_BIAXIAL_UNDRAINED,
+  MPM_PATH_SIMPLE_SHEAR,
+  MPM_PATH_TABLE
+} MpmPathType;
+extern const char *const MpmPathTypes[]; /* their names, NULL behind the last */
+
+typedef struct {
+  MpmPathType      type;
+  MpmStrainMeasure measure;
+  PetscBool        stress[MPM_SPACE_SYM]; /* which components are prescribed as stresses */
+  PetscReal        end;                   /* of a path with a name: strain, Pa, or gamma */
+  PetscInt         steps;                 /* in all; more where rows of the table make it so */
+  PetscInt         rows;
+  PetscReal       *time, *value; /* by row; by row and component */
+  char            *file;         /* of a table */
+} MpmPointPath;
+
+/* The path of the block mpm_point_: path, end, steps, table. Collective. */
+PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrainMeasure measure, MpmPointPath *path);
+/* Once the stress at the start is known, which is where the path begins: a table must begin there too. */
+PetscErrorCode MpmPointPathBegin(const MpmOptions *block, MpmPointPath *path, const PetscReal stress[MPM_SPACE_SYM]);
+/* What is prescribed at a time. */
+void MpmPointPathAt(const MpmPointPath *path, PetscReal time, MpmPointControl *control);
+/* Into how many steps the time from a row to the next is divided. */
+PetscInt       MpmPointPathSteps(const MpmPointPath *path, PetscInt row);
+PetscErrorCode MpmPointPathDestroy(MpmPointPath *path);

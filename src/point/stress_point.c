@@ -1,0 +1,491 @@
+/*
+  One step of a stress point.
+
+  The deformation since the start is a stretch, symmetric, that follows from the strain: rotation is fixed, and the strain's
+  components are what is prescribed or unknown. With U(e) the stretch of the strain e, and F_0 what carries the stress at
+  the start, the law is asked as in any run, with dF = U(e_{n+1}) U(e_n)^{-1}. The unknown strains make the stress meet
+  what is prescribed, in its measure:
+
+    r = tau(dF) - goal  or  tau/J - goal ,   J = det(U F_0)
+
+  by Newton's method with the law's own tangent: tau = P dF^T, where P is the flux of the solid's kernel and its derivative
+  by dF that of the kernel's tangent form, and dF follows dU/de. For a small-strain law P = sigma F_n^T, and J plays no
+  part.
+
+  Rank 0 has all unknowns and all equations, so that the solver's monitors speak once; the answer goes to all ranks.
+*/
+#include <petscsys.h>
+#include <petscblaslapack.h>
+#include "base/newton_reason.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "point/stress_inversion.h"
+#include "point/stress_point.h"
+
+const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
+
+#define NEWTON_RTOL  1e-12
+#define NEWTON_LIMIT 50
+#define NOISE        16. /* machine epsilons of stiffness and stress: the residual that rounding leaves */
+#define STALLED      1e-10 /* of the stress: a residual below this, where a line search gets no further, is rounding too */
+#define STRESS_MET   1e-8 /* relative: how near the stress at the start must be to the wanted one */
+
+static PetscBool IsSmallStrain(const MpmStressPoint *point)
+{
+  return (PetscBool)((point->material->info.traits & MPM_LAW_SMALL_STRAIN) != 0);
+}
+
+/* C = A B, n x n */
+static void Multiply(PetscInt n, const PetscReal A[], const PetscReal B[], PetscReal C[])
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt j = 0; j < n; j++) {
+      C[i * n + j] = 0.;
+      for (PetscInt k = 0; k < n; k++) C[i * n + j] += A[i * n + k] * B[k * n + j];
+    }
+  }
+}
+
+/* A^{-1}, n x n, for det A not 0. */
+static void Invert(PetscInt n, const PetscReal A[], PetscReal inverse[])
+{
+  PetscReal       cofactor[9];
+  const PetscReal J = MpmCofactors(n, A, cofactor);
+
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = 0; j < n; j++) inverse[i * n + j] = cofactor[j * n + i] / J;
+}
+
+/* The block of a 3 x 3 matrix that the model's dimension has. */
+static void Block(PetscInt n, const PetscReal full[9], PetscReal block[])
+{
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = 0; j < n; j++) block[i * n + j] = full[3 * i + j];
+}
+
+/* ---- the law ---- */
+
+/* A step of the law: where it starts and what it does. */
+typedef struct {
+  PetscReal F_n[9], F_n_inverse[9]; /* in all, n x n; and of the stretch since the start */
+  PetscReal dF[9], H[9];
+} Increment;
+
+/* The increment from the state now to the deformation F since the start; PETSC_FALSE where it turns inside out. */
+static PetscBool MakeIncrement(const MpmStressPoint *point, const PetscReal F[9], Increment *increment)
+{
+  const PetscInt n = point->dim;
+  PetscReal      start[9], now[9], next[9];
+
+  Block(n, F, next);
+  Block(n, point->now.F, now);
+  Block(n, point->F_start, start);
+  Multiply(n, now, start, increment->F_n);
+  Invert(n, now, increment->F_n_inverse);
+  Multiply(n, next, increment->F_n_inverse, increment->dF);
+  for (PetscInt k = 0; k < n * n; k++) increment->H[k] = increment->dF[k] - (k % (n + 1) ? 0. : 1.);
+  return (PetscBool)(MpmDeterminant(n, next) > 0.);
+}
+
+static MpmKernelPoint KernelPoint(const MpmStressPoint *point, const Increment *increment)
+{
+  return (MpmKernelPoint){.parameter = point->material->parameter,
+                          .state_n   = point->now.history,
+                          .F_n       = increment->F_n,
+                          .volume0   = 1.,
+                          .dt        = point->dt,
+                          .traits    = point->material->info.traits,
+                          .law       = point->material->law,
+                          .table     = point->material->table};
+}
+
+/* Stress in its measure, six components; history where `history` is not NULL. PETSC_FALSE where the law has no answer. */
+static PetscBool FindStress(const MpmStressPoint *point, const PetscReal F[9], PetscReal stress[MPM_SPACE_SYM],
+                            PetscReal history[])
+{
+  Increment      increment;
+  MpmKernelPoint at;
+  PetscReal      flux[9], F_next[9], sym[MPM_SPACE_SYM] = {0.}, J;
+
+  if (!MakeIncrement(point, F, &increment)) return PETSC_FALSE;
+  at        = KernelPoint(point, &increment);
+  at.state  = history;
+  at.F      = F_next;
+  at.stress = sym;
+  if (point->kernel.residual(&at, increment.H, flux)) return PETSC_FALSE;
+  J = point->stress_measure == MPM_STRESS_CAUCHY || IsSmallStrain(point) ? 1. : MpmDeterminant(point->dim, F_next);
+  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) {
+    stress[s] = J * sym[s];
+    if (PetscIsInfOrNanReal(stress[s])) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* One column of the Jacobian: the stress' derivative by one strain, from P and its derivative by dF. */
+static void Column(const MpmStressPoint *point, const Increment *increment, const PetscReal P[],
+                   const PetscReal tangent[], const PetscReal change[], PetscReal column[9])
+{
+  const PetscInt  n     = point->dim;
+  const PetscBool small = IsSmallStrain(point);
+  PetscReal       A[9], tau[9], cofactor[9], J, dJ = 0., dP[9] = {0.};
+
+  for (PetscInt k = 0; k < n * n; k++)
+    for (PetscInt l = 0; l < n * n; l++) dP[k] += tangent[k * n * n + l] * change[l];
+  if (small) Invert(n, increment->F_n, A);
+  else PetscArraycpy(A, increment->dF, 9);
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt j = 0; j < n; j++) {
+      tau[i * n + j] = column[i * n + j] = 0.;
+      for (PetscInt c = 0; c < n; c++) {
+        tau[i * n + j] += P[i * n + c] * A[j * n + c];
+        column[i * n + j] += dP[i * n + c] * A[j * n + c] + (small ? 0. : P[i * n + c] * change[j * n + c]);
+      }
+    }
+  }
+  if (small || point->stress_measure == MPM_STRESS_KIRCHHOFF) return;
+  J = MpmCofactors(n, increment->dF, cofactor);
+  for (PetscInt k = 0; k < n * n; k++) dJ += cofactor[k] * change[k] / J;
+  J *= MpmDeterminant(n, increment->F_n);
+  for (PetscInt k = 0; k < n * n; k++) column[k] = (column[k] - dJ * tau[k]) / J;
+}
+
+/* ---- Newton ---- */
+
+/* The strain that is prescribed, with the unknowns put in. */
+static void TakeUnknowns(const MpmStressPoint *point, const PetscScalar x[], PetscReal strain[MPM_SPACE_SYM])
+{
+  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) strain[s] = point->control.value[s];
+  for (PetscInt k = 0; k < point->count; k++) strain[point->unknown[k]] = PetscRealPart(x[k]);
+}
+
+/* Rank 0: the residual of the unknowns; infinite where the law has no answer, and the line search backs off. */
+static PetscErrorCode FillResidual(const MpmStressPoint *point, const PetscScalar unknown[], PetscScalar residual[])
+{
+  PetscReal strain[MPM_SPACE_SYM], F[9], stress[MPM_SPACE_SYM];
+  PetscBool good;
+
+  PetscFunctionBeginUser;
+  TakeUnknowns(point, unknown, strain);
+  PetscCall(MpmStretchFromStrain(point->strain_measure, strain, F));
+  good = FindStress(point, F, stress, NULL);
+  for (PetscInt k = 0; k < point->count; k++)
+    residual[k] = good ? stress[point->unknown[k]] - point->control.value[point->unknown[k]] : PETSC_INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every rank takes the array, also of nothing: it tells the vector that norms are to be found anew. */
+static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
+{
+  const MpmStressPoint *point = (const MpmStressPoint *)ctx;
+  const PetscScalar    *unknown;
+  PetscScalar          *residual;
+
+  PetscFunctionBeginUser;
+  (void)snes;
+  PetscCall(VecGetArrayRead(x, &unknown));
+  PetscCall(VecGetArray(f, &residual));
+  if (!point->rank) PetscCall(FillResidual(point, unknown, residual));
+  PetscCall(VecRestoreArray(f, &residual));
+  PetscCall(VecRestoreArrayRead(x, &unknown));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rank 0: the entries of the Jacobian at a strain; none where the law has no answer, as it had none for the residual. */
+static PetscErrorCode FillJacobian(const MpmStressPoint *point, const PetscReal strain[MPM_SPACE_SYM], Mat matrix)
+{
+  const PetscInt n = point->dim;
+  PetscReal      F[9], P[9], tangent[81], block[9], change[9], column[9];
+  Increment      increment;
+  MpmKernelPoint at;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStretchFromStrain(point->strain_measure, strain, F));
+  if (!MakeIncrement(point, F, &increment)) PetscFunctionReturn(PETSC_SUCCESS);
+  at = KernelPoint(point, &increment);
+  if (point->kernel.tangent(&at, increment.H, P, tangent)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < point->count; k++) {
+    PetscReal derivative[9];
+
+    PetscCall(MpmStretchDerivative(point->strain_measure, strain, point->unknown[k], derivative));
+    Block(n, derivative, block);
+    Multiply(n, block, increment.F_n_inverse, change);
+    Column(point, &increment, P, tangent, change, column);
+    for (PetscInt l = 0; l < point->count; l++) {
+      const PetscInt *pair = MpmSpacePairs[point->unknown[l]];
+
+      PetscCall(MatSetValue(matrix, l, k, column[pair[0] * n + pair[1]], INSERT_VALUES));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat matrix, Mat preconditioner, void *ctx)
+{
+  MpmStressPoint    *point = (MpmStressPoint *)ctx;
+  const PetscScalar *unknown;
+  PetscReal          strain[MPM_SPACE_SYM];
+
+  PetscFunctionBeginUser;
+  (void)snes;
+  PetscCall(MatZeroEntries(preconditioner));
+  if (!point->rank) {
+    PetscCall(VecGetArrayRead(x, &unknown));
+    TakeUnknowns(point, unknown, strain);
+    PetscCall(VecRestoreArrayRead(x, &unknown));
+    PetscCall(FillJacobian(point, strain, preconditioner));
+  }
+  PetscCall(MatAssemblyBegin(preconditioner, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(preconditioner, MAT_FINAL_ASSEMBLY));
+  if (matrix != preconditioner) {
+    PetscCall(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SNES' own tests, and the residual that rounding leaves. */
+static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal step, PetscReal fnorm,
+                                      SNESConvergedReason *reason, void *ctx)
+{
+  const MpmStressPoint *point = (const MpmStressPoint *)ctx;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESConvergedDefault(snes, it, xnorm, step, fnorm, reason, NULL));
+  if (*reason == SNES_CONVERGED_ITERATING && fnorm <= point->noise) *reason = SNES_CONVERGED_FNORM_ABS;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the linear solver: LU with pivots by rank 0. PETSc's dense one ends the run where a pivot is zero ---- */
+
+static PetscErrorCode Factor(PC pc)
+{
+  MpmStressPoint    *point;
+  Mat                matrix;
+  const PetscScalar *entries;
+  PetscBLASInt       n, info = 0;
+  int                singular;
+
+  PetscFunctionBeginUser;
+  PetscCall(PCShellGetContext(pc, &point));
+  PetscCall(PCGetOperators(pc, NULL, &matrix));
+  if (!point->rank) {
+    PetscCall(PetscBLASIntCast(point->count, &n));
+    PetscCall(MatDenseGetArrayRead(matrix, &entries));
+    PetscCall(PetscArraycpy(point->factor, entries, point->count * point->count));
+    PetscCall(MatDenseRestoreArrayRead(matrix, &entries));
+    PetscCallBLAS("LAPACKgetrf", LAPACKgetrf_(&n, &n, point->factor, &n, point->pivot, &info));
+  }
+  singular = info != 0;
+  PetscCallMPI(MPI_Bcast(&singular, 1, MPI_INT, 0, point->comm));
+  PetscCall(PCSetFailedReason(pc, singular ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Substitute(PC pc, Vec f, Vec x)
+{
+  MpmStressPoint *point;
+  PetscScalar    *values;
+  PetscBLASInt    n, one = 1, info;
+
+  PetscFunctionBeginUser;
+  PetscCall(PCShellGetContext(pc, &point));
+  PetscCall(VecCopy(f, x));
+  PetscCall(VecGetArray(x, &values));
+  if (!point->rank) {
+    PetscCall(PetscBLASIntCast(point->count, &n));
+    PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &n, &one, point->factor, &n, point->pivot, values, &n, &info));
+  }
+  PetscCall(VecRestoreArray(x, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateSolver(MpmStressPoint *point)
+{
+  const PetscInt own = point->rank ? 0 : point->count;
+  SNESLineSearch search;
+  KSP            ksp;
+  PC             pc;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecCreateMPI(point->comm, own, point->count, &point->x));
+  PetscCall(VecDuplicate(point->x, &point->f));
+  PetscCall(MatCreateDense(point->comm, own, own, point->count, point->count, NULL, &point->jacobian));
+  PetscCall(SNESCreate(point->comm, &point->snes));
+  PetscCall(SNESSetType(point->snes, SNESNEWTONLS));
+  PetscCall(SNESSetTolerances(point->snes, PETSC_DEFAULT, NEWTON_RTOL, 0., NEWTON_LIMIT, PETSC_DEFAULT));
+  PetscCall(SNESSetDivergenceTolerance(point->snes, 1e12));
+  PetscCall(SNESSetFunction(point->snes, point->f, FormFunction, point));
+  PetscCall(SNESSetJacobian(point->snes, point->jacobian, point->jacobian, FormJacobian, point));
+  PetscCall(SNESSetConvergenceTest(point->snes, TestConvergence, point, NULL));
+  PetscCall(SNESGetLineSearch(point->snes, &search));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  PetscCall(SNESGetKSP(point->snes, &ksp));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCSHELL));
+  PetscCall(PCShellSetName(pc, "LU by LAPACK on rank 0"));
+  PetscCall(PCShellSetContext(pc, point));
+  PetscCall(PCShellSetSetUp(pc, Factor));
+  PetscCall(PCShellSetApply(pc, Substitute));
+  PetscCall(SNESSetFromOptions(point->snes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- life ---- */
+
+PetscErrorCode MpmStressPointCreate(MPI_Comm comm, const MpmMaterial *material, PetscInt dim,
+                                    const PetscBool prescribes_stress[MPM_SPACE_SYM], MpmStressPoint *point)
+{
+  MpmPhysics physics;
+  PetscBool  found;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(point, sizeof(*point)));
+  point->comm     = comm;
+  point->material = material;
+  point->dim      = dim;
+  PetscCallMPI(MPI_Comm_rank(comm, &point->rank));
+  PetscCall(MpmPhysicsCreate("solid", &physics, &found));
+  PetscCheck(found, comm, PETSC_ERR_PLIB, "there is no physics solid");
+  point->kernel = physics.kernels[dim];
+  PetscCall(PetscCalloc1(material->state_size, &point->now.history)); /* one by one: steps swap them */
+  PetscCall(PetscCalloc1(material->state_size, &point->next.history));
+  for (PetscInt s = 0; prescribes_stress && s < MPM_SPACE_SYM; s++)
+    if (prescribes_stress[s]) point->unknown[point->count++] = s;
+  if (point->count) PetscCall(CreateSolver(point));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStressPointDestroy(MpmStressPoint *point)
+{
+  PetscFunctionBeginUser;
+  PetscCall(SNESDestroy(&point->snes));
+  PetscCall(MatDestroy(&point->jacobian));
+  PetscCall(VecDestroy(&point->x));
+  PetscCall(VecDestroy(&point->f));
+  PetscCall(PetscFree(point->now.history));
+  PetscCall(PetscFree(point->next.history));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  F and history with a stress. That of stress_inversion.c is Cauchy's: J of a law whose deformation carries the stress is
+  found on the way.
+*/
+static int FindStart(const MpmStressPoint *point, const MpmInitial *initial, const PetscReal stress[MPM_SPACE_SYM],
+                     PetscReal reached[MPM_SPACE_SYM], PetscReal F[9])
+{
+  const PetscBool kirchhoff = (PetscBool)(point->stress_measure == MPM_STRESS_KIRCHHOFF && !IsSmallStrain(point));
+  PetscReal       rest[MPM_INITIAL_STATE], J = 1., J_before;
+  PetscInt        turns = 0;
+
+  MpmMaterialStateAtRest(point->material, point->dim, rest);
+  do {
+    J_before = J;
+    for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] = stress[s] / J;
+    if (MpmInitialFind(initial, rest, reached, F, point->now.history) == 2) return 2;
+    if (kirchhoff) J = MpmDeterminant(point->dim, F);
+  } while (PetscAbsReal(J - J_before) > PETSC_MACHINE_EPSILON && ++turns < 50);
+  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] *= J;
+  return 0;
+}
+
+PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress[MPM_SPACE_SYM], char **why)
+{
+  static const char *const names[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
+  const PetscInt           n       = point->dim;
+  PetscReal                F[9], reached[MPM_SPACE_SYM] = {0.}, largest = 0.;
+  MpmInitial               initial;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  for (PetscInt k = 0; k < 9; k++) point->now.F[k] = point->F_start[k] = k % 4 ? 0. : 1.;
+  PetscCall(PetscArrayzero(point->now.strain, MPM_SPACE_SYM));
+  PetscCall(MpmInitialCreate(point->material, n, &initial));
+  if (FindStart(point, &initial, stress, reached, F)) {
+    PetscCall(MpmTextAppend(why, "material %s has no state with this stress", point->material->name));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = 0; j < n; j++) point->F_start[3 * i + j] = F[i * n + j];
+  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(stress[s]));
+  largest = STRESS_MET * largest + 64. * PETSC_MACHINE_EPSILON * point->material->stiffness;
+  for (PetscInt s = 0; s < MpmSymSize(n) && !*why; s++) {
+    if (PetscAbsReal(reached[s] - stress[s]) <= largest) continue;
+    PetscCall(MpmTextAppend(why,
+                            n == 2 && s == 2 ? "material %s in plane strain makes %s %g Pa of the other components"
+                                             : "material %s cannot bear it: its %s would be %g Pa",
+                            point->material->name, names[s], (double)reached[s]));
+  }
+  PetscCall(PetscArraycpy(point->now.stress, reached, MPM_SPACE_SYM));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a step ---- */
+
+/* The unknown strains by Newton's method; they start from those at the step's start. */
+static PetscErrorCode Solve(MpmStressPoint *point, const char **why)
+{
+  PetscScalar         unknown[MPM_SPACE_SYM] = {0.}, *x;
+  const PetscScalar  *found;
+  PetscReal           largest = 0., norm;
+  SNESConvergedReason reason;
+
+  PetscFunctionBeginUser;
+  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(point->now.stress[s]));
+  for (PetscInt k = 0; k < point->count; k++)
+    largest = PetscMax(largest, PetscAbsReal(point->control.value[point->unknown[k]]));
+  point->noise =
+    NOISE * PETSC_MACHINE_EPSILON * (largest + MpmMaterialStiffness(point->material, point->now.history, NULL));
+  PetscCall(VecGetArray(point->x, &x));
+  for (PetscInt k = 0; k < point->count && !point->rank; k++) x[k] = point->now.strain[point->unknown[k]];
+  PetscCall(VecRestoreArray(point->x, &x));
+  PetscCall(SNESSolve(point->snes, NULL, point->x));
+  PetscCall(SNESGetConvergedReason(point->snes, &reason));
+  PetscCall(SNESGetIterationNumber(point->snes, &point->newton));
+  PetscCall(SNESGetLinearSolveIterations(point->snes, &point->linear));
+  if (reason == SNES_DIVERGED_LINE_SEARCH) {
+    PetscCall(SNESGetFunctionNorm(point->snes, &norm));
+    if (norm <= STALLED * largest) reason = SNES_CONVERGED_FNORM_ABS;
+  }
+  if (reason <= 0) {
+    *why = MpmNewtonReason(reason);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecGetArrayRead(point->x, &found));
+  for (PetscInt k = 0; k < point->count && !point->rank; k++) unknown[k] = found[k];
+  PetscCall(VecRestoreArrayRead(point->x, &found));
+  PetscCallMPI(MPI_Bcast(unknown, MPM_SPACE_SYM, MPIU_SCALAR, 0, point->comm));
+  TakeUnknowns(point, unknown, point->next.strain);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *control, PetscReal dt, const char **why)
+{
+  PetscFunctionBeginUser;
+  *why           = NULL;
+  point->control = *control;
+  point->dt      = dt;
+  point->newton = point->linear = 0;
+  if (control->whole) {
+    PetscCall(PetscArraycpy(point->next.F, control->F, 9));
+    PetscCall(MpmStrainFromDeformation(point->strain_measure, point->next.F, point->next.strain));
+  } else {
+    if (point->count) PetscCall(Solve(point, why));
+    else PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
+    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmStretchFromStrain(point->strain_measure, point->next.strain, point->next.F));
+  }
+  if (!FindStress(point, point->next.F, point->next.stress, point->next.history)) {
+    *why = "the law has no answer";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  {
+    const MpmPointState swap = point->now;
+
+    point->now  = point->next;
+    point->next = swap;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
