@@ -39,12 +39,13 @@ enum { COHESION = ELASTIC_COUNT, FRICTION, DILATION, FIT, VOLUME_CORRECTION };
 
 static const MpmParameter parameters[] = {
   ELASTIC_PARAMETERS,
-  {MPM_NUMBER, "cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL},
-  {MPM_NUMBER, "friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL},
-  {MPM_NUMBER, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL},
-  {MPM_WORD, "fit", "", 0., 0, 0., 2., 0, "where the cone meets Mohr-Coulomb", "compression|extension|plane_strain"},
+  {MPM_NUMBER, "cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL, 5e3, NULL},
+  {MPM_NUMBER, "friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL, 30., NULL},
+  {MPM_NUMBER, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL, 10., NULL},
+  {MPM_WORD, "fit", "", 0., 0, 0., 2., 0, "where the cone meets Mohr-Coulomb", "compression|extension|plane_strain", 0.,
+   NULL},
   {MPM_WORD, "volume_correction", "", 1., 0, 0., 1., 0,
-   "return volume gained at the apex before compression meets resistance", "off|on"}};
+   "return volume gained at the apex before compression meets resistance", "off|on", 0., NULL}};
 
 enum { STATE_B = 0, STATE_V = MPM_SYM };
 
@@ -148,12 +149,13 @@ MPM_FN int MpmMaterialEvaluate_drucker_prager(const MpmLawPoint *point, const Te
   return 0;
 }
 
-static int MpmMaterialCheck_drucker_prager(const double *parameter, const MpmLawTable *table, const char **why)
+static int MpmMaterialCheck_drucker_prager(const double *parameter, const MpmLawTable *table, MpmLawFault *fault)
 {
+  const MpmLawFault above = {DILATION, 0., parameter[FRICTION], 0, "dilation must not exceed friction"};
+
   (void)table;
-  if (parameter[DILATION] <= parameter[FRICTION]) return 1;
-  *why = "dilation must not exceed friction";
-  return 0;
+  *fault = above;
+  return parameter[DILATION] <= parameter[FRICTION];
 }
 
 MPM_LAW(drucker_prager, MPM_LAW_PLASTIC, "Drucker-Prager plasticity with cohesion, dilation and volume correction",

@@ -14,8 +14,8 @@
 
 /* The options -mpm_material_<name>_<parameter>, in the order in which the kernel finds the numbers in
    point->parameter. Every law has `density`. ELASTIC_PARAMETERS is density, E, nu; further rows look like
-   {MPM_NUMBER, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "what it is", NULL}: kind, name, unit, default, required,
-   range, open range, help, choices. */
+   {MPM_NUMBER, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "what it is", NULL, 100e3, NULL}: kind, name, unit, default,
+   required, range, open range, help, choices, a typical value, another parameter whose value is the default. */
 static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 
 /* The state of a point, in the order in which the kernel finds it in point->state_n. A law with history

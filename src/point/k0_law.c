@@ -15,11 +15,11 @@
 enum { DENSITY, MODULUS, RATIO, AXIS, REGULAR };
 
 static const MpmParameter parameters[] = {
-  {MPM_NUMBER, "density", "kg/m3", 0., 1, 0., HUGE_VAL, 0, "mass density", NULL},
-  {MPM_NUMBER, "modulus", "Pa", 0., 1, 0., HUGE_VAL, 1, "modulus", NULL},
-  {MPM_NUMBER, "ratio", "-", 0., 1, 0., HUGE_VAL, 0, "horizontal over vertical stress", NULL},
-  {MPM_NUMBER, "axis", "-", 0., 1, 0., 2., 0, "the vertical one", NULL},
-  {MPM_NUMBER, "regular", "-", 0., 1, 0., 1., 0, "part of an isotropic stiffness", NULL},
+  {MPM_NUMBER, "density", "kg/m3", 0., 1, 0., HUGE_VAL, 0, "mass density", NULL, 0., NULL},
+  {MPM_NUMBER, "modulus", "Pa", 0., 1, 0., HUGE_VAL, 1, "modulus", NULL, 0., NULL},
+  {MPM_NUMBER, "ratio", "-", 0., 1, 0., HUGE_VAL, 0, "horizontal over vertical stress", NULL, 0., NULL},
+  {MPM_NUMBER, "axis", "-", 0., 1, 0., 2., 0, "the vertical one", NULL, 0., NULL},
+  {MPM_NUMBER, "regular", "-", 0., 1, 0., 1., 0, "part of an isotropic stiffness", NULL, 0., NULL},
 };
 
 static const MpmStateVariable states[] = {{"stress", MPM_STATE_SYM, 0., "Pa"}};

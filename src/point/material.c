@@ -97,6 +97,34 @@ static PetscErrorCode PrintLaws(const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A parameter whose default may be the value of one that has been read */
+static MpmParameter WithDefault(const MpmMaterial *material, size_t k)
+{
+  MpmParameter parameter = material->info.parameters[k];
+
+  for (size_t i = 0; parameter.same_as && i < k; i++)
+    if (!strcmp(material->info.parameters[i].name, parameter.same_as)) parameter.fallback = material->parameter[i];
+  return parameter;
+}
+
+/* Parameters that contradict each other end the run. */
+static PetscErrorCode CheckParameters(const MpmMaterial *material)
+{
+  MpmLawFault fault = {-1, PETSC_NINFINITY, PETSC_INFINITY, 0, "contradictory parameters"};
+  char        range[MPM_RANGE_TEXT], value[MPM_NUMBER_TEXT];
+
+  PetscFunctionBeginUser;
+  if (!material->info.check || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (material->info.check(material->parameter, material->table, &fault)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(fault.parameter >= 0, "-mpm_material_%s: %s", material->name, fault.why);
+  MpmRangeText((MpmRange){fault.lower, fault.upper, (PetscBool)(fault.open != 0)}, range);
+  MpmRealText(material->parameter[fault.parameter], value);
+  MpmCheckInput(PETSC_FALSE, "-mpm_material_%s_%s %s: must %s %s %s: %s", material->name,
+                material->info.parameters[fault.parameter].name, value, strncmp(range, "in ", 3) ? "be" : "lie", range,
+                material->info.parameters[fault.parameter].unit, fault.why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material)
 {
   char         prefix[256];
@@ -122,16 +150,19 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->table));
   if (!given) PetscCall(PrintLaws(&block));
   for (size_t i = 0; given && i < material->info.parameter_count; i++) {
-    PetscCall(MpmParameterRead(&block, &material->info.parameters[i], &material->parameter[i], &material->table[i]));
+    const MpmParameter parameter = WithDefault(material, i);
+
+    PetscCall(MpmParameterRead(&block, &parameter, &material->parameter[i], &material->table[i]));
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
   }
-  if (material->info.check) {
-    const char *why = "contradictory parameters";
+  PetscCall(CheckParameters(material));
+  if (material->info.symmetric) {
+    const PetscBool symmetric = (PetscBool)(material->info.symmetric(material->parameter, material->table) != 0);
 
-    MpmCheckInput(MpmOptionsHelp() || material->info.check(material->parameter, material->table, &why),
-                  "-mpm_material_%s: %s", name, why);
+    material->info.traits =
+      (material->info.traits & ~(unsigned)MPM_LAW_SYMMETRIC) | (symmetric ? MPM_LAW_SYMMETRIC : 0);
   }
   material->stiffness = MpmMaterialStiffness(material, NULL, NULL);
   if (material->penalty == 0.) material->penalty = material->stiffness;

@@ -8,6 +8,8 @@
   I + H, and tau = J sigma.
 
   A goal outside the yield surface has no solution: the elastic guess is then handed to the law, whose return moves it.
+
+  A law that gives its history from a stress (MpmLawInfo) is asked instead, and then evaluated at rest.
 */
 #include "point/material.h"
 #include "point/registry.h"
@@ -207,6 +209,23 @@ static void CopyState(const MpmMaterial *material, PetscInt from_dim, PetscInt t
   }
 }
 
+/* The law's own history for the stress; non-zero where it has none. 1 in *moved: the yield surface has moved the stress. */
+static int AskForHistory(const MpmInitial *initial, PetscReal before[], const PetscReal goal[], PetscReal after[],
+                         PetscReal reached[], int *moved)
+{
+  const PetscReal rest[SYM_MAX] = {0.};
+  PetscReal       F[9], largest = 0., off = 0.;
+
+  if (initial->history(initial->material->parameter, initial->material->table, goal, before)) return 1;
+  if (Take(initial, before, rest, after, F, reached)) return 1;
+  for (PetscInt s = 0; s < SYM_MAX; s++) {
+    largest = PetscMax(largest, PetscAbsReal(goal[s]));
+    off     = PetscMax(off, PetscAbsReal(reached[s] - goal[s]));
+  }
+  *moved = off > 1e-9 * largest + 64. * PETSC_MACHINE_EPSILON * initial->material->stiffness;
+  return 0;
+}
+
 static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
 {
   MpmPhysics physics;
@@ -223,6 +242,7 @@ static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
     PetscCheck(found, PETSC_COMM_SELF, PETSC_ERR_PLIB, "law %s is not compiled for a solid",
                initial->material->info.name);
     initial->law[form] = info.law;
+    initial->history   = info.history;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -234,8 +254,8 @@ static PetscErrorCode FindWhetherItRemembers(MpmInitial *initial)
   PetscReal      *state, *after, *again, F[9], one[SYM_MAX], two[SYM_MAX], J;
 
   PetscFunctionBeginUser;
-  initial->stateful = PETSC_FALSE;
-  if (!initial->material->state_size) PetscFunctionReturn(PETSC_SUCCESS);
+  initial->stateful = (PetscBool)(initial->history != NULL);
+  if (initial->stateful || !initial->material->state_size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc3((2 * initial->material->state_size), &state, (2 * initial->material->state_size), &after,
                          (2 * initial->material->state_size), &again));
   MpmMaterialStateAtRest(initial->material, initial->dim, state);
@@ -276,8 +296,13 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
   } else
     for (PetscInt s = 0; s < size; s++) goal[s] = stress[s];
   CopyState(initial->material, dim, initial->dim, state_n, before);
-  moved = FindGradient(initial, before, goal, h);
-  if (Take(initial, before, h, after, full, reached)) return 2;
+  if (initial->history) {
+    Identity(initial->dim, full);
+    if (AskForHistory(initial, before, goal, after, reached, &moved)) return 2;
+  } else {
+    moved = FindGradient(initial, before, goal, h);
+    if (Take(initial, before, h, after, full, reached)) return 2;
+  }
   CopyState(initial->material, initial->dim, dim, after, state);
   for (PetscInt s = 0; s < size; s++)
     stress[s] = reached[s] * (initial->stateful ? MpmDeterminant(initial->dim, full) : 1.);

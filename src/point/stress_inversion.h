@@ -16,6 +16,7 @@ typedef struct {
   MpmKernelSet       kernel;
   MpmFunction        law[MPM_FORM_COUNT];
   PetscInt           dim, model_dim; /* of the kernel, and of the model */
+  int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   PetscBool          stateful;
 } MpmInitial;
 

@@ -10,7 +10,8 @@
 #include "talus/point/elasticity.h"
 
 static const MpmParameter parameters[] = {
-  ELASTIC_PARAMETERS, {MPM_NUMBER, "stiffening", "-", 0.5, 0, 0., 100., 0, "exponent k of the stiffening", NULL}};
+  ELASTIC_PARAMETERS,
+  {MPM_NUMBER, "stiffening", "-", 0.5, 0, 0., 100., 0, "exponent k of the stiffening", NULL, 0., NULL}};
 
 static const MpmStateVariable states[] = {{"largest_stretch", MPM_STATE_SCALAR, 3., "-"}};
 

@@ -59,9 +59,9 @@ static const MpmField fields[] = {
    .scale      = MPM_SCALE_ONE},
 };
 static const MpmParameter parameters[] = {
-  {MPM_NUMBER, "push", "Pa", 0.3, 0, -HUGE_VAL, HUGE_VAL, 0, "pressure of the solvent", NULL},
-  {MPM_NUMBER, "source", "1/s", 0.1, 0, -HUGE_VAL, HUGE_VAL, 0, "solvent that comes with the volume", NULL},
-  {MPM_NUMBER, "diffusivity", "m2/s", 0.5, 0, 0., HUGE_VAL, 0, "how fast the solvent spreads", NULL},
+  {MPM_NUMBER, "push", "Pa", 0.3, 0, -HUGE_VAL, HUGE_VAL, 0, "pressure of the solvent", NULL, 0., NULL},
+  {MPM_NUMBER, "source", "1/s", 0.1, 0, -HUGE_VAL, HUGE_VAL, 0, "solvent that comes with the volume", NULL, 0., NULL},
+  {MPM_NUMBER, "diffusivity", "m2/s", 0.5, 0, 0., HUGE_VAL, 0, "how fast the solvent spreads", NULL, 0., NULL},
 };
 static const MpmStateVariable states[] = {{"most_solvent", MPM_STATE_SCALAR, 0., "-"}};
 MPM_PHYSICS(swelling, .summary = "a solid that swells with what diffuses through it", .field_count = MPM_ROWS(fields),

@@ -8,9 +8,10 @@
 enum { DENSITY, G, COEFFICIENTS };
 
 static const MpmParameter parameters[] = {
-  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL},
-  {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus", NULL},
-  {MPM_DATA, "coefficients", "Pa", 0., 1, 0., HUGE_VAL, 0, "of the pressure in powers of the volumetric strain", NULL}};
+  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL, 0., NULL},
+  {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus", NULL, 0., NULL},
+  {MPM_DATA, "coefficients", "Pa", 0., 1, 0., HUGE_VAL, 0, "of the pressure in powers of the volumetric strain", NULL,
+   0., NULL}};
 
 static const MpmStateVariable states[] = MPM_NO_STATE;
 

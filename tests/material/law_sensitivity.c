@@ -55,7 +55,7 @@ static double Scale(const Setting *setting, Kind kind, int k, double value)
   const MpmParameter *parameter = &law->info[PLAIN].parameters[k];
   double              scale     = kind == TABLE && k % 2 == 0 ? 0.01 : fabs(value);
 
-  if (kind == STATE || kind == F_N || kind == D_F) return 0.02;
+  if (kind == STATE || kind == F_N || kind == D_F) return 0.005;
   if (kind == TABLE) return scale;
   if (scale == 0.) scale = !strcmp(parameter->unit, "Pa") ? 1e-3 * PointStiffness(&setting->point) : 1.;
   if (isfinite(parameter->upper) && value < parameter->upper) scale = fmin(scale, parameter->upper - value);
@@ -141,8 +141,9 @@ static void CheckComponent(const Setting *setting, Kind kind, int k, int sample,
   double     expected[MAX_ANSWER];
 
   if (!x) return;
-  along.point.law             = law;
-  scale                       = Scale(setting, kind, k, *x);
+  along.point.law = law;
+  scale           = Scale(setting, kind, k, *x);
+  if (kind == PARAMETER && *x - 1e-2 * scale < law->info[PLAIN].parameters[k].lower) return; /* no difference there */
   *Component(&along, kind, k) = scale;
   ck_assert_int_eq(Derivative(setting, &along, answer, derivative), 0);
   Difference(setting, kind, k, scale, n, expected, &doubt);
@@ -206,7 +207,7 @@ START_TEST(test_against_other_forms)
       for (int c = 0; c < DIM2; ++c) expected[i] += dtau[i * DIM2 + c] * along.dF[c] / PointStiffness(&setting.point);
     }
     ck_assert_double_le(MaxDifference(SYM + LawStateSize(law), answer, plain), 4e-15);
-    ck_assert_double_le(MaxDifference(SYM, derivative, expected), 4e-14);
+    ck_assert_double_le(MaxDifference(SYM, derivative, expected), 1e-13);
   }
 }
 END_TEST

@@ -140,19 +140,30 @@ void RandomRotation(double *R)
 
 /* ---- points ---- */
 
-/* Moduli of 1 to 100 MPa, strengths of 1e-4 to 1e-2 of Young's modulus so that paths with strains of a few per cent
-   reach them */
+#define TYPICAL_E 30e6
+
+/*
+  About the typical value, stresses and moduli of a law times one factor of 0.1 to 10, by which E is of 3 to 300 MPa.
+  Without a typical value by range and unit, strengths 1e-4 to 1e-2 of E, so that paths with strains of a few per cent
+  reach them.
+*/
 static double RandomParameter(const MpmParameter *parameter, double E, int degenerate)
 {
-  const double upper = isfinite(parameter->upper) ? parameter->upper : 10.;
+  const double upper = isfinite(parameter->upper) ? parameter->upper : 10., typical = parameter->typical;
+  double       value;
 
   if (parameter->kind == MPM_WORD) return floor(RandomUniform(parameter->lower, parameter->upper + 1.));
   if (degenerate && !parameter->open && RandomUniform(0., 1.) < 0.25) return parameter->lower;
-  if (!strcmp(parameter->name, "E") || !strcmp(parameter->name, "G")) return E;
+  if (isinf(parameter->fallback) && RandomUniform(0., 1.) < 0.25) return parameter->fallback; /* left out */
+  if (!strcmp(parameter->name, "E") || (!strcmp(parameter->name, "G") && typical == 0.)) return E;
   if (!strcmp(parameter->name, "nu")) return RandomUniform(-0.3, 0.48);
-  if (!strcmp(parameter->unit, "Pa")) return E * pow(10., RandomUniform(-4., -2.));
-  if (!strcmp(parameter->unit, "degrees")) return RandomUniform(fmax(1., parameter->lower), fmin(45., upper));
-  return RandomUniform(parameter->lower, upper);
+  if (typical == 0. && !strcmp(parameter->unit, "Pa")) return E * pow(10., RandomUniform(-4., -2.));
+  if (typical == 0. && !strcmp(parameter->unit, "degrees"))
+    return RandomUniform(fmax(1., parameter->lower), fmin(45., upper));
+  if (typical == 0.) return RandomUniform(parameter->lower, upper);
+  if (!strcmp(parameter->unit, "Pa")) value = typical * E / TYPICAL_E * pow(10., RandomUniform(-0.5, 0.5));
+  else value = typical * RandomUniform(0.5, 1.5);
+  return fmin(fmax(value, parameter->lower), parameter->upper);
 }
 
 /* Growing numbers, so that no law softens; the x of a table begin on the side of compression. */
@@ -171,20 +182,25 @@ static void RandomData(const MpmParameter *parameter, double E, double data[MAX_
 void PointCreate(const Law *law, int degenerate, Point *point)
 {
   const MpmLawInfo *info = &law->info[PLAIN];
-  const char       *why;
+  MpmLawFault       fault;
   MpmLawTable       table[MAX_PARAMETERS];
 
   memset(point, 0, sizeof *point);
   point->law = law;
   do {
-    const double E = pow(10., RandomUniform(6., 8.));
+    const double E    = TYPICAL_E * pow(10., RandomUniform(-1., 1.));
+    double       left = 0.; /* the least share of parameters that are the defaults of others: all of it, or 0.3 */
 
     for (size_t p = 0; p < info->parameter_count; ++p) {
       if (info->parameters[p].kind >= MPM_TABLE) RandomData(&info->parameters[p], E, point->data[p]);
-      else point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
+      else if (info->parameters[p].same_as) {
+        if (left == 0.) left = RandomUniform(0., 1.) < 0.3 ? 1. : 0.3;
+        point->parameter[p] =
+          RandomUniform(left, 1.) * point->parameter[LawParameter(law, info->parameters[p].same_as)];
+      } else point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
     }
     PointInput(point, NULL, table);
-  } while (info->check && !info->check(point->parameter, table, &why));
+  } while (info->check && !info->check(point->parameter, table, &fault));
   PointReset(point);
 }
 
@@ -263,6 +279,19 @@ double PointStiffnessAt(const Point *point)
 void PointSet(Point *point, const char *parameter, double value)
 {
   point->parameter[LawParameter(point->law, parameter)] = value;
+}
+
+void PointSetPrincipal(Point *point, const double *stress)
+{
+  const double E  = point->parameter[LawParameter(point->law, "E")];
+  const double nu = point->parameter[LawParameter(point->law, "nu")];
+  double      *b  = &point->state[LawState(point->law, "elastic_left_cauchy_green")];
+
+  for (int i = 0; i < SYM; ++i) {
+    const double e = i < 3 ? (stress[i] - nu * (stress[(i + 1) % 3] + stress[(i + 2) % 3])) / E : 0.;
+
+    b[i] = i < 3 ? exp(2. * e) : 0.;
+  }
 }
 
 /* ---- small matrices ---- */

@@ -241,16 +241,6 @@ static void MohrCoulombPoint(int fit, double c, double phi, double p, double *st
   ck_assert_double_eq_tol(fabs(stress[0] - stress[1]) + (stress[0] + stress[1]) * s, k, 1e-9 * fabs(p));
 }
 
-/* Sets the elastic state to that of a principal stress */
-static void SetStress(Point *point, const double *stress)
-{
-  const double E  = point->parameter[LawParameter(point->law, "E")];
-  const double nu = point->parameter[LawParameter(point->law, "nu")];
-
-  for (int i = 0; i < 3; ++i)
-    point->state[i] = exp(2. / E * (stress[i] - nu * (stress[(i + 1) % 3] + stress[(i + 2) % 3])));
-}
-
 /* The cone passes through Mohr-Coulomb's surface where its fit says: just inside it is elastic, and from outside,
    dilation 0, it returns there. */
 START_TEST(test_drucker_prager_fit)
@@ -263,7 +253,7 @@ START_TEST(test_drucker_prager_fit)
   MohrCoulombPoint(_i, c, phi, p, surface);
   for (int k = 0; k < 2; ++k) {
     for (int i = 0; i < 3; ++i) moved[i] = p + (k ? 1.2 : 1. - 1e-9) * (surface[i] - p);
-    SetStress(&point, moved);
+    PointSetPrincipal(&point, moved);
     ck_assert_int_eq(PointEvaluate(&point, PLAIN, I, tau, NULL), 0);
     for (int i = 0; i < 3; ++i) ExpectNear(k ? "from outside" : "inside", tau[i], k ? surface[i] : moved[i], 1e-6);
   }
@@ -280,7 +270,7 @@ START_TEST(test_drucker_prager_dilation)
   double       tau[SYM], deviator[SYM], I[DIM2], p, J2, trial[SYM] = {-3e4, -1e4, -2e4}, p_trial, J2_trial;
 
   Identity(I);
-  SetStress(&point, stress);
+  PointSetPrincipal(&point, stress);
   ck_assert_int_eq(PointEvaluate(&point, PLAIN, I, tau, NULL), 0);
   J2_trial = SqrtJ2(trial, &p_trial, deviator);
   J2       = SqrtJ2(tau, &p, deviator);
@@ -360,6 +350,7 @@ START_TEST(test_drucker_prager_volume_correction)
 }
 END_TEST
 
+TCase *MohrCoulombCase(void);
 Suite *LawValuesSuite(void);
 
 Suite *LawValuesSuite(void)
@@ -380,5 +371,6 @@ Suite *LawValuesSuite(void)
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   tcase_add_loop_test(tcase, test_drucker_prager_fit, COMPRESSION, PLANE_STRAIN + 1);
   suite_add_tcase(suite, tcase);
+  suite_add_tcase(suite, MohrCoulombCase());
   return suite;
 }

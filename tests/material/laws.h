@@ -59,6 +59,8 @@ int    PointEvaluate(const Point *point, int instance, const double *dF, double 
 double PointStiffness(const Point *point);   /* at rest */
 double PointStiffnessAt(const Point *point); /* at the point's state */
 void   PointSet(Point *point, const char *parameter, double value);
+/* Of a law of Hencky's elasticity: sets the elastic strain to that of principal Kirchhoff stresses along x, y, z */
+void PointSetPrincipal(Point *point, const double *stress);
 
 void   Identity(double *A);
 void   Multiply(const double *A, const double *B, double *C);

@@ -12,10 +12,11 @@
 enum { DENSITY, G, PRESSURE, YIELD };
 
 static const MpmParameter parameters[] = {
-  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL},
-  {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus", NULL},
-  {MPM_TABLE, "pressure", "-:Pa", 0., 1, -HUGE_VAL, HUGE_VAL, 0, "mean stress over the logarithm of J", NULL},
-  {MPM_TABLE, "yield", "-:Pa", 0., 1, 0., HUGE_VAL, 1, "yield stress over the equivalent plastic strain", NULL}};
+  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL, 0., NULL},
+  {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus", NULL, 0., NULL},
+  {MPM_TABLE, "pressure", "-:Pa", 0., 1, -HUGE_VAL, HUGE_VAL, 0, "mean stress over the logarithm of J", NULL, 0., NULL},
+  {MPM_TABLE, "yield", "-:Pa", 0., 1, 0., HUGE_VAL, 1, "yield stress over the equivalent plastic strain", NULL, 0.,
+   NULL}};
 
 enum { STATE_B = 0, STATE_ALPHA = MPM_SYM };
 

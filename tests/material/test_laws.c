@@ -292,12 +292,13 @@ START_TEST(test_equal_principal_values)
     Stretch(R, x, x, z, dF);
     ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, dF, tau, equal), 0);
     CheckTangent(&point, dF, sample, &columns, &kinks);
-    for (double delta = 1e-15; delta < 2e-4; delta *= 3., ++sample) {
+    for (double delta = 1e-16; delta < 2e-4; delta *= 3., ++sample) {
       Stretch(R, x * (1. + delta), x, z * (1. - 0.5 * delta), dF);
       ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, dF, tau, near), 0);
       /* a plastic law has a kink where the deviator, 0 at first, reaches its strength */
       if (z == x && delta > 1e-6) continue;
       CHECK_SMALL(MaxDifference(SYM * DIM2, near, equal), (1e-13 + 2000. * delta) * stiffness, "change of the tangent");
+      if (sample % 4 == 0 && delta < 1e-6) CheckTangent(&point, dF, sample, &columns, &kinks);
     }
   }
   ck_assert_int_le(10 * kinks, columns);
@@ -448,17 +449,43 @@ static void PiolaTangent(const Law *law, const double *dF, const double *tau, co
   }
 }
 
+/* As Sample(), of a law that is symmetric by its parameters with such ones: associated flow, and what has another's value
+   as its default has it. With others it must say that it is not. */
+static void SymmetricSample(const Law *law, int sample, Point *point)
+{
+  const MpmLawInfo *info     = &law->info[PLAIN];
+  const int         friction = LawParameter(law, "friction"), dilation = LawParameter(law, "dilation");
+  MpmLawTable       table[MAX_PARAMETERS];
+
+  Sample(law, sample, point);
+  if (!info->symmetric) return;
+  PointCreate(law, sample % 2, point);
+  for (size_t p = 0; p < info->parameter_count; ++p)
+    if (info->parameters[p].same_as)
+      point->parameter[p] = point->parameter[LawParameter(law, info->parameters[p].same_as)];
+  PointInput(point, NULL, table);
+  if (friction >= 0 && dilation >= 0 && point->parameter[friction] != point->parameter[dilation]) {
+    ck_assert(!info->symmetric(point->parameter, table));
+    point->parameter[dilation] = point->parameter[friction];
+    for (size_t p = 0; p < info->parameter_count; ++p)
+      if (info->parameters[p].same_as)
+        point->parameter[p] = point->parameter[LawParameter(law, info->parameters[p].same_as)];
+  }
+  ck_assert(info->symmetric(point->parameter, table));
+  PointRandomPath(point, sample % 4, pow(10., RandomUniform(-3.5, -1.5)));
+}
+
 START_TEST(test_symmetry)
 {
   const Law *law = LawGet(_i);
 
-  if (!(law->info[PLAIN].traits & MPM_LAW_SYMMETRIC)) return;
+  if (!(law->info[PLAIN].traits & MPM_LAW_SYMMETRIC) && !law->info[PLAIN].symmetric) return;
   RandomSeed(10);
   for (int sample = 0; sample < SAMPLES; ++sample) {
     Point  point;
     double dF[DIM2], tau[SYM], dtau[SYM * DIM2], A[DIM2 * DIM2], transposed[DIM2 * DIM2];
 
-    Sample(law, sample, &point);
+    SymmetricSample(law, sample, &point);
     if (IsSmallStrain(law)) Identity(point.F);
     RandomMatrix(0.02, dF);
     ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, dF, tau, dtau), 0);
@@ -493,6 +520,65 @@ START_TEST(test_no_answer)
 }
 END_TEST
 
+/* 100 000 increments of up to 20 per cent from wherever paths of them lead: an answer that is a number, or a refusal, of
+   which there are fewer than 1 in 100. */
+START_TEST(test_large_increments)
+{
+  const Law *law   = LawGet(_i);
+  const int  paths = 10000, steps = 10;
+  int        refused = 0;
+
+  RandomSeed(13);
+  for (int path = 0; path < paths; ++path) {
+    Point point;
+
+    PointCreate(law, path % 2, &point);
+    for (int step = 0; step < steps; ++step) {
+      double dF[DIM2], tau[SYM];
+
+      RandomMatrix(0.2, dF);
+      if (PointStep(&point, dF, tau)) {
+        ++refused;
+        continue;
+      }
+      if (!(isfinite(MaxNorm(SYM, tau)) &&
+            isfinite(MaxNorm(LawStateSize(law), point.state)))) /* asserting takes time */
+        ck_abort_msg("%s, path %d, step %d: not a number", law->info[PLAIN].name, path, step);
+    }
+  }
+  ck_assert_msg(100 * refused < paths * steps, "%s: %d of %d refused", law->info[PLAIN].name, refused, paths * steps);
+}
+END_TEST
+
+/* History that a law gives for a stress has that stress. */
+START_TEST(test_history_from_stress)
+{
+  const Law        *law  = LawGet(_i);
+  const MpmLawInfo *info = &law->info[PLAIN];
+
+  if (!info->history) return;
+  RandomSeed(14);
+  for (int sample = 0; sample < SAMPLES; ++sample) {
+    Point       point;
+    double      dF[DIM2], wanted[SYM], tau[SYM], strange[SYM];
+    MpmLawTable table[MAX_PARAMETERS];
+
+    Sample(law, sample, &point);
+    RandomMatrix(5e-3, dF);
+    ck_assert_int_eq(PointStep(&point, dF, wanted), 0);
+    PointInput(&point, NULL, table);
+    ck_assert_int_eq(info->history(point.parameter, table, wanted, point.state), 0);
+    Identity(dF);
+    Identity(point.F);
+    ck_assert_int_eq(PointStep(&point, dF, tau), 0);
+    CHECK_SMALL(MaxDifference(SYM, tau, wanted), 1e-13 * PointStiffness(&point), "stress off the wanted one");
+    memcpy(strange, wanted, sizeof strange);
+    strange[0] = NAN;
+    ck_assert_int_ne(info->history(point.parameter, table, strange, point.state), 0);
+  }
+}
+END_TEST
+
 static Suite *LawsSuite(void)
 {
   Suite             *suite   = suite_create(DIM == 2 ? "laws in plane strain" : "laws in 3D");
@@ -508,7 +594,9 @@ static Suite *LawsSuite(void)
                                 test_state_round_trip,
                                 test_symmetry,
                                 test_no_answer,
-                                test_stiffness};
+                                test_stiffness,
+                                test_large_increments,
+                                test_history_from_stress};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_loop_test(tcase, tests[t], 0, LawCount());
   tcase_set_timeout(tcase, 60.);

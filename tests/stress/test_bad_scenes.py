@@ -43,6 +43,8 @@ GOOD = {
     "mpm_track_top_at": "2,2",
     "mpm_output_prefix": "bad",
 }
+COULOMB = {"mpm_material_soil_type": "mohr_coulomb", "mpm_material_soil_friction": "30",
+           "mpm_material_soil_dilation": "10", "mpm_material_soil_cohesion": "1e3"}
 J2 = {"mpm_material_soil_type": "j2", "mpm_material_soil_yield_stress": "1e4"}
 PRAGER = {"mpm_material_soil_type": "drucker_prager", "mpm_material_soil_friction": "30",
           "mpm_material_soil_dilation": "0", "mpm_material_soil_cohesion": "1e3"}
@@ -111,6 +113,20 @@ CASES = [
     ("friction of a right angle", {**PRAGER, "mpm_material_soil_friction": "90"}, "-mpm_material_soil_friction"),
     ("cohesion negative", {**PRAGER, "mpm_material_soil_cohesion": "-1"}, "-mpm_material_soil_cohesion"),
     ("unknown fit", {**PRAGER, "mpm_material_soil_fit": "tight"}, "-mpm_material_soil_fit"),
+    ("Mohr-Coulomb's friction of a right angle", {**COULOMB, "mpm_material_soil_friction": "90"},
+     "-mpm_material_soil_friction 90: must lie in [0, 89]"),
+    ("dilation above friction", {**COULOMB, "mpm_material_soil_dilation": "31"},
+     "-mpm_material_soil_dilation 31: must lie in [0, 30] degrees"),
+    ("tension beyond the apex", {**COULOMB, "mpm_material_soil_tension": "1733"},
+     "-mpm_material_soil_tension 1733: must lie in [0, 1732.05"),
+    ("residual cohesion above cohesion", {**COULOMB, "mpm_material_soil_cohesion_residual": "1001",
+                                          "mpm_material_soil_softening_strain": "0.1"},
+     "-mpm_material_soil_cohesion_residual 1001: must lie in [0, 1000] Pa"),
+    ("residual friction without a strain", {**COULOMB, "mpm_material_soil_friction_residual": "25"},
+     "-mpm_material_soil_friction_residual 25: must lie in [30, 30] degrees: without softening_strain"),
+    ("softening strain zero", {**COULOMB, "mpm_material_soil_softening_strain": "0"},
+     "-mpm_material_soil_softening_strain 0: must be > 0"),
+    ("foreign parameter", {**COULOMB, "mpm_material_soil_yield_stress": "1e3"}, "-mpm_material_soil_yield_stress"),
     # grid
     ("no cells", {"mpm_grid_cells": None}, "-mpm_grid_cells"),
     ("zero cells", {"mpm_grid_cells": "0,4"}, "-mpm_grid_cells"),

@@ -32,8 +32,9 @@ static void SetOwn(PetscInt k)
 #define DIFFUSIVITY 0.5
 #define COUPLING    3.
 static const MpmParameter parameters[] = {
-  {MPM_NUMBER, "diffusivity", "m2/s", DIFFUSIVITY, 0, 0., HUGE_VAL, 0, "how fast the scalar spreads", NULL},
-  {MPM_NUMBER, "coupling", "-", COUPLING, 0, -HUGE_VAL, HUGE_VAL, 0, "what the scalar does to the solid", NULL},
+  {MPM_NUMBER, "diffusivity", "m2/s", DIFFUSIVITY, 0, 0., HUGE_VAL, 0, "how fast the scalar spreads", NULL, 0., NULL},
+  {MPM_NUMBER, "coupling", "-", COUPLING, 0, -HUGE_VAL, HUGE_VAL, 0, "what the scalar does to the solid", NULL, 0.,
+   NULL},
 };
 
 static MpmPhysics Toy(void)

@@ -75,6 +75,7 @@ static const Law laws[] = {
   {"j2", "-mpm_material_m_yield_stress 1e3 -mpm_material_m_hardening 2e4 ", PETSC_TRUE},
   {"drucker_prager", "-mpm_material_m_cohesion 1e3 -mpm_material_m_friction 30 -mpm_material_m_dilation 10 ",
    PETSC_TRUE},
+  {"mohr_coulomb", "-mpm_material_m_cohesion 1e3 -mpm_material_m_friction 30 -mpm_material_m_dilation 30 ", PETSC_TRUE},
 };
 
 /* A body without conditions; held; held with F-bar; held along normals, with F-bar in 3D; touching boundaries. */

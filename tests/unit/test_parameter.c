@@ -4,6 +4,7 @@
 */
 #include "options/options.h"
 #include "point/material.h"
+#include "point/stress_inversion.h"
 #include "point/parameter.h"
 #include "unit.h"
 
@@ -16,8 +17,9 @@ void MpmMaterialCreate_data_law_2d_sensitivity(MpmLawInfo *info);
 enum { DENSITY, G, TABLE }; /* of both laws */
 
 static const MpmOptions   block = {MPI_COMM_WORLD, "mpm_material_a_", NULL};
-static const MpmParameter table = {MPM_TABLE, "curve", "-:Pa", 0., 1, 0., 100., 0, "stress over strain", NULL};
-static const MpmParameter data  = {MPM_DATA, "numbers", "Pa", 0., 0, 0., HUGE_VAL, 1, "moduli", NULL};
+static const MpmParameter table = {MPM_TABLE, "curve", "-:Pa", 0., 1, 0., 100., 0, "stress over strain",
+                                   NULL,      0.,      NULL};
+static const MpmParameter data  = {MPM_DATA, "numbers", "Pa", 0., 0, 0., HUGE_VAL, 1, "moduli", NULL, 0., NULL};
 
 /* Runs with one and with two ranks may go on side by side. */
 static const char *FileName(void)
@@ -213,9 +215,79 @@ START_TEST(material)
 }
 END_TEST
 
+/* A law whose symmetry is a matter of its parameters, and of whose parameters some have others' values as default */
+START_TEST(material_symmetric_by_parameters)
+{
+  static const struct {
+    const char *options;
+    PetscBool   symmetric;
+  } cases[] = {{"", PETSC_FALSE},
+               {"-mpm_material_a_dilation 30", PETSC_TRUE},
+               {"-mpm_material_a_dilation 30 -mpm_material_a_softening_strain 0.1", PETSC_TRUE},
+               {"-mpm_material_a_dilation 30 -mpm_material_a_softening_strain 0.1 -mpm_material_a_cohesion_residual 3",
+                PETSC_FALSE}};
+
+  for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+    MpmMaterial sand;
+    PetscInt    friction = 0, residual = 0;
+
+    UNIT_CALL(PetscOptionsClear(NULL));
+    UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type mohr_coulomb -mpm_material_a_E 10 "
+                                             "-mpm_material_a_nu 0.25 -mpm_material_a_cohesion 5 "
+                                             "-mpm_material_a_friction 30"));
+    UNIT_CALL(PetscOptionsInsertString(NULL, cases[k].options));
+    UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &sand));
+    ck_assert_int_eq((sand.info.traits & MPM_LAW_SYMMETRIC) != 0, cases[k].symmetric);
+    ck_assert(sand.info.traits & MPM_LAW_PLASTIC);
+    while (strcmp(sand.info.parameters[friction].name, "friction")) friction++;
+    while (strcmp(sand.info.parameters[residual].name, "friction_residual")) residual++;
+    ck_assert_double_eq(sand.parameter[friction], 30.);
+    ck_assert_double_eq(sand.parameter[residual], 30.);
+    UNIT_CALL(MpmMaterialDestroy(&sand));
+  }
+}
+END_TEST
+
+/* A law that gives its history from a stress meets all six components, and says where its return has moved one. */
+START_TEST(initial_stress_by_history)
+{
+  const PetscReal wanted[2][4] = {{-3., -6., -4., 1.}, {-3., -60., -4., 0.}};
+  MpmMaterial     sand;
+  MpmInitial      initial;
+
+  UNIT_CALL(PetscOptionsClear(NULL));
+  UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type mohr_coulomb -mpm_material_a_E 1000 "
+                                           "-mpm_material_a_nu 0.25 -mpm_material_a_cohesion 1 "
+                                           "-mpm_material_a_friction 30"));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &sand));
+  UNIT_CALL(MpmInitialCreate(&sand, 2, &initial));
+  ck_assert(initial.stateful && initial.history);
+  for (int k = 0; k < 2; k++) {
+    const PetscReal identity[4] = {1., 0., 0., 1.};
+    PetscReal       stress[4], F[4], state_n[5], state[5];
+
+    for (int c = 0; c < 4; c++) stress[c] = wanted[k][c];
+    MpmMaterialStateAtRest(&sand, 2, state_n);
+    ck_assert_int_eq(MpmInitialFind(&initial, state_n, stress, F, state), k);
+    for (int c = 0; c < 4; c++) {
+      ck_assert_double_eq(F[c], identity[c]);
+      if (!k) ck_assert_double_eq_tol(stress[c], wanted[k][c], 1e-12);
+    }
+    if (k) ck_assert_double_eq_tol(stress[0] - stress[1] + 0.5 * (stress[0] + stress[1]), sqrt(3.), 1e-11);
+  }
+  UNIT_CALL(MpmMaterialDestroy(&sand));
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {accepts, refuses, law_with_a_table, law_with_data, material};
+  const TTest *const tests[] = {accepts,
+                                refuses,
+                                law_with_a_table,
+                                law_with_data,
+                                material,
+                                material_symmetric_by_parameters,
+                                initial_stress_by_history};
 
   return UnitRun(&argc, &argv, "parameters of laws", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -1,4 +1,4 @@
-/* dual.h and tensor.h: arithmetic against closed forms, isotropic functions against each other, identities and
+/* dual.h, tensor.h and implicit.h: arithmetic against closed forms, isotropic functions against each other, identities and
    differences. */
 #include <check.h>
 #include <math.h>
@@ -22,13 +22,15 @@
 #define DECLARE(AT) \
   int    AT(TestSymFunction)(int which, const double *A, double *f, double *df); \
   int    AT(TestStretchDiagonal)(const double *F, double *diagonal); \
+  double AT(TestPrincipalValues)(const double *A, double w[3]); \
   double AT(TestAlgebra)(const double *A, const double *B, double *product, double *inverse, double *stress); \
-  double AT(TestScalar)(int which, double x, double *derivative);
+  double AT(TestScalar)(int which, double x, double *derivative); \
+  int    AT(TestImplicit)(int which, const double *in, double from, double to, double *x, double *dx);
 DECLARE(PLAIN)
 DECLARE(ONE)
 DECLARE(ALL)
 
-enum { LOG, EXP, SQRT };
+enum { LOG, EXP, SQRT, BY_PRINCIPAL_VALUES, DIRECT };
 
 static unsigned long long random_state;
 
@@ -244,6 +246,34 @@ START_TEST(test_not_positive_definite)
 }
 END_TEST
 
+/* A function by its principal values against the same one without them; strains, of either sign, with principal values
+   apart by anything down to rounding, on a large mean too */
+START_TEST(test_isotropic_by_principal_values)
+{
+  random_state = 6;
+  for (int sample = 0; sample < 1000; ++sample) {
+    const double gap = sample % 4 == 3 ? 0. : pow(10., Uniform(-17., -0.5)), other = pow(10., Uniform(-17., -0.5));
+    const double m = sample % 3 ? Uniform(-0.5, 0.5) : 0., z = m + (sample % 2 ? other : gap);
+    const double w[3] = {m, m + gap, z};
+    double       R[9], A[SYM], values[3], f[2][SYM], df[2][SYM * SYM], one[SYM], one_df[SYM * SYM], plain[SYM];
+
+    for (int i = 0; i < 9; ++i) R[i] = i % 4 == 0;
+    if (sample % 5) Rotation(R);
+    FromPrincipal(R, w, A);
+    for (int k = 0; k < 2; ++k) ck_assert_int_eq(ALL(TestSymFunction)(BY_PRINCIPAL_VALUES + k, A, f[k], df[k]), 0);
+    ck_assert_int_eq(ONE(TestSymFunction)(BY_PRINCIPAL_VALUES, A, one, one_df), 0);
+    ck_assert_int_eq(PLAIN(TestSymFunction)(BY_PRINCIPAL_VALUES, A, plain, NULL), 0);
+    ExpectNear("value", SYM, f[0], f[1], 1e-14);
+    ExpectNear("derivative", SYM * SYM, df[0], df[1], 2e-10);
+    ExpectNear("plain value", SYM, plain, f[0], 1e-15);
+    ExpectNear("value with one direction", SYM, one, f[0], 1e-15);
+    ExpectNear("derivative by one direction", SYM * SYM, one_df, df[0], 1e-14);
+    ck_assert_double_le(PLAIN(TestPrincipalValues)(A, values), DIM == 2 ? 1e-15 : 1e-7);
+    ck_assert(values[0] >= values[1] && values[1] >= values[2]);
+  }
+}
+END_TEST
+
 /* U of a simple shear, and of a rotated stretch */
 START_TEST(test_stretch_diagonal)
 {
@@ -333,6 +363,55 @@ START_TEST(test_scalar)
 }
 END_TEST
 
+/* The root is that of the equation, its derivatives those of the closed form, in all forms the same; from bad starts. */
+START_TEST(test_implicit_bracket)
+{
+  random_state = 7;
+  for (int sample = 0; sample < 200; ++sample) {
+    const double root = (sample % 2 ? 1. : -1.) * pow(10., Uniform(-6., 2.)), a = pow(10., Uniform(-3., 3.));
+    const double in[2] = {a, root * (1. + a * root * root)}, slope = 1. + 3. * a * root * root;
+    double       x[3], one, dx[2], expected[2];
+
+    expected[0] = -root * root * root / slope;
+    expected[1] = 1. / slope;
+    ck_assert_int_eq(ALL(TestImplicit)(0, in, -1e3, 2e3, x, dx), 0);
+    ck_assert_double_eq_tol(x[0], root, 1e-13 * fabs(root) + 1e-15);
+    ExpectNear("derivative of the root", 2, dx, expected, 1e-12 * fmax(1., fabs(expected[0])));
+    one = x[0];
+    ck_assert_int_eq(PLAIN(TestImplicit)(0, in, -1e3, 2e3, x, dx), 0);
+    ck_assert_double_eq_tol(x[0], one, 1e-15 * fabs(one));
+  }
+}
+END_TEST
+
+/* From starts far off, with steps into the forbidden; derivatives from the equations */
+START_TEST(test_implicit_system)
+{
+  random_state = 8;
+  for (int sample = 0; sample < 200; ++sample) {
+    const double b = Uniform(-1., 3.), c = Uniform(0.1, 3.), z = Uniform(-3., 3.), x0 = z + c * exp(z);
+    const double in[2] = {x0 * x0 * x0 + x0 + 0.5 * b * x0, b}, slope = 3. * x0 * x0 + 1. + 0.5 * b;
+    double       x[3], dx[6], expected[3] = {x0, b * x0, z}, expected_dx[6];
+
+    for (int k = 0; k < 2; ++k) {
+      expected_dx[k]     = (k ? -0.5 * x0 : 1.) / slope;
+      expected_dx[2 + k] = b * expected_dx[k] + (k ? x0 : 0.);
+      expected_dx[4 + k] = expected_dx[k] / (1. + c * exp(z));
+    }
+    ck_assert_int_eq(ONE(TestImplicit)(1, in, Uniform(-20., 6.), c, x, dx), 0);
+    ExpectNear("roots", 3, x, expected, 1e-12 * (1. + fabs(x0)));
+    ExpectNear("derivatives of the roots", 6, dx, expected_dx, 1e-11 * (1. + fabs(x0)));
+  }
+  {
+    const double nowhere[2] = {NAN, 1.}, beyond[2] = {1e9, 1.};
+    double       x[3], dx[6];
+
+    ck_assert_msg(ONE(TestImplicit)(1, nowhere, 1., 1., x, dx) != 0, "NaN is accepted");
+    ck_assert_msg(ONE(TestImplicit)(1, beyond, 1., 1., x, dx) != 0, "a root where r is none");
+  }
+}
+END_TEST
+
 int main(void)
 {
   Suite   *suite  = suite_create(DIM == 2 ? "tensors in plane strain" : "tensors in 3D");
@@ -344,9 +423,12 @@ int main(void)
   tcase_add_test(tcase, test_logarithm_near_identity);
   tcase_add_test(tcase, test_inverse_functions);
   tcase_add_test(tcase, test_not_positive_definite);
+  tcase_add_test(tcase, test_isotropic_by_principal_values);
   tcase_add_test(tcase, test_stretch_diagonal);
   tcase_add_test(tcase, test_algebra);
   tcase_add_test(tcase, test_scalar);
+  tcase_add_test(tcase, test_implicit_bracket);
+  tcase_add_test(tcase, test_implicit_system);
   suite_add_tcase(suite, tcase);
   srunner_set_fork_status(runner, CK_NOFORK);
   srunner_run_all(runner, CK_NORMAL);

@@ -11,7 +11,8 @@ from talus_test import Test, difference  # noqa: E402
 FOLDER = Path(__file__).resolve().parent
 K0, HEIGHT = 0.6, {"level": 5.0, "level3d": 3.0, "slope": 10.0}
 LAWS = {"hencky": {}, "linear_elastic": {}, "j2": {"mpm_material_soil_yield_stress": 1e6},
-        "drucker_prager": {"mpm_material_soil_cohesion": 1e4, "mpm_material_soil_friction": 30}}
+        "drucker_prager": {"mpm_material_soil_cohesion": 1e4, "mpm_material_soil_friction": 30},
+        "mohr_coulomb": {"mpm_material_soil_cohesion": 1e4, "mpm_material_soil_friction": 30}}
 STEP = "0,0,20,0,20,10,11,10,11,5,0,5"
 
 

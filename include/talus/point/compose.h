@@ -22,7 +22,7 @@ MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 
 #else
 
-/* A Scalar of LAW_DIRECTIONS directions as it lies in memory, see dual.h. */
+/* A Scalar of LAW_DIRECTIONS directions as it lies in memory, see dual_number.h. */
 #if defined(__AVX__) && defined(__GNUC__) && !defined(__CUDACC__)
 #define LAW_LANE 4
 #else

@@ -10,9 +10,9 @@ enum { ELASTIC_DENSITY, ELASTIC_E, ELASTIC_NU, ELASTIC_COUNT };
 
 /* clang-format off */
 #define ELASTIC_PARAMETERS \
-  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL}, \
-  {MPM_NUMBER, "E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL}, \
-  {MPM_NUMBER, "nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL}
+  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL, 2000., NULL}, \
+  {MPM_NUMBER, "E", "Pa", 0., 1, 0., HUGE_VAL, 1, "Young's modulus", NULL, 30e6, NULL}, \
+  {MPM_NUMBER, "nu", "-", 0., 1, -1., 0.5, 1, "Poisson's ratio", NULL, 0.3, NULL}
 /* clang-format on */
 
 /* Pa */
@@ -78,6 +78,24 @@ MPM_FN int ElasticLeftCauchyGreen(const Sym *e, Sym *b)
   const Sym twice = SymScaleBy(2., e);
 
   return SymExp(&twice, b);
+}
+
+/*
+  History that begins with the elastic left Cauchy-Green tensor b, from a wanted Kirchhoff stress of Hencky's elasticity:
+  b = exp(2 e), e = (tau - lambda/(3 lambda + 2 mu) tr(tau) I)/(2 mu). The rest stays.
+*/
+MPM_FN int ElasticHistory(const double *parameter, const MpmLawTable *table, const double *stress, double *state)
+{
+  const Lame   lame   = LameFromValues(parameter);
+  const double lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
+  const double mean = lambda / (3. * lambda + 2. * mu) * (stress[0] + stress[1] + stress[2]);
+  Sym          e, b;
+
+  (void)table;
+  for (int i = 0; i < MPM_SYM; ++i) e.a[i] = ScalarConstant((stress[i] - (i < 3 ? mean : 0.)) / (2. * mu));
+  if (ElasticLeftCauchyGreen(&e, &b)) return 1;
+  SymValues(state, &b);
+  return 0;
 }
 
 /* Whether det F, F = dF F_n, is a positive finite number: no law has an answer otherwise. False for NaN. */

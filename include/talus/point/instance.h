@@ -41,8 +41,14 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
   MPM_LAW(name, traits, summary, parameters, states, check, stiffness, kernel) - constructor of a constitutive law
 
   `parameters` and `states` are the file's static tables; a law without history passes MPM_NO_STATE for `states`.
+
+  MPM_LAW_MORE(..., kernel, symmetric, history) has the optional functions of MpmLawInfo, too; either may be NULL.
 */
 #define MPM_LAW(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_) \
+  MPM_LAW_MORE(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, NULL, NULL)
+
+#define MPM_LAW_MORE(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, \
+                     history_) \
   MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
@@ -58,6 +64,8 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
     info->traits    = traits_; \
     info->check     = check_; \
     info->stiffness = stiffness_; \
+    info->symmetric = symmetric_; \
+    info->history   = history_; \
     info->law       = (MpmFunction)law; \
   }
 

@@ -6,9 +6,21 @@
   undeformed or hydrostatic point is the commonest point there is, and formulas that divide by differences of principal
   values fail there.
 
+  Any other isotropic function is given by its principal values as functions of the argument's: SymIsotropic(), below.
+
   Functions that both dimensions use stand here, the rest in isotropic_plane.h and isotropic_solid.h.
 */
 #include <float.h>
+
+#define MPM_PAIRS (MPM_DIM == 2 ? 1 : 3)
+
+/* Principal values and axes n of a Sym; in plane strain one of the axes is z, and only the other two make a pair. */
+typedef struct {
+  double value[3];                      /* largest first */
+  double basis[3 + MPM_PAIRS][MPM_SYM]; /* n_a n_a, then, by pair, the symmetric part of n_a n_b */
+  int    pair[MPM_PAIRS][2];
+  double gap[MPM_PAIRS]; /* value of the first less that of the second, to rounding of itself */
+} SymPrincipal;
 
 /* sum_{k <= terms} s^k/(2k + 1) and its derivative, which are artanh(sqrt s)/sqrt s and its derivative for small s */
 MPM_FN void IsotropicArtanhSeries(int terms, double s, double *g, double *dg)
@@ -71,3 +83,78 @@ MPM_FN void IsotropicHyperbolic(double q, double *c, double *h, double *dh)
 #else
 #include "isotropic_solid.h"
 #endif
+
+/* ---- any isotropic function ---- */
+
+/*
+  (y_a - y_b)/(w_a - w_b) of pair k. Where the principal values w nearly coincide, the difference is lost in rounding and
+  its limit stands in, dy_a/dw_a - dy_a/dw_b, as the mean of both ends; and wherever else the difference cannot tell it
+  from that.
+*/
+MPM_FN double IsotropicDivided(const SymPrincipal *principal, const Dual y[3], int k)
+{
+  const int    a = principal->pair[k][0], b = principal->pair[k][1];
+  const double gap = principal->gap[k], difference = DualValue(y[a]) - DualValue(y[b]);
+  const double slope =
+    0.5 * (DualDirection(y[a], a) - DualDirection(y[a], b) + DualDirection(y[b], b) - DualDirection(y[b], a));
+  const double largest = fmax(fabs(principal->value[0]), fabs(principal->value[2]));
+  const double noise   = 16. * DBL_EPSILON * (fabs(DualValue(y[a])) + fabs(slope) * largest);
+
+  return fabs(gap) <= 1e-8 * largest || fabs(difference - slope * gap) <= noise ? slope : difference / gap;
+}
+
+/* A number f that is a function of A's principal values alone, with its derivatives by them in directions 0, 1, 2 */
+MPM_FN Scalar SymInvariant(const Sym *A, const SymPrincipal *principal, Dual f)
+{
+  Scalar c = ScalarConstant(DualReal(f));
+
+  for (int j = 0; j < MPM_SYM && MPM_DIRECTIONS > 0; ++j) {
+    double slope = 0.;
+
+    for (int a = 0; a < 3; ++a) slope += DualDirection(f, a) * principal->basis[a][j];
+    ScalarAddDirections(&c, (j < 3 ? 1. : 2.) * slope, &A->a[j]);
+  }
+  return c;
+}
+
+/*
+  SymIsotropic - the isotropic function of A with principal values y, by principal values w of A in the order of
+  SymPrincipalCreate()
+
+  y[a] carries its derivatives by w[0], w[1], w[2] in directions 0, 1, 2: w[a] = DualSeed(principal.value[a], a) and Dual
+  arithmetic give them. They need not be symmetric. That function of w must not favour an axis: exchanging two w
+  exchanges the two y. It is then exact to rounding for any principal values, equal and nearly equal ones included.
+
+  By the theorem of Daleckii and Krein (isotropic_solid.h) the derivative in a direction H is
+
+    sum_ab dy_a/dw_b (n_b . H n_b) n_a n_a + sum_{a != b} (y_a - y_b)/(w_a - w_b) (n_a . H n_b) n_a n_b
+*/
+MPM_FN Sym SymIsotropic(const Sym *A, const SymPrincipal *principal, const Dual y[3])
+{
+  double M[MPM_SYM][MPM_SYM] = {{0.}}; /* stored components by stored components, shear of A counted once */
+  Sym    c;
+
+  for (int a = 0; a < 3 && MPM_DIRECTIONS > 0; ++a) {
+    for (int j = 0; j < MPM_SYM; ++j) {
+      double row = 0.;
+
+      for (int b = 0; b < 3; ++b) row += DualDirection(y[a], b) * principal->basis[b][j];
+      for (int i = 0; i < MPM_SYM; ++i) M[i][j] += row * principal->basis[a][i];
+    }
+  }
+  for (int k = 0; k < MPM_PAIRS && MPM_DIRECTIONS > 0; ++k) {
+    const double *basis = principal->basis[3 + k], twice = 2. * IsotropicDivided(principal, y, k);
+
+    for (int i = 0; i < MPM_SYM; ++i)
+      for (int j = 0; j < MPM_SYM; ++j) M[i][j] += twice * basis[i] * basis[j];
+  }
+  for (int i = 0; i < MPM_SYM; ++i) {
+    Real value = 0.;
+
+    for (int a = 0; a < 3; ++a) value += principal->basis[a][i] * DualReal(y[a]);
+    c.a[i] = ScalarConstant(value);
+    for (int j = 0; j < MPM_SYM && MPM_DIRECTIONS > 0; ++j)
+      ScalarAddDirections(&c.a[i], (j < 3 ? 1. : 2.) * M[i][j], &A->a[j]);
+  }
+  return c;
+}

@@ -101,6 +101,50 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   return 0;
 }
 
+/* Half the in-plane trace, the in-plane deviator (d, xy) and its norm r, all plain */
+MPM_FN double IsotropicPlaneValues(const Sym *A, double *m, double *d, double *xy)
+{
+  *m  = 0.5 * (ScalarValue(A->a[0]) + ScalarValue(A->a[1]));
+  *d  = 0.5 * (ScalarValue(A->a[0]) - ScalarValue(A->a[1]));
+  *xy = ScalarValue(A->a[3]);
+  return sqrt(*d * *d + *xy * *xy);
+}
+
+/* Principal values, largest first, without axes: to rounding */
+MPM_FN void SymPrincipalValues(const Sym *A, double w[3])
+{
+  double       m, d, xy;
+  const double r = IsotropicPlaneValues(A, &m, &d, &xy), zz = ScalarValue(A->a[2]);
+
+  w[0] = fmax(m + r, zz);
+  w[1] = fmax(fmin(m + r, zz), m - r);
+  w[2] = fmin(m - r, zz);
+}
+
+/* Non-zero when A is not finite */
+MPM_FN int SymPrincipalCreate(const Sym *A, SymPrincipal *principal)
+{
+  double       m, d, xy;
+  const double r = IsotropicPlaneValues(A, &m, &d, &xy), zz = ScalarValue(A->a[2]);
+  const double c = r > 0. ? d / r : 1., s = r > 0. ? xy / r : 0.; /* of twice the angle from x to the larger one */
+  const int    out = zz > m + r ? 0 : zz > m - r ? 1 : 2, large = out == 0 ? 1 : 0, small = out == 2 ? 1 : 2;
+  const double large_basis[4] = {0.5 + 0.5 * c, 0.5 - 0.5 * c, 0., 0.5 * s};
+
+  for (int i = 0; i < 4; ++i) {
+    principal->basis[large][i] = large_basis[i];
+    principal->basis[small][i] = (i < 2 ? 1. : 0.) - large_basis[i];
+    principal->basis[out][i]   = i == 2 ? 1. : 0.;
+    principal->basis[3][i]     = i == 3 ? 0.5 * c : i == 0 ? -0.5 * s : i == 1 ? 0.5 * s : 0.;
+  }
+  principal->value[large] = m + r;
+  principal->value[small] = m - r;
+  principal->value[out]   = zz;
+  principal->pair[0][0]   = large;
+  principal->pair[0][1]   = small;
+  principal->gap[0]       = 2. * r;
+  return !(r <= DBL_MAX && fabs(m) <= DBL_MAX && fabs(zz) <= DBL_MAX);
+}
+
 /*
   TensorStretchDiagonal - diagonal of the right stretch U = (F^T F)^1/2 of a plain F, row-major, for the update of
   particle domains

@@ -246,21 +246,14 @@ MPM_FN int IsotropicFrameCreate(const double values[6], IsotropicFrame *frame)
   return 0;
 }
 
-/*
-  gamma in the order of a Sym: aa, bb, cc, ab, bc, ac. The result's values are sum_a f[a] n_a n_a, and its derivatives
-  those of A under the operator in the head of this file.
-*/
-MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6],
-                              Sym *result)
+/* basis[ab]: the symmetric part of n_a n_b, in the order of a Sym */
+MPM_FN void IsotropicBasis(const double Q[9], double basis[6][6])
 {
-  double basis[6][6], M[6][6], values[6]; /* basis[ab]: the symmetric part of n_a n_b */
-
   for (int i = 0; i < 3; ++i) {
     const int r = i, s = (i + 1) % 3;
 
     for (int a = 0; a < 3; ++a) {
-      const int     b = (a + 1) % 3;
-      const double *Q = frame->Q;
+      const int b = (a + 1) % 3;
 
       basis[a][i]         = Q[3 * i + a] * Q[3 * i + a];
       basis[a][3 + i]     = Q[3 * r + a] * Q[3 * s + a];
@@ -268,6 +261,18 @@ MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const d
       basis[3 + a][3 + i] = 0.5 * (Q[3 * r + a] * Q[3 * s + b] + Q[3 * s + a] * Q[3 * r + b]);
     }
   }
+}
+
+/*
+  gamma in the order of a Sym: aa, bb, cc, ab, bc, ac. The result's values are sum_a f[a] n_a n_a, and its derivatives
+  those of A under the operator in the head of this file.
+*/
+MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const double f[3], const double gamma[6],
+                              Sym *result)
+{
+  double basis[6][6], M[6][6], values[6];
+
+  IsotropicBasis(frame->Q, basis);
   for (int i = 0; i < 6; ++i) values[i] = f[0] * basis[0][i] + f[1] * basis[1][i] + f[2] * basis[2][i];
   for (int i = 0; i < 6 && MPM_DIRECTIONS > 0; ++i) {
     for (int j = 0; j < 6; ++j) {
@@ -366,6 +371,118 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   }
   for (int a = 0; a < 3; ++a) gamma[3 + a] = 1. / (f[a] + f[(a + 1) % 3]);
   IsotropicJoin(A, &frame, f, gamma, result);
+  return 0;
+}
+
+/* The deviator of A over its norm, as plain numbers, and its largest principal value's third of Lode's angle: the
+   principal values are sqrt(2/3) cos(angle), .. cos(angle - 2 pi/3), .. cos(angle + 2 pi/3). Returns the norm, 0 where A is
+   isotropic to rounding. */
+MPM_FN double IsotropicDirection(const Sym *A, double *mean, double X[6], double *angle)
+{
+  double square[6], norm, J3 = 0.;
+
+  SymValues(X, A);
+  IsotropicSplitValues(X, mean, &norm);
+  for (int i = 0; i < 6; ++i) X[i] = norm > 0. ? (X[i] - (i < 3 ? *mean : 0.)) / norm : 0.;
+  IsotropicSquare(X, square);
+  for (int i = 0; i < 6; ++i) J3 += (i < 3 ? 1. : 2.) / 3. * square[i] * X[i]; /* tr(X^3)/3 is det X where tr X = 0 */
+  *angle = acos(fmax(-1., fmin(1., sqrt(54.) * J3))) / 3.;
+  return norm;
+}
+
+/*
+  Principal values, largest first, without axes. Where two of them coincide they are off by up to 1e-7 |dev A|: good for a
+  test with a margin.
+*/
+MPM_FN void SymPrincipalValues(const Sym *A, double w[3])
+{
+  double       X[6], mean, angle;
+  const double r = sqrt(2. / 3.) * IsotropicDirection(A, &mean, X, &angle);
+
+  w[0] = mean + r * cos(angle);
+  w[2] = mean + r * cos(angle + 2.0943951023931954923); /* 2 pi/3 */
+  w[1] = fmax(w[2], fmin(w[0], 3. * mean - w[0] - w[2]));
+}
+
+/* Unit vectors s, t and n, n along the axis of principal value w of X, which is the one farthest from the others */
+MPM_FN void IsotropicDeflate(const double X[6], double w, double s[3], double t[3], double n[3])
+{
+  const double column[3][3] = {{X[0] - w, X[3], X[5]}, {X[3], X[1] - w, X[4]}, {X[5], X[4], X[2] - w}};
+  double       longest      = -1., rest[2][3];
+  int          first        = 0;
+
+  for (int k = 0; k < 3; ++k) {
+    const double length = column[k][0] * column[k][0] + column[k][1] * column[k][1] + column[k][2] * column[k][2];
+
+    if (!(length > longest)) continue;
+    longest = length;
+    first   = k;
+  }
+  for (int i = 0; i < 3; ++i) s[i] = column[first][i] / sqrt(longest);
+  longest = -1.;
+  for (int k = 0; k < 2; ++k) { /* the longer of the others across s */
+    const double *other = column[(first + 1 + k) % 3], along = s[0] * other[0] + s[1] * other[1] + s[2] * other[2];
+    double        length = 0.;
+
+    for (int i = 0; i < 3; ++i) {
+      rest[k][i] = other[i] - along * s[i];
+      length += rest[k][i] * rest[k][i];
+    }
+    if (!(length > longest)) continue;
+    longest = length;
+    for (int i = 0; i < 3; ++i) t[i] = rest[k][i];
+  }
+  for (int i = 0; i < 3; ++i) t[i] /= sqrt(longest);
+  for (int i = 0; i < 3; ++i) n[i] = s[(i + 1) % 3] * t[(i + 2) % 3] - s[(i + 2) % 3] * t[(i + 1) % 3];
+}
+
+/* a . X b */
+MPM_FN double IsotropicBetween(const double X[6], const double a[3], const double b[3])
+{
+  return a[0] * (X[0] * b[0] + X[3] * b[1] + X[5] * b[2]) + a[1] * (X[3] * b[0] + X[1] * b[1] + X[4] * b[2]) +
+         a[2] * (X[5] * b[0] + X[4] * b[1] + X[2] * b[2]);
+}
+
+/*
+  Non-zero when A is not finite.
+
+  The principal value that is farthest from the others, and its axis, are well conditioned; the other two are those of a
+  matrix of two rows, which has them to rounding however close they are (Scherzinger and Dohrmann 2008,
+  doi:10.1016/j.cma.2008.03.031). Of the deviator, so that differences are exact to rounding of it for any mean.
+*/
+MPM_FN int SymPrincipalCreate(const Sym *A, SymPrincipal *principal)
+{
+  double       X[6], mean, angle, s[3] = {1., 0., 0.}, t[3] = {0., 1., 0.}, n[3] = {0., 0., 1.}, Q[9], value[3];
+  const double norm = IsotropicDirection(A, &mean, X, &angle);
+  const int    up   = angle < 0.52359877559829887308; /* pi/6: the largest is the one */
+  const int    a = up ? 1 : 0, b = a + 1, apart = up ? 0 : 2;
+
+  if (!(norm <= DBL_MAX && fabs(mean) <= DBL_MAX)) return 1;
+  if (norm > 0.) IsotropicDeflate(X, sqrt(2. / 3.) * cos(up ? angle : angle + 2.0943951023931954923), s, t, n);
+  {
+    const double ss = IsotropicBetween(X, s, s), tt = IsotropicBetween(X, t, t), st = IsotropicBetween(X, s, t);
+    const double d = 0.5 * (ss - tt), r = sqrt(d * d + st * st);
+    /* cosine and sine of the angle from s to the larger one's axis, the larger of the two without cancellation */
+    const double near = r > 0. ? sqrt(0.5 + 0.5 * fabs(d) / r) : 1., far = r > 0. ? 0.5 * st / (r * near) : 0.;
+    const double c = d >= 0. ? near : far, sine = d >= 0. ? far : near;
+
+    for (int i = 0; i < 3; ++i) {
+      Q[3 * i + a]     = c * s[i] + sine * t[i];
+      Q[3 * i + b]     = c * t[i] - sine * s[i];
+      Q[3 * i + apart] = n[i];
+    }
+    value[a]     = norm * (0.5 * (ss + tt) + r);
+    value[b]     = norm * (0.5 * (ss + tt) - r);
+    value[apart] = norm * IsotropicBetween(X, n, n);
+    for (int k = 0; k < 3; ++k) {
+      principal->value[k]   = mean + value[k];
+      principal->pair[k][0] = k;
+      principal->pair[k][1] = (k + 1) % 3;
+      principal->gap[k]     = value[k] - value[(k + 1) % 3];
+    }
+    principal->gap[a] = 2. * norm * r;
+  }
+  IsotropicBasis(Q, principal->basis);
   return 0;
 }
 

@@ -18,8 +18,11 @@ typedef void (*MpmFunction)(void);
 */
 typedef enum { MPM_NUMBER, MPM_WORD, MPM_TABLE, MPM_DATA } MpmParameterKind;
 
-/* One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required; without
-   either, a table or data has no rows. */
+/*
+  One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required; without
+  either, a table or data has no rows. The default may be the value of another parameter, `same_as`, that stands before it
+  in the table.
+*/
 typedef struct {
   MpmParameterKind kind;
   const char      *name;
@@ -30,6 +33,8 @@ typedef struct {
   int              open;         /* 1: bounds themselves are not accepted */
   const char      *help;
   const char      *choices; /* of a word: names separated by '|'; otherwise NULL */
+  double           typical; /* a common value, about which tests draw; 0: they go by range and unit */
+  const char      *same_as; /* name of the parameter whose value is the default, instead of `fallback`; or NULL */
 } MpmParameter;
 
 /*
@@ -64,12 +69,30 @@ typedef struct {
 typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2, MPM_LAW_INTERNAL = 4, MPM_LAW_PLASTIC = 8 } MpmLawTrait;
 
 /*
+  Why parameters contradict each other: the one that is refused, by its place in the parameter table, with the range that
+  the others leave it. A negative place: no one in particular.
+*/
+typedef struct {
+  int         parameter;
+  double      lower, upper; /* in the parameter's unit; infinite: no limit */
+  int         open;         /* 1: bounds themselves are not accepted */
+  const char *why;          /* "dilation must not exceed friction" */
+} MpmLawFault;
+
+/*
   A constitutive law as the registry sees it; `law` is of one compiled form.
 
-  check      NULL, or 0 where parameters contradict each other, and why they do
+  check      NULL, or 0 where parameters contradict each other, and how they do
   stiffness  constrained modulus at a state, Pa: the stiffest that the Kirchhoff stress is against a uniaxial strain
              from there, elastic unloading included, or a bound on it; what scales penalties, tolerances and time steps.
              `state` NULL: as the state table has it; `F` NULL: not deformed; either alone is possible
+  symmetric  NULL, or whether the law derives from a potential with these parameters, such as dilation = friction: it
+             then has MPM_LAW_SYMMETRIC in that material. NULL: as `traits` has it
+  history    NULL, or history from a wanted stress, where the law knows it better than a Newton iteration from rest:
+             `state` (on entry at the state before, with values that the scene gives, such as a preconsolidation; on exit
+             changed as far as the stress asks for it) with which dF = I, F_n = I gives the Kirchhoff stress, Pa, in the
+             components of this instance's dimension. A stress outside the yield surface is the elastic one: the law's
+             return moves it. Non-zero where there is no such state.
 */
 typedef struct {
   const char             *name;
@@ -79,8 +102,10 @@ typedef struct {
   const MpmStateVariable *states;
   size_t                  state_count;
   unsigned                traits; /* MpmLawTrait values, or-ed */
-  int (*check)(const double *parameter, const MpmLawTable *table, const char **why);
+  int (*check)(const double *parameter, const MpmLawTable *table, MpmLawFault *fault);
   double (*stiffness)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
+  int (*symmetric)(const double *parameter, const MpmLawTable *table);
+  int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   MpmFunction law;
 } MpmLawInfo;
 
