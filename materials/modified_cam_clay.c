@@ -117,6 +117,7 @@ MPM_FN int Residual(const void *argument, const Dual input[], const Dual x[], Du
   const Dual     part   = DualDiv(DualConstant(1.), DualShift(x[1], 1.)); /* q/q_trial */
   const Dual     shape  = DualScale(parameter[SHEAR] * shear / square, DualMul(input[1], DualSquare(part)));
 
+  if (!(DualValue(x[1]) > -1.)) return 1; /* only q^2 counts: do not look for -q */
   r[0] = DualScale(1. / hardening, DualSub(x[0], DualScale(square / shear, DualMul(x[1], normal))));
   r[1] = DualScale(1. / (problem->scale * problem->scale), DualAdd(shape, DualMul(p, DualSub(p, size))));
   return 0;
@@ -161,31 +162,32 @@ MPM_FN Guess GuessAt(const Real *parameter, const Trial *trial, double v)
 */
 MPM_FN void FindStart(const Real *parameter, const Trial *trial, double x[2])
 {
-  const double slope = 1. / trial->kappa + 1. / trial->hardening, end = RealValue(StrainAtMinimum(parameter));
+  const double slope = 1. / trial->kappa + 1. / trial->hardening, p_min = RealValue(parameter[PRESSURE_MIN]);
+  const double linear = RealValue(StrainAtMinimum(parameter)) - trial->strain; /* v from which on the law is linear */
   /* where p = p_c, by the logarithmic law; the linear one has less pressure */
   const double axis =
     (log(RealValue(parameter[REFERENCE_PRESSURE]) / trial->size) - trial->strain / trial->kappa) / slope;
   const int wet = 2. * PressureValue(parameter, trial->strain) > trial->size;
-  double    outer, inner, at; /* R < 0 and R > 0 */
+  double    outer = 0., inner = axis + log(2.) / slope, at; /* R < 0 and R > 0 */
   Guess     guess;
 
-  outer = wet && axis > 0. && trial->strain + axis <= end ? axis : 0.;
-  inner = wet || trial->strain <= end ? axis + log(2.) / slope
-                                      : fmin(0., end + trial->kappa - trial->strain) -
-                                          0.5 * trial->kappa * trial->size / RealValue(parameter[PRESSURE_MIN]);
-  at    = outer;
+  if (wet && axis > 0. && axis <= linear) outer = axis;
+  if (!wet && linear < 0. && 2. * p_min >= trial->size * exp(linear / trial->hardening)) inner = linear;
+  at = outer;
   for (int iteration = 0; iteration < 60; ++iteration) {
     const double range = fabs(inner - outer);
     double       next;
+    int          beyond; /* critical state */
 
-    guess = GuessAt(parameter, trial, at);
-    if (guess.R > 0. || (wet ? guess.normal <= 0. : guess.normal >= 0.)) inner = at;
+    guess  = GuessAt(parameter, trial, at);
+    beyond = wet ? guess.normal <= 0. : guess.normal >= 0.;
+    if (guess.R > 0. || beyond) inner = at;
     else outer = at;
     next = at - guess.R / guess.slope;
-    if (!(next > fmin(inner, outer) && next < fmax(inner, outer)) ||
-        (iteration && fabs(inner - outer) > 0.5 * range && iteration % 3 == 2))
+    if (beyond || !(next > fmin(inner, outer) && next < fmax(inner, outer)) ||
+        (iteration % 3 == 2 && fabs(inner - outer) > 0.5 * range))
       next = 0.5 * (inner + outer);
-    if (fabs(next - at) <= 1e-3 * fabs(at) || next == inner || next == outer) break;
+    if (fabs(next - at) <= 1e-3 * fmin(fabs(at), trial->kappa) || next == inner || next == outer) break;
     at = next;
   }
   x[0] = at;

@@ -350,6 +350,7 @@ START_TEST(test_drucker_prager_volume_correction)
 }
 END_TEST
 
+TCase *CamClayCase(void);
 TCase *MohrCoulombCase(void);
 Suite *LawValuesSuite(void);
 
@@ -371,6 +372,7 @@ Suite *LawValuesSuite(void)
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   tcase_add_loop_test(tcase, test_drucker_prager_fit, COMPRESSION, PLANE_STRAIN + 1);
   suite_add_tcase(suite, tcase);
+  suite_add_tcase(suite, CamClayCase());
   suite_add_tcase(suite, MohrCoulombCase());
   return suite;
 }
