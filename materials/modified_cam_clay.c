@@ -30,8 +30,8 @@
   without a stress a point is under p_ref.
 
   Source: Roscoe and Burland (1968), On the generalized stress-strain behaviour of wet clay, in: Engineering Plasticity,
-  Cambridge, 535-609; Borja and Tamagnini (1998), doi:10.1016/S0045-7825(97)00141-2, for the return with logarithmic
-  strains; Houlsby (1985), doi:10.1016/0266-352X(85)90010-9, for elasticity by the pressure.
+  Cambridge, 535-609; Borja and Tamagnini (1998), doi:10.1016/S0045-7825(97)00141-2, and Callari, Auricchio and Sacco
+  (1998), doi:10.1016/S0749-6419(98)00050-3, at finite strain.
 */
 #include "talus/point/elasticity.h"
 #include "talus/point/implicit.h"
@@ -57,8 +57,8 @@ static const MpmParameter parameters[] = {
    NULL, 0.1, NULL},
   {MPM_NUMBER, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at critical state", NULL, 1.2, NULL},
   {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus", NULL, 4e6, NULL},
-  {MPM_NUMBER, "reference_pressure", "Pa", 100e3, 0, 0., HUGE_VAL, 1, "pressure at which the elastic volume strain is 0",
-   NULL, 100e3, NULL},
+  {MPM_NUMBER, "reference_pressure", "Pa", 100e3, 0, 0., HUGE_VAL, 1,
+   "pressure at which the elastic volume strain is 0", NULL, 100e3, NULL},
   {MPM_NUMBER, "pressure_min", "Pa", 1e3, 0, 0., HUGE_VAL, 1,
    "pressure below which elasticity is linear in the volume strain, at most reference_pressure", NULL, 1e3, NULL},
   {MPM_NUMBER, "ocr", "-", HUGE_VAL, 0, 1., HUGE_VAL, 0,
@@ -108,7 +108,7 @@ typedef struct {
 /* Inputs: trace of the trial strain, square of its deviator; unknowns v and y of the docstring */
 MPM_FN int Residual(const void *argument, const Dual input[], const Dual x[], Dual r[])
 {
-  const Problem *problem = (const Problem *)argument;
+  const Problem *problem   = (const Problem *)argument;
   const Real    *parameter = problem->parameter, hardening = parameter[LAMBDA] - parameter[KAPPA];
   const Real     square = parameter[CRITICAL] * parameter[CRITICAL], shear = 6. * parameter[SHEAR];
   const Dual     p      = Pressure(parameter, DualAdd(input[0], x[0]));
@@ -167,7 +167,7 @@ MPM_FN void FindStart(const Real *parameter, const Trial *trial, double x[2])
   /* where p = p_c, by the logarithmic law; the linear one has less pressure */
   const double axis =
     (log(RealValue(parameter[REFERENCE_PRESSURE]) / trial->size) - trial->strain / trial->kappa) / slope;
-  const int wet = 2. * PressureValue(parameter, trial->strain) > trial->size;
+  const int wet   = 2. * PressureValue(parameter, trial->strain) > trial->size;
   double    outer = 0., inner = axis + log(2.) / slope, at; /* R < 0 and R > 0 */
   Guess     guess;
 
@@ -240,7 +240,7 @@ MPM_FN int MpmMaterialEvaluate_modified_cam_clay(const MpmLawPoint *point, const
   trial.strain    = ScalarValue(given[0]);
   trial.q2        = RealValue(shear * parameter[SHEAR]) * ScalarValue(given[1]);
   trial.size      = RealValue(size);
-  yields = trial.q2 / trial.M2 + DualValue(p) * (DualValue(p) - trial.size) >
+  yields          = trial.q2 / trial.M2 + DualValue(p) * (DualValue(p) - trial.size) >
            Noise(&trial, DualValue(p), RealValue(parameter[PRESSURE_MIN]));
   dev = SymScaleBy(shear / 3., &dev);
   if (yields) {
@@ -269,9 +269,8 @@ MPM_FN int MpmMaterialEvaluate_modified_cam_clay(const MpmLawPoint *point, const
       if (ElasticLeftCauchyGreen(&e, &b)) return 1;
     }
     SymStore(&point->state[STATE_B], &b);
-    point->state[STATE_SIZE] = size * ScalarReal(ScalarExp(ScalarScale(1. / hardening, v)));
-    point->state[STATE_VOLUME] =
-      (RealValue(v_n) > 0. ? v_n : parameter[SPECIFIC_VOLUME]) * ScalarReal(TensorDet(dF));
+    point->state[STATE_SIZE]   = size * ScalarReal(ScalarExp(ScalarScale(1. / hardening, v)));
+    point->state[STATE_VOLUME] = (RealValue(v_n) > 0. ? v_n : parameter[SPECIFIC_VOLUME]) * ScalarReal(TensorDet(dF));
   }
   return 0;
 }
@@ -336,8 +335,8 @@ static int MpmMaterialHistory_modified_cam_clay(const double *parameter, const M
     state[STATE_SIZE] = parameter[PRECONSOLIDATION];
   if (!(state[STATE_SIZE] > 0.)) {
     if (!(p > 0.)) return 1;
-    state[STATE_SIZE] =
-      (parameter[OCR] <= DBL_MAX ? parameter[OCR] : 1.) * (p + square / (parameter[CRITICAL] * parameter[CRITICAL] * p));
+    state[STATE_SIZE] = (parameter[OCR] <= DBL_MAX ? parameter[OCR] : 1.) *
+                        (p + square / (parameter[CRITICAL] * parameter[CRITICAL] * p));
   }
   if (!(state[STATE_VOLUME] > 0.)) state[STATE_VOLUME] = parameter[SPECIFIC_VOLUME];
   return 0;

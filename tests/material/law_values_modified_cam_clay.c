@@ -31,10 +31,8 @@ static Point Clay(void)
   const struct {
     const char *name;
     double      value;
-  } values[] = {{"kappa", KAPPA},      {"lambda", LAMBDA},
-                {"M", M_CRITICAL},     {"G", G_SHEAR},
-                {"pressure_min", 1.},  {"reference_pressure", 250.},
-                {"ocr", HUGE_VAL},     {"preconsolidation", HUGE_VAL},
+  } values[] = {{"kappa", KAPPA},       {"lambda", LAMBDA},           {"M", M_CRITICAL}, {"G", G_SHEAR},
+                {"pressure_min", 1.},   {"reference_pressure", 250.}, {"ocr", HUGE_VAL}, {"preconsolidation", HUGE_VAL},
                 {"specific_volume", 2.}};
   Point point;
 
@@ -163,7 +161,7 @@ END_TEST
 /* Isotropic compression along both lines in ln v - ln p, in one step each: of slope lambda, and back of slope kappa */
 START_TEST(test_isotropic_lines)
 {
-  Point        point = Clay();
+  Point        point  = Clay();
   const double strain = 0.06;
   double       dF[DIM2], tau[SYM], p, q;
 
@@ -308,7 +306,7 @@ START_TEST(test_asymmetry)
   double asymmetry[2];
 
   for (int level = 0; level < 2; ++level) {
-    const double a = level ? 1e-4 : 1e-3;
+    const double a     = level ? 1e-4 : 1e-3;
     Point        point = Clay();
     double       dF[DIM2], tau[SYM], dtau[SYM * DIM2];
 
@@ -325,8 +323,8 @@ END_TEST
 TCase *CamClayCase(void)
 {
   TCase             *tcase   = tcase_create("Modified Cam-Clay");
-  const TTest *const tests[] = {test_undrained,         test_critical_state, test_isochoric_flow,
-                                test_linear_elasticity, test_history,        test_step,           test_asymmetry};
+  const TTest *const tests[] = {test_undrained, test_critical_state, test_isochoric_flow, test_linear_elasticity,
+                                test_history,   test_step,           test_asymmetry};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   if (DIM == 3) tcase_add_test(tcase, test_isotropic_lines); /* needs a strain across the plane */
