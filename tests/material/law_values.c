@@ -352,6 +352,7 @@ END_TEST
 
 TCase *CamClayCase(void);
 TCase *MohrCoulombCase(void);
+TCase *NaccCase(void);
 Suite *LawValuesSuite(void);
 
 Suite *LawValuesSuite(void)
@@ -374,5 +375,6 @@ Suite *LawValuesSuite(void)
   suite_add_tcase(suite, tcase);
   suite_add_tcase(suite, CamClayCase());
   suite_add_tcase(suite, MohrCoulombCase());
+  suite_add_tcase(suite, NaccCase());
   return suite;
 }
