@@ -42,5 +42,6 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
 MPM_KERNEL(solid, MPM_DIM *MPM_DIM, SolidKernel)
 
 #ifdef MPM_PHYSICS
-MPM_PHYSICS(solid, MPM_PHYSICS_SYMMETRIC, "quasi-static solid at finite strain", solid_fields, NULL, 0, "solid_fbar")
+MPM_PHYSICS(solid, .summary = "quasi-static solid at finite strain", .field_count = MPM_ROWS(solid_fields),
+            .fields = solid_fields, .traits = MPM_PHYSICS_SYMMETRIC, .fbar = "solid_fbar")
 #endif

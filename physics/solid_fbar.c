@@ -164,6 +164,7 @@ static int SolidFbarTangent(const MpmKernelPoint *point, const double input[], d
 MPM_KERNEL_MEAN(solid_fbar, INPUTS, SolidFbarKernel, SolidFbarMean, SolidFbarTangent)
 
 #ifdef MPM_PHYSICS
-MPM_PHYSICS(solid_fbar, MPM_PHYSICS_SYMMETRIC | MPM_PHYSICS_INTERNAL,
-            "quasi-static solid with the volume change averaged over cells", solid_fields, NULL, 0, NULL)
+MPM_PHYSICS(solid_fbar, .summary = "quasi-static solid with the volume change averaged over cells",
+            .field_count = MPM_ROWS(solid_fields), .fields = solid_fields,
+            .traits = MPM_PHYSICS_SYMMETRIC | MPM_PHYSICS_INTERNAL)
 #endif

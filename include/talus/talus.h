@@ -274,7 +274,7 @@ PetscErrorCode MpmModelGetPointCount(MpmModel model, PetscInt *local, PetscInt *
 
   Input Parameter:
 . name - position, position0 (m; now and at the start, `dim`), F (dim x dim, row-major), stress (Cauchy, Pa; xx, yy, zz,
-         xy (, yz, xz)), volume0 (m3), state (history of the material, see MpmModelFindState()), value (of fields with a
+         xy (, yz, xz)), volume0 (m3), state (history of the material, see MpmModelFindState()), own (history of the physics), value (of fields with a
          rate)
 
   Output Parameters:
@@ -302,13 +302,13 @@ PetscErrorCode MpmModelGetPointMaterials(MpmModel model, const PetscInt **materi
 PetscErrorCode MpmModelRestorePointMaterials(MpmModel model, const PetscInt **material);
 
 /*@
-  MpmModelFindState - where a history variable of a material stands in the field `state`
+  MpmModelFindState - where a history variable of a material stands in the field `state`, or one of the physics' own in `own`
 
   Not collective
 
   Input Parameters:
-+ material - the name of its block
-- variable - the name that its law gives it
++ material - the name of its block; NULL: the physics
+- variable - the name that its law, or the physics, gives it
 
   Output Parameters:
 + first      - of its components among those of a point

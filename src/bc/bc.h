@@ -38,6 +38,7 @@ typedef struct {
   const MpmConditions *conditions;
   const MpmActing     *acting;
   PetscReal            time_n, time;
+  PetscReal            diagonal; /* a typical stiffness of a node, N/m */
 } MpmPrescription;
 
 /* The frame of a node with a condition along a normal; rows q_r, of which the first `constrained` are (node_frames.c). */
@@ -59,8 +60,9 @@ typedef struct MpmConstraints {
   PetscInt  *condition; /* per local unknown: which condition holds it, or one of the two below */
   PetscReal *value;     /* the value that it takes */
   PetscBool  any;
-  PetscInt   dim;
-  PetscInt  *frame_of; /* per local node: its frame, or -1; NULL where no condition has a normal */
+  PetscInt   dim, block;
+  PetscReal  diagonal[MPM_MAX_BLOCK]; /* of the equations of prescribed unknowns, by component */
+  PetscInt  *frame_of;                /* per local node: its frame, or -1; NULL where no condition has a normal */
   MpmFrame  *frames;
 } MpmConstraints;
 
@@ -80,15 +82,15 @@ static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, Pe
 }
 /* Of the first `count` local unknowns: those that are not free become what they are prescribed to be, */
 void MpmConstraintsPrescribe(const MpmConstraints *constraints, PetscInt count, PetscScalar x[]);
-/* `factor` times what `from` has there (0: zero), */
-void MpmConstraintsCopy(const MpmConstraints *constraints, PetscInt count, PetscReal factor, const PetscScalar from[],
-                        PetscScalar to[]);
-/* or `diagonal` times their distance from it: the residual there. */
-void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, PetscReal diagonal,
-                            const PetscScalar x[], PetscScalar residual[]);
-/* Rows and columns of unknowns that are not free in the first diagonal blocks of `nodes` nodes become those of `diagonal`. */
-void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal diagonal,
-                          PetscReal blocks[]);
+/* zero, */
+void MpmConstraintsZero(const MpmConstraints *constraints, PetscInt count, PetscScalar x[]);
+/* the diagonal times what `x` has there: their rows of the Jacobian; */
+void MpmConstraintsMultiply(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[], PetscScalar y[]);
+/* or the diagonal times the distance of `x` from what is prescribed: their rows of the residual. */
+void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[],
+                            PetscScalar residual[]);
+/* Rows and columns of unknowns that are not free in the first diagonal blocks of `nodes` nodes become the diagonal's. */
+void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt nodes, PetscReal blocks[]);
 /*
   Adds the forces of the supports on the body, those that the owned nodes' residual lacks in balance; reaction[b*block + c]
   for condition b and component c.

@@ -133,6 +133,19 @@ static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescripti
   }
 }
 
+/* By scale of the field: K h^dim / scale^2 where a node's typical stiffness is K h^(dim - 2). */
+static PetscReal Diagonal(MpmScale scale, PetscReal stiffness, PetscReal h, PetscInt dim)
+{
+  switch (scale) {
+  case MPM_SCALE_STRESS:
+    return PetscPowRealInt(h, 2 * dim - 2) / stiffness;
+  case MPM_SCALE_ONE:
+    return stiffness * h * h;
+  default:
+    return stiffness;
+  }
+}
+
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
                                    const MpmLayout *layout, const MpmSpace *space)
 {
@@ -141,7 +154,10 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
 
   PetscFunctionBeginUser;
   PetscCall(MpmConstraintsReset(constraints));
-  constraints->dim = grid->dim;
+  constraints->dim   = grid->dim;
+  constraints->block = bs;
+  for (PetscInt c = 0; c < bs; c++)
+    constraints->diagonal[c] = Diagonal(layout->scale[c], step->diagonal, grid->h[0], grid->dim);
   PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
   PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
   for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = MPM_FREE;
@@ -161,29 +177,36 @@ void MpmConstraintsPrescribe(const MpmConstraints *constraints, PetscInt count, 
     if (!MpmConstraintsFree(constraints, k)) x[k] = constraints->value[k];
 }
 
-void MpmConstraintsCopy(const MpmConstraints *constraints, PetscInt count, PetscReal factor, const PetscScalar from[],
-                        PetscScalar to[])
+void MpmConstraintsZero(const MpmConstraints *constraints, PetscInt count, PetscScalar x[])
 {
   for (PetscInt k = 0; k < count; k++)
-    if (!MpmConstraintsFree(constraints, k)) to[k] = factor == 0. ? 0. : factor * from[k];
+    if (!MpmConstraintsFree(constraints, k)) x[k] = 0.;
 }
 
-void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, PetscReal diagonal,
-                            const PetscScalar x[], PetscScalar residual[])
+void MpmConstraintsMultiply(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[], PetscScalar y[])
 {
   for (PetscInt k = 0; k < count; k++)
-    if (!MpmConstraintsFree(constraints, k)) residual[k] = diagonal * (x[k] - constraints->value[k]);
+    if (!MpmConstraintsFree(constraints, k)) y[k] = constraints->diagonal[k % constraints->block] * x[k];
 }
 
-void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal diagonal,
-                          PetscReal blocks[])
+void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[],
+                            PetscScalar residual[])
 {
+  for (PetscInt k = 0; k < count; k++)
+    if (!MpmConstraintsFree(constraints, k))
+      residual[k] = constraints->diagonal[k % constraints->block] * (x[k] - constraints->value[k]);
+}
+
+void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt nodes, PetscReal blocks[])
+{
+  const PetscInt bs = constraints->block;
+
   for (PetscInt k = 0; k < nodes * bs; k++) {
     PetscReal *block = &blocks[k / bs * bs * bs];
 
     if (MpmConstraintsFree(constraints, k)) continue;
     for (PetscInt c = 0; c < bs; c++) block[(k % bs) * bs + c] = block[c * bs + k % bs] = 0.;
-    block[(k % bs) * (bs + 1)] = diagonal;
+    block[(k % bs) * (bs + 1)] = constraints->diagonal[k % bs];
   }
 }
 

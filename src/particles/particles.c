@@ -53,6 +53,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
   if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (fields->state_size) PetscCall(Register(particles, "state", fields->state_size, PETSC_REAL));
+  if (fields->own_size) PetscCall(Register(particles, "own", fields->own_size, PETSC_REAL));
   if (fields->increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
   if (fields->rates) PetscCall(Register(particles, "value", fields->rates, PETSC_REAL));
   for (PetscInt e = 0; e < fields->extra_count; e++) PetscCall(Register(particles, fields->extra[e], 1, PETSC_REAL));
@@ -60,6 +61,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   particles->dim             = dim;
   particles->stress_size     = MpmSymSize(dim);
   particles->state_size      = fields->state_size;
+  particles->own_size        = fields->own_size;
   particles->rates           = fields->rates;
   particles->has_half_length = fields->half_length;
   particles->has_increment   = fields->increment;
@@ -94,6 +96,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->has_half_length)
     PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->own_size) PetscCall(DMSwarmGetField(swarm, "own", NULL, NULL, (void **)&points->own));
   if (particles->has_increment) PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -116,6 +119,7 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   if (particles->has_half_length)
     PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
   if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
+  if (particles->own_size) PetscCall(DMSwarmRestoreField(swarm, "own", NULL, NULL, (void **)&points->own));
   if (particles->has_increment)
     PetscCall(DMSwarmRestoreField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));

@@ -17,7 +17,7 @@ typedef struct MpmParticles {
   DM             swarm;
   PetscInt       field_count;
   MpmPointField *fields; /* all of them, id first */
-  PetscInt       dim, stress_size, state_size, rates;
+  PetscInt       dim, stress_size, state_size, own_size, rates;
   PetscBool      has_half_length, has_increment;
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
@@ -35,7 +35,7 @@ typedef struct MpmParked {
 
 /* What fields the points have beside those that all have. */
 typedef struct {
-  PetscInt     state_size, rates;
+  PetscInt     state_size, own_size, rates;
   PetscBool    half_length, increment;
   PetscInt     extra_count; /* fields of one number a point, by name */
   char *const *extra;

@@ -18,6 +18,7 @@ typedef struct MpmPoints {
   PetscReal *mass;   /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
   PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
   PetscReal *state;  /* state_size values */
+  PetscReal *own;    /* own_size values: states of the physics' own */
   PetscReal *value;  /* rate values */
   PetscReal
     *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */

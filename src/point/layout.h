@@ -29,7 +29,9 @@ typedef struct MpmLayout {
   PetscBool increment[MPM_MAX_BLOCK];
   const char *component_name[MPM_MAX_BLOCK], *component_symbol[MPM_MAX_BLOCK]; /* symbol: NULL where it has none */
   MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */
-  PetscBool   solid; /* the displacement's gradient is all that the kernel sees */
+  MpmScale    scale[MPM_MAX_BLOCK];
+  PetscInt    own_size; /* numbers that the physics keeps of a point */
+  PetscBool   solid;    /* the displacement's gradient is all that the kernel sees */
   const MpmKernelSet *kernel;
 } MpmLayout;
 

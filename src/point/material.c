@@ -216,11 +216,13 @@ int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input
   return sensitivity(&full, direction, value, derivative);
 }
 
+void MpmStatesAtRest(size_t count, const MpmStateVariable variables[], PetscInt dim, PetscReal state[])
+{
+  for (size_t i = 0; i < count; i++)
+    for (PetscInt c = 0; c < MpmStateComponents(&variables[i], dim); c++) *state++ = c < 3 ? variables[i].initial : 0.;
+}
+
 void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[])
 {
-  for (size_t i = 0; i < material->info.state_count; i++) {
-    const MpmStateVariable *variable = &material->info.states[i];
-
-    for (PetscInt c = 0; c < MpmStateComponents(variable, dim); c++) *state++ = c < 3 ? variable->initial : 0.;
-  }
+  MpmStatesAtRest(material->info.state_count, material->info.states, dim, state);
 }

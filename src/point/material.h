@@ -44,5 +44,6 @@ int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input
                            const MpmLawOutput *value, const MpmLawOutput *derivative);
 /* Components of one history variable. */
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim);
-/* Initial history of a material, after the tables of its law. */
+/* Initial values of history variables, all of them side by side; those of a material after the table of its law. */
+void MpmStatesAtRest(size_t count, const MpmStateVariable variables[], PetscInt dim, PetscReal state[]);
 void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[]);

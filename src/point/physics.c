@@ -2,6 +2,7 @@
   The physics that are built in, and the layout of unknowns and kernel inputs that follows from a physics' fields.
 */
 #include "point/layout.h"
+#include "point/material.h"
 #include "point/registry.h"
 
 #define MPM_KERNEL_INSTANCE(name, dim, directions) \
@@ -115,6 +116,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->component_name[b]   = field->increment ? (const char *const[]){"x", "y", "z"}[c] : field->name;
       layout->component_symbol[b] = field->symbol;
       layout->near_null[b]        = field->near_null;
+      layout->scale[b]            = field->scale;
       layout->increment[b]        = (PetscBool)field->increment;
       layout->shape_of[b]         = shape;
       if (field->rate) layout->rate_component[layout->rates++] = b;
@@ -127,6 +129,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->component_first[b + 1] = layout->inputs;
     }
   }
+  for (PetscInt s = 0; s < physics->state_count; s++) layout->own_size += MpmStateComponents(&physics->states[s], dim);
   layout->means = layout->kernel->mean ? 1 : 0;
   layout->solid = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
   PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&

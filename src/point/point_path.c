@@ -184,11 +184,11 @@ PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrain
   MpmCheckInput(help || path->type == MPM_PATH_TABLE || !has, "-%stable: goes with -%spath table only, which is %s",
                 block->prefix, block->prefix, MpmPathTypes[path->type]);
   if (help || path->type == MPM_PATH_TABLE)
-    PetscCall(
-      MpmOptionsText(block, "table",
-                     "CSV file with a column time (s) and one a component: strain_xx (-) or stress_xx (Pa), ...; "
-                     "shear that has none is a strain of zero",
-                     NULL, MPM_REQUIRED, &path->file));
+    PetscCall(MpmOptionsText(
+      block, "table",
+      "of path table: CSV file with a column time (s) and one a component: strain_xx (-) or stress_xx (Pa), ...; "
+      "shear that has none is a strain of zero",
+      NULL, MPM_REQUIRED, &path->file));
   if (help) PetscFunctionReturn(PETSC_SUCCESS);
   if (path->type == MPM_PATH_TABLE) PetscCall(ReadTable(block, dim, path));
   for (PetscInt s = XX; s <= ZZ && path->type != MPM_PATH_TABLE; s++)

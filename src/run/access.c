@@ -75,7 +75,7 @@ PetscErrorCode MpmModelGetPointCount(MpmModel model, PetscInt *local, PetscInt *
 /* Fields that are the caller's business; the others are notes of the engine to itself. */
 static PetscErrorCode FindField(MpmModel model, const char name[], PetscInt *components)
 {
-  static const char *const names[] = {"position", "position0", "F", "volume0", "stress", "state", "value"};
+  static const char *const names[] = {"position", "position0", "F", "volume0", "stress", "state", "own", "value"};
   const MpmParticles      *points  = model->state.particles;
   PetscBool                ours    = PETSC_FALSE;
 
@@ -159,21 +159,27 @@ PetscErrorCode MpmModelRestorePointMaterials(MpmModel model, const PetscInt **ma
 PetscErrorCode MpmModelFindState(MpmModel model, const char material[], const char variable[], PetscInt *first,
                                  PetscInt *components)
 {
-  const PetscInt     dim  = model->disc.dim;
-  const MpmMaterial *from = NULL;
+  const MpmStateVariable *states = model->scene.physics.states;
+  size_t                  count  = (size_t)model->scene.physics.state_count;
 
   PetscFunctionBeginUser;
-  for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    if (!strcmp(model->scene.materials->names[m], material)) from = &model->scene.materials->at[m];
-  PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no material %s", material);
-  *first = 0;
-  for (size_t k = 0; k < from->info.state_count; k++) {
-    const PetscInt count = MpmStateComponents(&from->info.states[k], dim);
+  if (material) {
+    const MpmMaterial *from = NULL;
 
-    if (components) *components = count;
-    if (!strcmp(from->info.states[k].name, variable)) PetscFunctionReturn(PETSC_SUCCESS);
-    *first += count;
+    for (PetscInt m = 0; m < model->scene.materials->count; m++)
+      if (!strcmp(model->scene.materials->names[m], material)) from = &model->scene.materials->at[m];
+    PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no material %s", material);
+    states = from->info.states;
+    count  = from->info.state_count;
   }
-  SETERRQ(PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "material %s: its law has no history variable %s", material,
-          variable);
+  *first = 0;
+  for (size_t k = 0; k < count; k++) {
+    const PetscInt size = MpmStateComponents(&states[k], model->disc.dim);
+
+    if (components) *components = size;
+    if (!strcmp(states[k].name, variable)) PetscFunctionReturn(PETSC_SUCCESS);
+    *first += size;
+  }
+  SETERRQ(PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "%s%s: there is no history variable %s",
+          material ? "material " : "physics ", material ? material : model->scene.physics.name, variable);
 }

@@ -417,6 +417,22 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The physics' own states of the points as they start. */
+static PetscErrorCode FillOwnStates(MpmModel model)
+{
+  const MpmPhysics *physics = &model->scene.physics;
+  MpmPoints         points;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < points.count; p++)
+    MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim,
+                    &points.own[p * model->disc.layout->own_size]);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
@@ -445,10 +461,10 @@ static PetscErrorCode CreateParticles(MpmModel model)
   model->state.particles->has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
-  PetscCall(MpmParticlesCreate(
-    model->disc.grid,
-    &(MpmParticleFields){state_size, model->disc.layout->rates, half_length, model->state.predict, extra, fields},
-    model->state.particles));
+  PetscCall(MpmParticlesCreate(model->disc.grid,
+                               &(MpmParticleFields){state_size, model->disc.layout->own_size, model->disc.layout->rates,
+                                                    half_length, model->state.predict, extra, fields},
+                               model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
   if (model->results->checkpoint.restart && !model->scene.stages[0].name) {
@@ -458,6 +474,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
+  PetscCall(FillOwnStates(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));

@@ -13,6 +13,7 @@ typedef struct {
   MpmModel         model;
   const MpmPoints *points;
   const char      *state; /* a history variable's name */
+  PetscInt         first; /* of its own states, where the physics has it */
   PetscInt         rate;  /* which value with a rate */
   PetscInt         components;
 } Source;
@@ -110,6 +111,21 @@ static PetscErrorCode FillState(const void *ctx, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A state of the physics' own. */
+static PetscErrorCode FillOwn(const void *ctx, PetscReal values[])
+{
+  const Source    *source = (const Source *)ctx;
+  const PetscInt   dim = source->model->disc.dim, size = source->model->disc.layout->own_size;
+  const PetscReal *own = source->points->own;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < source->points->count; p++) {
+    if (source->components == 6) CopySym(dim, &own[p * size + source->first], &values[6 * p]);
+    else values[p] = own[p * size + source->first];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode FillRate(const void *ctx, PetscReal values[])
 {
   const Source  *source = (const Source *)ctx;
@@ -154,7 +170,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
     {.name = "half_length", .components = dim, .real = points ? points->half_length : NULL},
   };
   const size_t known    = PETSC_STATIC_ARRAY_LENGTH(always) - (MpmShapeHasDomain(model->scene.shape) ? 0 : 1);
-  PetscInt     capacity = (PetscInt)known + model->disc.layout->rates;
+  PetscInt     capacity = (PetscInt)known + model->disc.layout->rates + model->scene.physics.state_count;
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
@@ -171,6 +187,14 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
       source.state = variable->name;
       Add(fields, &set, &source);
     }
+  }
+  for (PetscInt s = 0; s < model->scene.physics.state_count; s++) {
+    const MpmStateVariable *variable = &model->scene.physics.states[s];
+    const MpmDataset        set      = {
+                  .name = variable->name, .components = variable->kind == MPM_STATE_SYM ? 6 : 1, .fill = FillOwn};
+
+    Add(fields, &set, &source);
+    source.first += MpmStateComponents(variable, dim);
   }
   for (source.rate = 0; source.rate < model->disc.layout->rates; source.rate++) {
     const MpmDataset set = {.name = model->disc.layout->component_name[model->disc.layout->rate_component[source.rate]],

@@ -24,7 +24,7 @@ static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayRead(x, &values));
   PetscCall(PetscArraycpy(local, values, space->owned * bs));
-  MpmConstraintsCopy(free->solver->disc->constraints, space->owned * bs, 0., NULL, local);
+  MpmConstraintsZero(free->solver->disc->constraints, space->owned * bs, local);
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(space, bs, local));
   MpmFramesToAxes(free->solver->disc->constraints, bs, space->local, local);
@@ -51,7 +51,7 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   PetscCall(VecGetArrayRead(x, &from));
   PetscCall(VecGetArrayWrite(y, &to));
   PetscCall(PetscArraycpy(to, free->y, solver->disc->space->owned * bs));
-  MpmConstraintsCopy(solver->disc->constraints, solver->disc->space->owned * bs, solver->disc->diagonal, from, to);
+  MpmConstraintsMultiply(solver->disc->constraints, solver->disc->space->owned * bs, from, to);
   PetscCall(VecRestoreArrayWrite(y, &to));
   PetscCall(VecRestoreArrayRead(x, &from));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -68,7 +68,7 @@ static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
   PetscCall(MpmTermsDiagonal(solver->disc->terms, solver->disc->sum, free->action.u, blocks, &failed));
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs * bs, blocks));
   MpmFramesRotateBlocks(solver->disc->constraints, bs, solver->disc->space->owned, blocks);
-  MpmConstraintsBlocks(solver->disc->constraints, bs, solver->disc->space->owned, solver->disc->diagonal, blocks);
+  MpmConstraintsBlocks(solver->disc->constraints, solver->disc->space->owned, blocks);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,7 +128,8 @@ static PetscErrorCode MatInvertBlockDiagonal_Matfree(Mat J, const PetscScalar **
     PetscReal *block = &blocks[i * bs * bs];
 
     if (!InvertBlock(bs, block)) { /* a node without stiffness: any number will do in a preconditioner */
-      for (PetscInt k = 0; k < bs * bs; k++) block[k] = k % (bs + 1) ? 0. : 1. / free->solver->disc->diagonal;
+      for (PetscInt k = 0; k < bs * bs; k++)
+        block[k] = k % (bs + 1) ? 0. : 1. / free->solver->disc->constraints->diagonal[k % bs];
     }
     for (PetscInt r = 0; r < bs; r++)
       for (PetscInt c = 0; c < bs; c++) free->inverse[(i * bs + c) * bs + r] = block[r * bs + c];

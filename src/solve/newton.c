@@ -98,8 +98,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));
   PetscCall(PetscArraycpy(values, solver->disc->residual, solver->disc->space->owned * bs));
-  MpmConstraintsResidual(solver->disc->constraints, solver->disc->space->owned * bs, solver->disc->diagonal, at,
-                         values);
+  MpmConstraintsResidual(solver->disc->constraints, solver->disc->space->owned * bs, at, values);
   PetscCall(VecRestoreArrayRead(x, &at));
   /* a rank may own no unknown of its failing points: the flag travels apart */
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->comm));
@@ -164,7 +163,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   solver->cache.summed.id = 0;
   solver->cache.assembled = PETSC_TRUE;
   solver->cache.made_count++;
-  PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, solver->disc->diagonal, P));
+  PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
   if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -390,7 +390,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
       SetMode(layout, k, x, &values[i * bs]);
     }
     MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, values);
-    MpmConstraintsCopy(solver->disc->constraints, solver->disc->space->owned * bs, 0., NULL, values);
+    MpmConstraintsZero(solver->disc->constraints, solver->disc->space->owned * bs, values);
     PetscCall(VecRestoreArray(mode[kept], &values));
     for (PetscInt pass = 0; pass < 2 && kept; pass++) {
       PetscCall(VecMDot(mode[kept], kept, mode, dot));

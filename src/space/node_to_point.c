@@ -108,6 +108,7 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
   PetscCall(PetscFree(values));
   PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
   PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
+  PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->own_size));
   for (PetscInt p = 0; sum->state_size && p < points->count; p++)
     PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],
                             sum->materials[points->material[p]].state_size));

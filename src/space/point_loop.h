@@ -167,6 +167,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->physics_parameter = material->physics_parameter;
   point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
   point->F_n               = &points->F[p * dim * dim];
+  point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
   point->volume0           = points->volume0[p];
   point->dt                = sum->dt;
@@ -174,6 +175,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->law               = material->law;
   point->table             = material->table;
   point->state             = NULL;
+  point->own               = NULL;
   point->F                 = NULL;
   point->stress            = NULL;
   point->stress_n          = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
@@ -186,6 +188,7 @@ MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   const PetscInt  dim   = sum->space->dim;
 
   if (!trial) return;
+  if (sum->own_size) point->own = &trial->own[p * sum->own_size];
   point->F      = &trial->F[p * dim * dim];
   point->stress = &trial->stress[p * MpmSymSize(dim)];
   if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];

@@ -8,7 +8,7 @@
 
 /* What the points would be at the step's end, F, Cauchy stress and history, at the displacement u last evaluated. */
 typedef struct MpmTrial {
-  PetscReal *F, *stress, *state, *u;
+  PetscReal *F, *stress, *state, *own, *u;
   PetscBool  made; /* it holds what goes with the model's residual */
 } MpmTrial;
 
@@ -19,7 +19,8 @@ typedef struct MpmSum {
   const MpmLayout   *layout;
   const MpmMaterial *materials;
   const MpmPoints   *points;
-  PetscInt           block, state_size; /* values a node has, and a point */
+  PetscInt           block;                /* values a node has */
+  PetscInt           state_size, own_size; /* of a point's history, the law's and the physics' own */
   PetscReal          dt;
   PetscBool          rest;  /* no motion: stresses are those of the step's start */
   const MpmTrial    *trial; /* where residuals leave the step's end; NULL: nowhere */

@@ -44,6 +44,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   disc->material_count  = materials->count;
   disc->sum->materials  = materials->at;
   disc->sum->state_size = state_size;
+  disc->sum->own_size   = disc->layout->own_size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
@@ -60,7 +61,7 @@ void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]
 PetscErrorCode MpmTrialReset(MpmTrial *trial)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree4(trial->F, trial->stress, trial->state, trial->u));
+  PetscCall(PetscFree5(trial->F, trial->stress, trial->state, trial->own, trial->u));
   trial->made = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -574,7 +574,7 @@ static PetscErrorCode AddRows(const MpmPattern *pattern, const MpmSpace *space, 
 }
 
 /* The diagonal of owned constrained rows. */
-static void SetConstrainedDiagonal(MpmPattern *pattern, const MpmConstraints *constraints, PetscReal diagonal)
+static void SetConstrainedDiagonal(MpmPattern *pattern, const MpmConstraints *constraints)
 {
   const PetscInt bs = pattern->block;
 
@@ -582,16 +582,17 @@ static void SetConstrainedDiagonal(MpmPattern *pattern, const MpmConstraints *co
     const PetscInt i = k / bs, c = k % bs, count = pattern->row[i + 1] - pattern->row[i];
 
     if (MpmConstraintsFree(constraints, k)) continue;
-    pattern->value[i][(c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] = diagonal;
+    pattern->value[i][(c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] =
+      constraints->diagonal[c];
   }
 }
 
-PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, PetscReal diagonal, Mat mat)
+PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, Mat mat)
 {
   Mat own, other;
 
   PetscFunctionBeginUser;
-  SetConstrainedDiagonal(pattern, pattern->constraints, diagonal);
+  SetConstrainedDiagonal(pattern, pattern->constraints);
   PetscCall(OwnPart(mat, pattern->coordinates, &own, &other));
   if (own) {
     PetscCall(CopyBuffer(pattern, space, other));

@@ -30,9 +30,9 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **pattern, const MpmSpace *space, MPI_
                                PetscBool *changed);
 PetscErrorCode MpmPatternDestroy(MpmPattern **pattern);
 PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat);
-/* Between these two, blocks are added. Begin zeroes the matrix; End puts `diagonal` on constrained rows and assembles. */
+/* Between these two, blocks are added. Begin zeroes the matrix; End puts the diagonal on constrained rows and assembles. */
 PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints, Mat mat);
-PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, PetscReal diagonal, Mat mat);
+PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, Mat mat);
 /*
   Adds a box's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns, and those of holes, are left
   out.

@@ -106,7 +106,9 @@ static MpmRules Rules(MpmModel model)
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
 {
-  const PetscInt bs = model->disc.block, dim = model->disc.dim;
+  const PetscInt      bs = model->disc.block, dim = model->disc.dim;
+  const MpmParticles *particles = model->state.particles;
+  MpmTrial           *trial     = model->disc.trial;
 
   PetscFunctionBeginUser;
   model->disc.committed = PETSC_FALSE;
@@ -114,14 +116,15 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  const PetscInt count = model->disc.points->count;
+
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
   PetscCall(PetscMalloc3((model->disc.space->local * bs), &model->disc.u, (model->disc.space->local * bs),
                          &model->disc.residual, (model->disc.space->local * bs), &model->disc.force));
-  PetscCall(MpmTrialReset(model->disc.trial));
-  PetscCall(PetscMalloc4((model->disc.points->count * dim * dim), &model->disc.trial->F,
-                         (model->disc.points->count * model->state.particles->stress_size), &model->disc.trial->stress,
-                         (model->disc.points->count * model->state.particles->state_size), &model->disc.trial->state,
-                         (model->disc.space->local * bs), &model->disc.trial->u));
+  PetscCall(MpmTrialReset(trial));
+  PetscCall(PetscMalloc5((count * dim * dim), &trial->F, (count * particles->stress_size), &trial->stress,
+                         (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
+                         (model->disc.space->local * bs), &trial->u));
   model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->unknown_count);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -139,7 +142,7 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
 
 PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time)
 {
-  const MpmPrescription step = {model->scene.bcs, model->state.bcs, model->state.time, time};
+  const MpmPrescription step = {model->scene.bcs, model->state.bcs, model->state.time, time, model->disc.diagonal};
 
   PetscFunctionBeginUser;
   PetscCall(

@@ -16,9 +16,9 @@ typedef struct {
   PetscBool            adaptive;
   PetscBool            predict; /* start from the last step's increment */
   PetscInt             step, cuts, cuts_total;
-  PetscInt             stage;      /* the one under way */
-  MpmParked           *parked;     /* per body: points that a later stage adds */
-  MpmActing           *bcs;        /* by the scene's lists: what acts in the stage under way */
+  PetscInt             stage;  /* the one under way */
+  MpmParked           *parked; /* per body: points that a later stage adds */
+  MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way */
   MpmLoadActing       *loads;
   PetscInt             wall_count; /* that follow from it */
   MpmWall             *walls;

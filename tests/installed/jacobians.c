@@ -18,6 +18,25 @@ static const struct {
   {"both", "-mpm_physics swelling -mpm_material_m_type fung"},
 };
 
+/* What the physics keeps of a point is the largest solvent so far: after one step from none, that of now. */
+static PetscErrorCode CheckOwn(MpmModel model)
+{
+  PetscInt   count, first;
+  PetscReal *value, *own;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelFindState(model, NULL, "most_solvent", &first, NULL));
+  PetscCall(MpmModelGetPointCount(model, &count, NULL));
+  PetscCall(MpmModelGetPoints(model, "value", NULL, &value));
+  PetscCall(MpmModelGetPoints(model, "own", NULL, &own));
+  for (PetscInt p = 0; p < count; p++)
+    PetscCheck(value[p] != 0. && PetscAbsReal(own[p + first] - PetscMax(value[p], 0.)) <= 1e-14, PETSC_COMM_SELF,
+               PETSC_ERR_PLIB, "point %" PetscInt_FMT " keeps %g of %g", p, (double)own[p + first], (double)value[p]);
+  PetscCall(MpmModelRestorePoints(model, "own", NULL, &own));
+  PetscCall(MpmModelRestorePoints(model, "value", NULL, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2"};
 
 static PetscErrorCode Look(const char *plugin, PetscInt dim, size_t kind, const char *shape)
@@ -38,6 +57,7 @@ static PetscErrorCode Look(const char *plugin, PetscInt dim, size_t kind, const 
   PetscCall(MpmModelSetOptions(model, options));
   PetscCall(MpmModelSetFromOptions(model));
   PetscCall(MpmModelStep(model, &status)); /* the forms are compared for a body that has moved */
+  if (kind) PetscCall(CheckOwn(model));
   PetscCall(MpmModelCheckJacobian(model, 0.02, &check));
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s_%" PetscInt_FMT "d_%s %d %.3e %.3e %.3e %.3e %.3e\n", kinds[kind].name,
                         dim, shape, (int)status, (double)check.coloring, (double)check.dense, (double)check.matfree[0],

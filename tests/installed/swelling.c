@@ -6,7 +6,7 @@
     V_0 D J grad c                                                                         conjugate to grad c
 
   beta, gamma and D are the physics' parameters. It has a direction for each input. c is quadratic, whatever the
-  displacement is.
+  displacement is. A point remembers the largest c that it has had.
 */
 #include "talus/point/law.h"
 
@@ -38,6 +38,7 @@ static int SwellingKernel(const MpmKernelPoint *point, const Scalar input[], Sca
 
     TensorStore(point->F, &F);
     SymStore(point->stress, &sigma);
+    point->own[0] = fmax(point->own_n[0], ScalarValue(c));
   }
   return 0;
 }
@@ -54,12 +55,16 @@ static const MpmField fields[] = {
    .gradient   = 1,
    .rate       = 1,
    .symbol     = "s",
-   .near_null  = MPM_NEAR_NULL_CONSTANT},
+   .near_null  = MPM_NEAR_NULL_CONSTANT,
+   .scale      = MPM_SCALE_ONE},
 };
 static const MpmParameter parameters[] = {
   {MPM_NUMBER, "push", "Pa", 0.3, 0, -HUGE_VAL, HUGE_VAL, 0, "pressure of the solvent", NULL, 0., NULL},
   {MPM_NUMBER, "source", "1/s", 0.1, 0, -HUGE_VAL, HUGE_VAL, 0, "solvent that comes with the volume", NULL, 0., NULL},
   {MPM_NUMBER, "diffusivity", "m2/s", 0.5, 0, 0., HUGE_VAL, 0, "how fast the solvent spreads", NULL, 0., NULL},
 };
-MPM_PHYSICS(swelling, 0, "a solid that swells with what diffuses through it", fields, parameters, 3, NULL)
+static const MpmStateVariable states[] = {{"most_solvent", MPM_STATE_SCALAR, 0., "-"}};
+MPM_PHYSICS(swelling, .summary = "a solid that swells with what diffuses through it", .field_count = MPM_ROWS(fields),
+            .fields = fields, .parameter_count = MPM_ROWS(parameters), .parameters = parameters,
+            .state_count = MPM_ROWS(states), .states = states)
 #endif

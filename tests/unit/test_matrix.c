@@ -91,7 +91,7 @@ static PetscErrorCode ByCoordinates(MpmModel model, Mat *mat)
   for (PetscInt again = 0; again < 2; again++) { /* a second time in the same matrix */
     PetscCall(MpmPatternBegin(disc->pattern, disc->space, disc->constraints, *mat));
     PetscCall(MpmTermsTangent(disc->terms, disc->sum, disc->u, disc->pattern, NULL, &failed));
-    PetscCall(MpmPatternEnd(disc->pattern, disc->space, disc->diagonal, *mat));
+    PetscCall(MpmPatternEnd(disc->pattern, disc->space, *mat));
   }
   disc->pattern->coordinates = PETSC_FALSE;
   PetscCall(PetscObjectChangeTypeName((PetscObject)*mat, model->size > 1 ? MATMPIAIJ : MATSEQAIJ));

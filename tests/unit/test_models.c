@@ -221,9 +221,10 @@ START_TEST(laboratory)
   PetscInt         count;
 
   CALL(MpmModelCreate(PETSC_COMM_WORLD, &model));
-  CALL(MpmModelSetOptions(model, "-mpm_dim 3 -mpm_physics stress_point -mpm_materials m -mpm_material_m_type hencky "
-                                 "-mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 -mpm_point_material m "
-                                 "-mpm_point_path oedometer -mpm_point_end -0.1 -mpm_point_stress -1e3,-2e3,-1e3,0,0,0"));
+  CALL(MpmModelSetOptions(model,
+                          "-mpm_dim 3 -mpm_physics stress_point -mpm_materials m -mpm_material_m_type hencky "
+                          "-mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 -mpm_point_material m "
+                          "-mpm_point_path oedometer -mpm_point_end -0.1 -mpm_point_stress -1e3,-2e3,-1e3,0,0,0"));
   CALL(MpmModelSetFromOptions(model));
   UNIT_FAILS(MpmModelSetOptions(model, "-mpm_point_end 1"), PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
   CALL(MpmModelSetUp(model));

@@ -138,21 +138,14 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #endif
 
 /*
-  MPM_PHYSICS(name, traits, summary, fields, parameters, count, fbar) - what a physics says of itself besides its kernel;
-  once, in the first instance. `fields` is the file's static table, `parameters` a table of `count` rows or NULL.
+  MPM_PHYSICS(name, .summary = ..., .fields = ..., ...) - what a physics says of itself besides its kernel, as members of
+  MpmPhysics; once, in the first instance. MPM_ROWS() counts the rows of the file's static tables.
 */
 #if MPM_DIM == 2 && MPM_DIRECTIONS == 0
-#define MPM_PHYSICS(name_, traits_, summary_, fields_, parameters_, count_, fbar_) \
+#define MPM_PHYSICS(name_, ...) \
   void MpmPhysicsDescribe_##name_(MpmPhysics *physics); \
   void MpmPhysicsDescribe_##name_(MpmPhysics *physics) \
   { \
-    physics->name            = #name_; \
-    physics->summary         = summary_; \
-    physics->traits          = traits_; \
-    physics->field_count     = (int)(sizeof(fields_) / sizeof((fields_)[0])); \
-    physics->fields          = fields_; \
-    physics->parameters      = parameters_; \
-    physics->parameter_count = (int)(count_); \
-    physics->fbar            = fbar_; \
+    *physics = (MpmPhysics){.name = #name_, __VA_ARGS__}; \
   }
 #endif

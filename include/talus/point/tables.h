@@ -150,7 +150,7 @@ typedef struct {
 } MpmLawInstance;
 
 /*
-  What a physics kernel is told about one point. The last three are where the step's end goes, should it turn out to be
+  What a physics kernel is told about one point. The last four are where the step's end goes, should it turn out to be
   it; NULL when nobody asks: in Jacobians, and in residuals with one in the same pass.
 */
 typedef struct {
@@ -159,6 +159,7 @@ typedef struct {
   const double      *state_n;           /* history at the step's start */
   const double      *F_n;               /* deformation gradient at the step's start, row-major, dim x dim */
   const double      *value_n;           /* values at the step's start of the fields with a rate, in field order */
+  const double      *own_n;             /* states of the physics' own at the step's start, or NULL */
   const double      *stress_n; /* Cauchy stress there, in a stage without motion, where the law is not asked; or NULL */
   double             volume0;  /* initial volume, m3 (2D: m2 per metre of thickness) */
   double             dt;       /* s */
@@ -166,6 +167,7 @@ typedef struct {
   const MpmFunction *law;      /* the material's law, by MpmForm */
   const MpmLawTable *table;    /* of the point's material */
   double            *state;    /* history at the step's end */
+  double            *own;      /* states of the physics' own */
   double            *F;
   double            *stress; /* Cauchy, Pa */
 } MpmKernelPoint;
@@ -191,6 +193,12 @@ typedef struct {
   int (*mean)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
   int (*mean_tangent)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
 } MpmKernelSet;
+
+/*
+  What a field's values are measured in: the size of a cell, a stiffness of the material, or one. Equations of prescribed
+  unknowns are scaled so that they stand beside the others: K h^dim / scale^2.
+*/
+typedef enum { MPM_SCALE_LENGTH, MPM_SCALE_STRESS, MPM_SCALE_ONE } MpmScale;
 
 /* What multigrid is told of a field's modes of little energy. */
 typedef enum { MPM_NEAR_NULL_NONE, MPM_NEAR_NULL_RIGID, MPM_NEAR_NULL_CONSTANT } MpmNearNull;
@@ -222,6 +230,7 @@ typedef struct {
   const char *symbol; /* in lists of components, for a field of one; NULL: by its name alone */
   const char *unit;   /* of the value; NULL: none is told */
   MpmNearNull near_null;
+  MpmScale    scale;
 } MpmField;
 
 /*
@@ -244,6 +253,8 @@ typedef struct {
   MpmKernelSet        kernels[4]; /* [2] and [3] are used */
   int                 parameter_count;
   const MpmParameter *parameters; /* numbers and words, options of every material: -mpm_material_<name>_<parameter> */
-  unsigned            traits;     /* MpmPhysicsTrait values, or-ed */
-  const char         *fbar;       /* the physics that takes its place with F-bar; NULL: none */
+  int                 state_count;
+  const MpmStateVariable *states; /* of each point, beside the law's */
+  unsigned                traits; /* MpmPhysicsTrait values, or-ed */
+  const char             *fbar;   /* the physics that takes its place with F-bar; NULL: none */
 } MpmPhysics;
