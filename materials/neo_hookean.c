@@ -34,33 +34,36 @@ static const MpmParameter parameters[] = {
 
 static const MpmStateVariable states[] = MPM_NO_STATE;
 
-MPM_FN int IsQuadratic(const MpmLawPoint *point)
+/* J U' */
+MPM_FN Scalar Volume(const MpmLawPoint *point, const Tensor *F)
 {
-  return RealValue(point->parameter[VOLUMETRIC]) > 0.5;
+  const Scalar J = TensorDet(F);
+
+  if (RealValue(point->parameter[VOLUMETRIC]) > 0.5) return ScalarScale(0.5, ScalarShift(ScalarSquare(J), -1.));
+  return ScalarLog(J);
+}
+
+/* mu J^{-2/3} dev b + k J U' I */
+MPM_FN Sym IsochoricStress(const MpmLawPoint *point, Lame lame, const Tensor *F, const Sym *strain)
+{
+  const Sym  dev   = SymDev(strain);
+  const Sym  shear = SymScale(ScalarScale(lame.mu, ScalarPow(TensorDet(F), -2. / 3.)), &dev);
+  const Real bulk  = lame.lambda + 2. / 3. * lame.mu;
+
+  return SymShift(&shear, ScalarScale(bulk, Volume(point, F)));
 }
 
 MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const Lame   lame   = LameFromParameters(point->parameter);
-  const Tensor F      = TensorMulArray(dF, point->F_n);
-  const Sym    b      = SymLeftCauchyGreen(&F);
-  const Sym    strain = SymShift(&b, ScalarConstant(-1.));
-  const Scalar J      = TensorDet(&F);
-  Real         bulk   = lame.lambda;
-  Scalar       volume;
-  Sym          shear;
+  const Lame   lame     = LameFromParameters(point->parameter);
+  const Tensor F        = TensorMulArray(dF, point->F_n);
+  const Sym    b        = SymLeftCauchyGreen(&F);
+  const Sym    strain   = SymShift(&b, ScalarConstant(-1.));
+  const Sym    isotonic = SymScaleBy(lame.mu, &strain);
 
   if (!ElasticIsRegular(point, dF)) return 1;
-  if (RealValue(point->parameter[SHEAR]) > 0.5) {
-    const Sym dev = SymDev(&strain);
-
-    shear = SymScale(ScalarScale(lame.mu, ScalarPow(J, -2. / 3.)), &dev);
-    bulk  = lame.lambda + 2. / 3. * lame.mu;
-  } else {
-    shear = SymScaleBy(lame.mu, &strain);
-  }
-  volume = IsQuadratic(point) ? ScalarScale(0.5, ScalarShift(ScalarSquare(J), -1.)) : ScalarLog(J);
-  *tau   = SymShift(&shear, ScalarScale(bulk, volume));
+  if (RealValue(point->parameter[SHEAR]) > 0.5) *tau = IsochoricStress(point, lame, &F, &strain);
+  else *tau = SymShift(&isotonic, ScalarScale(lame.lambda, Volume(point, &F)));
   return 0;
 }
 
