@@ -51,7 +51,9 @@ MPM_FN Real BulkModulus(Real given, Real nu, Real mu)
 /* exp(x) - 1 without cancellation at small x */
 MPM_FN Dual PowerLessOne(Dual x)
 {
-  return DualChain(x, expm1(DualValue(x)), exp(DualValue(x)));
+  const double f = expm1(DualValue(x));
+
+  return DualChain(x, f, f + 1.);
 }
 
 MPM_FN int MpmMaterialEvaluate_ogden(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
