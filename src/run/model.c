@@ -436,7 +436,7 @@ static PetscErrorCode FillOwnStates(MpmModel model)
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt     state_size = 0, extra = 0;
+  PetscInt     state_size = 0, extra = 0, axis, up;
   PetscBool    half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || model->scene.boundaries->count ||
                                       MpmStagesAreGeostatic(model) || MpmStagesReduce(model));
   const char  *why;
@@ -472,6 +472,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &axis, &up);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) MpmBodySetVertical(model->scene.bodies->at[b], axis, up);
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));

@@ -260,6 +260,16 @@ CASES = [
     ("body of a stage twice", {**STAGES, "mpm_stage_two_materials": "block:soil,block:soil"}, "body block stands there twice"),
     ("number of PETSc's with a unit", {"ksp_rtol": "1e-8 -"}, "-ksp_rtol 1e-8 -: must be a number >= 0"),
     ("whole number of PETSc's with a comma", {"snes_max_it": "20,"}, "-snes_max_it 20,: must be a number >= 1"),
+    # history to start with
+    ("history of another law", {"mpm_body_block_initial_equivalent_plastic_strain": "0.1"}, "-mpm_body_block_initial_equivalent_plastic_strain"),
+    ("history that misses points", {**J2, "mpm_body_block_initial_equivalent_plastic_strain": "0:0,1:0.1"},
+     "-mpm_body_block_initial_equivalent_plastic_strain: heights reach from 0 to 1 m, and there is a point at 1.75 m"),
+    ("history at one height", {**J2, "mpm_body_block_initial_equivalent_plastic_strain": "0:0"},
+     "-mpm_body_block_initial_equivalent_plastic_strain 0:0: two heights"),
+    ("history at falling heights", {**J2, "mpm_body_block_initial_equivalent_plastic_strain": "2:0,0:1"},
+     "-mpm_body_block_initial_equivalent_plastic_strain 2:0,0:1: heights must not decrease"),
+    ("history that is a word", {**J2, "mpm_body_block_initial_equivalent_plastic_strain": "much"},
+     "-mpm_body_block_initial_equivalent_plastic_strain much: must be a number"),
     # stages
     ("empty list of stages", {"mpm_stages": ""}, "-mpm_stages"),
     ("equal stages", {"mpm_stages": "one,one"}, "-mpm_stages"),
