@@ -85,6 +85,7 @@ static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STAT
 #define POLE_MARGIN       0.1  /* 1 + N s below which the limit of the image pressure is continued */
 #define LARGEST_LOG       600. /* |ln p/p_ref| beyond which there is no answer */
 #define START_CUTS        50   /* bisections that find a start of the local problem where Newton finds none */
+#define NEAR_TIP          0.01 /* eta/M below which the local problem has e_s as an unknown */
 #define SERIES            0.05 /* below it the functions of N are summed as series */
 #define SERIES_TERMS      13
 
@@ -212,17 +213,47 @@ MPM_FN Dual ShearOnSurface(const Real *parameter, Dual y, Dual L)
                    DualMul(StressRatio(parameter, L), DualExp(y)));
 }
 
-/* Unknowns y and L */
-MPM_FN int OnSurface(const void *problem, const Dual input[], const Dual x[], Dual r[])
+/* L of a stress ratio eta, the inverse of StressRatio() */
+MPM_FN Dual RatioOnSurface(const Real *parameter, Dual eta)
 {
-  const Step *step      = (const Step *)problem;
-  const Real *parameter = step->point->parameter;
-  const Dual  dg        = DualSub(input[IN_SHEAR], ShearOnSurface(parameter, x[0], x[1]));
+  const Dual part = DualScale(1. / parameter[CRITICAL_RATIO], eta);
+  const Dual down = DualMul(part, LogFunction(DualScale(-parameter[CURVATURE], part)));
 
+  return DualSub(TipRatio(parameter), DualScale(1. - parameter[CURVATURE], down));
+}
+
+MPM_FN int SurfaceResidual(const Step *step, const Dual input[], Dual dg, Dual y, Dual L, Dual r[2])
+{
   if (!(DualValue(dg) > 0.)) return 1;
-  r[0] = DualSub(x[0], LogPressure(parameter, input[IN_VOLUME], dg, x[1]));
-  r[1] = HardeningResidual(step, input[IN_V], dg, x[0], x[1]);
+  r[0] = DualSub(y, LogPressure(step->point->parameter, input[IN_VOLUME], dg, L));
+  r[1] = HardeningResidual(step, input[IN_V], dg, y, L);
   return 0;
+}
+
+/* Unknowns y and L */
+MPM_FN int ByRatio(const void *problem, const Dual input[], const Dual x[], Dual r[])
+{
+  const Step *step = (const Step *)problem;
+  const Dual  dg   = DualSub(input[IN_SHEAR], ShearOnSurface(step->point->parameter, x[0], x[1]));
+
+  return SurfaceResidual(step, input, dg, x[0], x[1], r);
+}
+
+/* L of y and e_s */
+MPM_FN Dual RatioOfShear(const Real *parameter, Dual y, Dual shear)
+{
+  const Dual inverse = DualScale(3. * parameter[SHEAR] / parameter[REFERENCE_PRESSURE], DualExp(DualNeg(y)));
+
+  return RatioOnSurface(parameter, DualMul(inverse, shear));
+}
+
+/* Unknowns y and e_s: where p is so large that L does not tell e_s */
+MPM_FN int ByShear(const void *problem, const Dual input[], const Dual x[], Dual r[])
+{
+  const Step *step = (const Step *)problem;
+  const Dual  L    = RatioOfShear(step->point->parameter, x[0], x[1]);
+
+  return SurfaceResidual(step, input, DualSub(input[IN_SHEAR], x[1]), x[0], L, r);
 }
 
 /* Unknown dg, at the tip */
@@ -293,26 +324,62 @@ MPM_FN int SolveFlow(const Step *step, const Dual input[], double dg, double x[2
          log(DualValue(StressRatio(parameter, L)) * RealValue(parameter[REFERENCE_PRESSURE])) + x[0];
 }
 
-/* y and L off the tip. Where Newton's method fails from the trial state, dg by bisection gives another start. */
-MPM_FN int SolveSurface(const Step *step, const Dual input[], Dual x[2])
-{
-  const Implicit implicit = {OnSurface, step, input, INPUTS, 2, 1.};
-  const double   tip      = DualValue(TipRatio(step->point->parameter));
-  double         trial[2], start[2], lower = 0., upper = DualValue(input[IN_SHEAR]);
+/* The end of a step off the tip */
+typedef struct {
+  Dual y, L, shear; /* e_s */
+} End;
 
-  trial[0] = -DualValue(input[IN_VOLUME]) / RealValue(step->point->parameter[KAPPA]);
-  trial[1] = trial[0] - RealValue(step->log_image);
-  if (!ImplicitSystem(&implicit, trial, x) && DualValue(x[1]) <= tip) return 0;
-  start[1] = fmin(trial[1], tip);
+/*
+  A start near the root, from bisections of dg between 0 and e_s of the trial state: y and, as `by_shear` comes out, L or
+  e_s. The last dg that is too large has y and L on the surface's side of the tip.
+*/
+MPM_FN int FindStart(const Step *step, const Dual input[], double trial, double start[2], int *by_shear)
+{
+  const double shear = DualValue(input[IN_SHEAR]);
+  double       lower = 0., upper = shear, x[2] = {0., trial};
+
+  SolveFlow(step, input, upper, x);
   for (int cut = 0; cut < START_CUTS; ++cut) {
     const double dg = 0.5 * (lower + upper);
 
-    if (SolveFlow(step, input, dg, start)) upper = dg;
+    if (SolveFlow(step, input, dg, x)) upper = dg;
     else lower = dg;
   }
-  start[1] = fmin(start[1], tip);
-  SolveFlow(step, input, lower, start);
-  return ImplicitSystem(&implicit, start, x) || DualValue(x[1]) > tip;
+  SolveFlow(step, input, upper, x);
+  *by_shear = x[1] > 0.;
+  start[0]  = x[0];
+  start[1]  = *by_shear ? shear - upper : x[1];
+  return 0;
+}
+
+MPM_FN int SolveFrom(const Step *step, const Dual input[], const double start[2], int by_shear, End *end)
+{
+  const Real    *parameter = step->point->parameter;
+  const Implicit implicit  = {by_shear ? ByShear : ByRatio, step, input, INPUTS, 2, 1.};
+  Dual           x[2];
+
+  if (ImplicitSystem(&implicit, start, x)) return 1;
+  end->y     = x[0];
+  end->L     = by_shear ? RatioOfShear(parameter, x[0], x[1]) : x[1];
+  end->shear = by_shear ? x[1] : ShearOnSurface(parameter, x[0], x[1]);
+  return !(DualValue(end->shear) >= 0. && DualValue(end->shear) <= DualValue(input[IN_SHEAR]));
+}
+
+/* Off the tip. Where Newton's method fails from the trial state, or comes so near the tip that L is too coarse, from
+   another start. */
+MPM_FN int SolveSurface(const Step *step, const Dual input[], End *end)
+{
+  const Real *parameter = step->point->parameter;
+  double      trial[2], start[2];
+  int         by_shear;
+
+  trial[0] = -DualValue(input[IN_VOLUME]) / RealValue(parameter[KAPPA]);
+  trial[1] = trial[0] - RealValue(step->log_image);
+  if (!SolveFrom(step, input, trial, 0, end) &&
+      DualValue(StressRatio(parameter, end->L)) > NEAR_TIP * RealValue(parameter[CRITICAL_RATIO]))
+    return 0;
+  FindStart(step, input, trial[1], start, &by_shear);
+  return SolveFrom(step, input, start, by_shear, end);
 }
 
 /* ---- the law ---- */
@@ -343,22 +410,23 @@ MPM_FN int Yield(const MpmLawPoint *point, Step *step, const Scalar in[INPUTS], 
                  Real *log_image)
 {
   const Real *parameter = point->parameter;
-  Dual        input[INPUTS], x[2], shear = DualConstant(0.);
+  Dual        input[INPUTS], shear = DualConstant(0.);
+  End         end;
 
   for (int k = 0; k < INPUTS; ++k) input[k] = DualSeed(ScalarValue(in[k]), k);
   if (TipExcess(step, input, DualValue(input[IN_SHEAR])) <= 0.) {
     Dual dg;
 
     if (SolveTip(step, input, &dg)) return 1;
-    x[1] = TipRatio(parameter);
-    x[0] = LogPressure(parameter, input[IN_VOLUME], dg, x[1]);
+    end.L = TipRatio(parameter);
+    end.y = LogPressure(parameter, input[IN_VOLUME], dg, end.L);
   } else {
-    if (SolveSurface(step, input, x)) return 1;
-    shear = DualDiv(ShearOnSurface(parameter, x[0], x[1]), input[IN_SHEAR]);
+    if (SolveSurface(step, input, &end)) return 1;
+    shear = DualDiv(end.shear, input[IN_SHEAR]);
   }
   *part      = ScalarFromDual(shear, INPUTS, in);
-  *y         = ScalarFromDual(x[0], INPUTS, in);
-  *log_image = ScalarReal(ScalarFromDual(DualSub(x[0], x[1]), INPUTS, in));
+  *y         = ScalarFromDual(end.y, INPUTS, in);
+  *log_image = ScalarReal(ScalarFromDual(DualSub(end.y, end.L), INPUTS, in));
   return 0;
 }
 

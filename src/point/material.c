@@ -119,6 +119,8 @@ static PetscErrorCode CheckParameters(const MpmMaterial *material)
   MpmCheckInput(fault.parameter >= 0, "-mpm_material_%s: %s", material->name, fault.why);
   MpmRangeText((MpmRange){fault.lower, fault.upper, (PetscBool)(fault.open != 0)}, range);
   MpmRealText(material->parameter[fault.parameter], value);
+  MpmCheckInput(range[0], "-mpm_material_%s_%s %s: %s", material->name, material->info.parameters[fault.parameter].name,
+                value, fault.why);
   MpmCheckInput(PETSC_FALSE, "-mpm_material_%s_%s %s: must %s %s %s: %s", material->name,
                 material->info.parameters[fault.parameter].name, value, strncmp(range, "in ", 3) ? "be" : "lie", range,
                 material->info.parameters[fault.parameter].unit, fault.why);

@@ -276,6 +276,18 @@ double PointStiffnessAt(const Point *point)
   return point->law->info[PLAIN].stiffness(point->parameter, table, point->state, point->F);
 }
 
+double PointStateUnit(const Point *point, int i)
+{
+  const MpmLawInfo *info   = &point->law->info[PLAIN];
+  int               offset = 0;
+
+  for (size_t s = 0; s < info->state_count; ++s) {
+    offset += StateWidth(&info->states[s]);
+    if (i < offset) return strcmp(info->states[s].unit, "Pa") ? 1. : PointStiffness(point);
+  }
+  return 1.;
+}
+
 void PointSet(Point *point, const char *parameter, double value)
 {
   point->parameter[LawParameter(point->law, parameter)] = value;
