@@ -59,14 +59,14 @@ static const MpmParameter parameters[] = {
   {MPM_NUMBER, "kappa", "-", 0., 1, 0., HUGE_VAL, 1, "elastic volume strain per ln p", NULL, 0.01, NULL},
   {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus, the same at all pressures", NULL, 20e6, NULL},
   {MPM_NUMBER, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at the critical state", NULL, 1.2, NULL},
-  {MPM_NUMBER, "N", "-", 0., 0, 0., 0.95, 0, "curvature of the yield surface; 0: Cam-Clay's", NULL, 0.4, NULL},
+  {MPM_NUMBER, "N", "-", 0., 0, 0., 0.95, 0, "curvature of the yield surface; 0: that of Cam-Clay", NULL, 0.3, NULL},
   {MPM_NUMBER, "beta", "-", 1., 0, 0., HUGE_VAL, 1, "volume of the flow, over that of associated flow", NULL, 1., NULL},
   {MPM_NUMBER, "lambda", "-", 0., 1, 0., HUGE_VAL, 0, "slope of the critical state line, v over ln p", NULL, 0.02,
    NULL},
   {MPM_NUMBER, "v_c0", "-", 0., 1, 1., HUGE_VAL, 1, "specific volume of the critical state at 1 kPa", NULL, 1.9, NULL},
   {MPM_NUMBER, "h", "-", 0., 1, 0., HUGE_VAL, 1, "hardening: how fast the image pressure goes to its limit", NULL, 100.,
    NULL},
-  {MPM_NUMBER, "specific_volume", "-", 0., 1, 1., HUGE_VAL, 1, "1 + void ratio at the start", NULL, 1.7, NULL},
+  {MPM_NUMBER, "specific_volume", "-", 0., 1, 1., HUGE_VAL, 1, "1 + void ratio at the start", NULL, 1.8, NULL},
   {MPM_NUMBER, "image_pressure", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1, "at the start; or preconsolidation", NULL, 100e3,
    NULL},
   {MPM_NUMBER, "preconsolidation", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1,
@@ -333,7 +333,7 @@ typedef struct {
   A start near the root, from bisections of dg between 0 and e_s of the trial state: y and, as `by_shear` comes out, L or
   e_s. The last dg that is too large has y and L on the surface's side of the tip.
 */
-MPM_FN int FindStart(const Step *step, const Dual input[], double trial, double start[2], int *by_shear)
+MPM_FN void FindStart(const Step *step, const Dual input[], double trial, double start[2], int *by_shear)
 {
   const double shear = DualValue(input[IN_SHEAR]);
   double       lower = 0., upper = shear, x[2] = {0., trial};
@@ -349,7 +349,6 @@ MPM_FN int FindStart(const Step *step, const Dual input[], double trial, double 
   *by_shear = x[1] > 0.;
   start[0]  = x[0];
   start[1]  = *by_shear ? shear - upper : x[1];
-  return 0;
 }
 
 MPM_FN int SolveFrom(const Step *step, const Dual input[], const double start[2], int by_shear, End *end)
@@ -510,8 +509,9 @@ static int MpmMaterialHistory_nor_sand(const double *parameter, const MpmLawTabl
 static int MpmMaterialCheck_nor_sand(const double *parameter, const MpmLawTable *table, MpmLawFault *fault)
 {
   const int         image = parameter[IMAGE_PRESSURE] <= DBL_MAX, cap = parameter[PRECONSOLIDATION] <= DBL_MAX;
-  const MpmLawFault both    = {PRECONSOLIDATION, HUGE_VAL, HUGE_VAL, 0, "image_pressure says the same"};
-  const MpmLawFault neither = {-1, 0., 0., 0, "image_pressure or preconsolidation is missing, Pa, > 0"};
+  const MpmLawFault both    = {PRECONSOLIDATION, -HUGE_VAL, HUGE_VAL, 0,
+                               "only one of image_pressure and preconsolidation can be given"};
+  const MpmLawFault neither = {-1, 0., 0., 0, "one of image_pressure and preconsolidation is missing (Pa, > 0)"};
 
   (void)table;
   *fault = image ? both : neither;
