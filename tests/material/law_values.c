@@ -351,6 +351,7 @@ START_TEST(test_drucker_prager_volume_correction)
 END_TEST
 
 TCase *MohrCoulombCase(void);
+TCase *NorSandCase(void);
 Suite *LawValuesSuite(void);
 
 Suite *LawValuesSuite(void)
@@ -372,5 +373,6 @@ Suite *LawValuesSuite(void)
   tcase_add_loop_test(tcase, test_drucker_prager_fit, COMPRESSION, PLANE_STRAIN + 1);
   suite_add_tcase(suite, tcase);
   suite_add_tcase(suite, MohrCoulombCase());
+  suite_add_tcase(suite, NorSandCase());
   return suite;
 }
