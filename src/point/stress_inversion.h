@@ -17,7 +17,7 @@ typedef struct {
   MpmFunction        law[MPM_FORM_COUNT];
   PetscInt           dim, model_dim; /* of the kernel, and of the model */
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
-  PetscBool          stateful;
+  PetscBool stateful;
 } MpmInitial;
 
 #define MPM_INITIAL_STATE 64 /* most values of a history in 3D */
