@@ -167,7 +167,7 @@ END_TEST
 #define STATES 5
 #define RATES  2
 
-static char *extra_fields[] = {"load_a", "track_b"};
+static const char *const extra_fields[] = {"load_a", "track_b"};
 
 /* Every value of a point can be told from its id. */
 static PetscReal Mark(PetscInt id, PetscInt field, PetscInt component)
