@@ -90,6 +90,16 @@ def initial_history(test):
         test.check(f"initial_from_{column or 'profile'}", np.abs(start["equivalent_plastic_strain"][ground] - wanted).max(), None, 1e-10)
 
 
+def ratios(test, shape, text, soil, rock, **options):
+    """Another k0 in each layer, by body, by material, or by the law; level ground rests, with its ratio at every point."""
+    label = f"ratios_{shape}_{text}"
+    run = test.run(FOLDER / "level.yaml", mpm_shape=shape, mpm_quiet=None, mpm_stage_rest_geostatic_k0=text, **options)
+    at_rest(test, label, run, "level")
+    state = run.results.state("last")
+    wanted = np.where(state["position"][:, 1] > 1.0, soil, rock)
+    test.check(f"{label}.error", np.abs(state["stress"][:, 0] / state["stress"][:, 1] - wanted).max(), None, 1e-9)
+
+
 def gaps(test, shape, k0):
     """Layers that meet inside a cell, where their points leave a gap; also a ratio for which no elasticity is fit."""
     run = test.run(FOLDER / "level.yaml", mpm_shape=shape, mpm_quiet=None, mpm_body_ground_lower="0,1.3",
@@ -276,6 +286,10 @@ with Test() as test:
         gaps(test, shape_name, k0_value)
     grids(test)
     initial_history(test)
+    ratios(test, "gimp", "ground:0.45,bed:0.8", 0.45, 0.8)
+    ratios(test, "bspline2", "bed:0.3,ground:0.5", 0.5, 0.3, mpm_body_bed_material="soil")
+    ratios(test, "gimp_bspline2", "soil:ocr,rock:0.25", 0.5, 0.25, **law("mohr_coulomb"))  # Jaky: 1 - sin(30 degrees)
+    ratios(test, "gimp", "ground:ocr,bed:ocr", 0.5, 0.5, mpm_body_bed_material="soil", **law("drucker_prager"))
     level(test, "level3d", "hencky", "gimp")
     level(test, "level3d", "drucker_prager", "linear")
     layers3d(test)
