@@ -103,6 +103,8 @@ class Scene:
 
     def coarse(self, divisor):
         """Options of a coarse and short form: cells divided, one or two points a cell, two steps."""
+        if "mpm_grid_cells" not in self.options:  # a laboratory's
+            return {"mpm_output_prefix": "case", "mpm_point_steps": "2"}
         cells = [int(n) for n in self.options["mpm_grid_cells"].split(",")]
         change = {"mpm_grid_cells": ",".join(str(max(n // divisor, 1)) for n in cells), "mpm_output_prefix": "case",
                   "mpm_time_end": repr(2.0 * float(self.options["mpm_time_step"]))}
@@ -138,8 +140,8 @@ class Scene:
 
     def take_points(self, program, results):
         """The points of the coarse run as a file that a body can be read from, where the program does that."""
-        self.point_file, body = None, self.options["mpm_bodies"].split(",")[0]
-        if f"mpm_body_{body}_file" in ask_help(program, {**self.options, f"mpm_body_{body}_region": "file"}):
+        self.point_file, body = None, self.options.get("mpm_bodies", "").split(",")[0]
+        if body and f"mpm_body_{body}_file" in ask_help(program, {**self.options, f"mpm_body_{body}_region": "file"}):
             self.body, self.point_file = body, results.read_bytes()
             with h5py.File(results, "r") as file:
                 group = file["points"][sorted(file["points"])[0]]

@@ -115,6 +115,10 @@ static void FaultText(const MpmMaterial *material, const MpmLawFault *fault, cha
 
   MpmRangeText((MpmRange){fault->lower, fault->upper, (PetscBool)(fault->open != 0)}, range);
   MpmRealText(material->parameter[fault->parameter], value);
+  if (!range[0]) { /* any value would do by itself */
+    snprintf(why, MPM_FAULT_TEXT, "%s %s: %s", parameter->name, value, fault->why ? fault->why : "contradicts another");
+    return;
+  }
   snprintf(why, MPM_FAULT_TEXT, "%s %s: must %s %s %s%s%s", parameter->name, value,
            strncmp(range, "in ", 3) ? "be" : "lie", range, parameter->unit, fault->why ? ": " : "",
            fault->why ? fault->why : "");

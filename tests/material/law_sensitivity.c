@@ -55,14 +55,15 @@ static double Scale(const Setting *setting, Kind kind, int k, double value)
   const MpmParameter *parameter = &law->info[PLAIN].parameters[k];
   double              scale     = kind == TABLE && k % 2 == 0 ? 0.01 : fabs(value);
 
-  if (kind == STATE || kind == F_N || kind == D_F) return 0.005;
+  if (kind == STATE) return 0.005 * PointStateUnit(&setting->point, k);
+  if (kind == F_N || kind == D_F) return 0.005;
   if (kind == TABLE) return scale;
   if (scale == 0.) scale = !strcmp(parameter->unit, "Pa") ? 1e-3 * PointStiffness(&setting->point) : 1.;
   if (isfinite(parameter->upper) && value < parameter->upper) scale = fmin(scale, parameter->upper - value);
   return scale;
 }
 
-/* Stress over stiffness, then history: numbers of one size */
+/* Stress over stiffness, then history by its units: numbers of one size */
 static int Answer(const Setting *setting, double *answer)
 {
   const Law        *law       = setting->point.law;
@@ -72,6 +73,7 @@ static int Answer(const Setting *setting, double *answer)
   const int         status = law->tangent[PLAIN](&law->info[PLAIN], &input, answer + SYM, answer, NULL);
 
   for (int i = 0; i < SYM; ++i) answer[i] /= stiffness;
+  for (int i = 0; i < LawStateSize(law); ++i) answer[SYM + i] /= PointStateUnit(&setting->point, i);
   return status;
 }
 
@@ -92,6 +94,10 @@ static int Derivative(const Setting *setting, const Setting *along, double *answ
   for (int i = 0; i < SYM; ++i) {
     answer[i] /= stiffness;
     derivative[i] /= stiffness;
+  }
+  for (int i = 0; i < LawStateSize(law); ++i) {
+    answer[SYM + i] /= PointStateUnit(&setting->point, i);
+    derivative[SYM + i] /= PointStateUnit(&setting->point, i);
   }
   return status;
 }
@@ -115,8 +121,11 @@ static void Difference(const Setting *setting, Kind kind, int k, double scale, i
     *x       = before - h * scale;
     ck_assert_int_eq(Answer(&moved, minus), 0);
     ratio[1] = PointStiffness(&moved.point) / stiffness;
-    for (int i = 0; i < n; ++i)
-      D[level][i] = ((i < SYM ? ratio[0] : 1.) * plus[i] - (i < SYM ? ratio[1] : 1.) * minus[i]) / (2. * h);
+    for (int i = 0; i < n; ++i) {
+      const int stress = i < SYM || PointStateUnit(&setting->point, i - SYM) != 1.;
+
+      D[level][i] = ((stress ? ratio[0] : 1.) * plus[i] - (stress ? ratio[1] : 1.) * minus[i]) / (2. * h);
+    }
   }
   for (int i = 0; i < n; ++i) {
     const double coarse = (4. * D[1][i] - D[0][i]) / 3., fine = (4. * D[2][i] - D[1][i]) / 3.;

@@ -58,6 +58,8 @@ MpmLawInput PointInput(const Point *point, const double *dF, MpmLawTable table[M
 int    PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau);
 double PointStiffness(const Point *point);   /* at rest */
 double PointStiffnessAt(const Point *point); /* at the point's state */
+/* What a history value is measured in: PointStiffness() for a pressure, otherwise 1 */
+double PointStateUnit(const Point *point, int i);
 void   PointSet(Point *point, const char *parameter, double value);
 /* Of a law of Hencky's elasticity: sets the elastic strain to that of principal Kirchhoff stresses along x, y, z */
 void PointSetPrincipal(Point *point, const double *stress);

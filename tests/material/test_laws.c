@@ -174,6 +174,15 @@ START_TEST(test_history_access)
 }
 END_TEST
 
+/* The largest difference of two histories, pressures by the stiffness */
+static double StateDifference(const Point *point, const double *a, const double *b)
+{
+  double difference[MAX_STATE];
+
+  for (int i = 0; i < LawStateSize(point->law); ++i) difference[i] = (a[i] - b[i]) / PointStateUnit(point, i);
+  return MaxNorm(LawStateSize(point->law), difference);
+}
+
 static void RotateStates(const Law *law, const double *R, const double *state, double *rotated)
 {
   memcpy(rotated, state, (size_t)LawStateSize(law) * sizeof(double));
@@ -210,7 +219,7 @@ START_TEST(test_objectivity)
     SymRotate(R, tau, tau);
     RotateStates(law, R, point.state, states);
     CHECK_SMALL(MaxDifference(SYM, tau, turned), 1e-13 * stiffness, "stress after a rotated step");
-    CHECK_SMALL(MaxDifference(LawStateSize(law), states, after.state), 1e-13, "history after a rotated step");
+    CHECK_SMALL(StateDifference(&point, states, after.state), 1e-13, "history after a rotated step");
     for (int i = 0; i < DIM; ++i) /* R dF R^T */
       for (int j = 0; j < DIM; ++j) {
         dF[i * DIM + j] = 0.;
@@ -218,7 +227,7 @@ START_TEST(test_objectivity)
       }
     ck_assert_int_eq(PointStep(&before, dF, turned), 0);
     CHECK_SMALL(MaxDifference(SYM, tau, turned), 1e-13 * stiffness, "stress from a rotated start");
-    CHECK_SMALL(MaxDifference(LawStateSize(law), states, before.state), 1e-13, "history from a rotated start");
+    CHECK_SMALL(StateDifference(&point, states, before.state), 1e-13, "history from a rotated start");
   }
 }
 END_TEST
@@ -277,7 +286,7 @@ START_TEST(test_equal_principal_values)
 {
   const Law   *law    = LawGet(_i);
   const double base[] = {1., 0.97, 0.9, 1.002};
-  int          sample = 0, columns = 0, kinks = 0;
+  int          sample = 0, columns[2] = {0}, kinks[2] = {0}; /* at rest, where a law may just yield, and elsewhere */
 
   RandomSeed(7);
   for (int k = 0; k < 8; ++k) {
@@ -291,17 +300,17 @@ START_TEST(test_equal_principal_values)
     else Identity(R);
     Stretch(R, x, x, z, dF);
     ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, dF, tau, equal), 0);
-    CheckTangent(&point, dF, sample, &columns, &kinks);
+    CheckTangent(&point, dF, sample, &columns[x != 1.], &kinks[x != 1.]);
     for (double delta = 1e-16; delta < 2e-4; delta *= 3., ++sample) {
       Stretch(R, x * (1. + delta), x, z * (1. - 0.5 * delta), dF);
       ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, dF, tau, near), 0);
       /* a plastic law has a kink where the deviator, 0 at first, reaches its strength */
       if (z == x && delta > 1e-6) continue;
       CHECK_SMALL(MaxDifference(SYM * DIM2, near, equal), (1e-13 + 2000. * delta) * stiffness, "change of the tangent");
-      if (sample % 4 == 0 && delta < 1e-6) CheckTangent(&point, dF, sample, &columns, &kinks);
+      if (sample % 4 == 0 && delta < 1e-6) CheckTangent(&point, dF, sample, &columns[x != 1.], &kinks[x != 1.]);
     }
   }
-  ck_assert_int_le(10 * kinks, columns);
+  ck_assert_int_le(10 * kinks[1], columns[1]);
 }
 END_TEST
 
@@ -399,11 +408,12 @@ START_TEST(test_newton_rate)
 }
 END_TEST
 
-/* A committed point at rest keeps its stress and its history. */
+/* A committed point at rest keeps its stress and its history, unless its strength lags behind. */
 START_TEST(test_state_round_trip)
 {
   const Law *law = LawGet(_i);
 
+  if (law->info[PLAIN].traits & MPM_LAW_LAGGED) return;
   RandomSeed(9);
   for (int sample = 0; sample < SAMPLES; ++sample) {
     Point  point, again;
@@ -417,7 +427,7 @@ START_TEST(test_state_round_trip)
     Identity(dF);
     for (int repeat = 0; repeat < 5; ++repeat) ck_assert_int_eq(PointStep(&again, dF, tau[1]), 0);
     CHECK_SMALL(MaxDifference(SYM, tau[0], tau[1]), 2e-14 * stiffness, "stress at rest");
-    CHECK_SMALL(MaxDifference(LawStateSize(law), point.state, again.state), 1e-13, "history at rest");
+    CHECK_SMALL(StateDifference(&point, point.state, again.state), 1e-13, "history at rest");
   }
 }
 END_TEST

@@ -45,6 +45,8 @@ GOOD = {
 }
 COULOMB = {"mpm_material_soil_type": "mohr_coulomb", "mpm_material_soil_friction": "30",
            "mpm_material_soil_dilation": "10", "mpm_material_soil_cohesion": "1e3"}
+OGDEN = {"mpm_material_soil_type": "ogden", "mpm_material_soil_E": None, "mpm_material_soil_nu": "0.4",
+         "mpm_material_soil_terms": "2:1e6"}
 J2 = {"mpm_material_soil_type": "j2", "mpm_material_soil_yield_stress": "1e4"}
 PRAGER = {"mpm_material_soil_type": "drucker_prager", "mpm_material_soil_friction": "30",
           "mpm_material_soil_dilation": "0", "mpm_material_soil_cohesion": "1e3"}
@@ -126,6 +128,18 @@ CASES = [
      "-mpm_material_soil_friction_residual 25: must lie in [30, 30] degrees: without softening_strain"),
     ("softening strain zero", {**COULOMB, "mpm_material_soil_softening_strain": "0"},
      "-mpm_material_soil_softening_strain 0: must be > 0"),
+    ("no terms", {**OGDEN, "mpm_material_soil_terms": None}, "-mpm_material_soil_terms"),
+    ("terms of zero exponent", {**OGDEN, "mpm_material_soil_terms": "0:1e6,2:1e6"},
+     "-mpm_material_soil: terms: no alpha may be 0"),
+    ("terms without stiffness", {**OGDEN, "mpm_material_soil_terms": "2:-1e6"},
+     "-mpm_material_soil: terms: the sum of alpha mu, twice the shear modulus, must be positive"),
+    ("exponents that do not grow", {**OGDEN, "mpm_material_soil_terms": "2:1e6,-2:-1e6"}, "-mpm_material_soil_terms"),
+    ("neither nu nor a bulk modulus", {**OGDEN, "mpm_material_soil_nu": None},
+     "-mpm_material_soil_nu 0.5: must lie in (-1, 0.5)"),
+    ("nu and a bulk modulus", {**OGDEN, "mpm_material_soil_bulk_modulus": "1e8"},
+     "-mpm_material_soil_nu 0.4: must lie in [0.5, 0.5] -: bulk_modulus is given"),
+    ("unknown volumetric", {"mpm_material_soil_type": "neo_hookean", "mpm_material_soil_volumetric": "cubic"},
+     "-mpm_material_soil_volumetric"),
     ("foreign parameter", {**COULOMB, "mpm_material_soil_yield_stress": "1e3"}, "-mpm_material_soil_yield_stress"),
     # grid
     ("no cells", {"mpm_grid_cells": None}, "-mpm_grid_cells"),

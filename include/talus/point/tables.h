@@ -68,8 +68,15 @@ typedef struct {
                         the geometry of the step alone, and a step takes one Newton iteration
   MPM_LAW_INTERNAL      the engine's own, not offered to scenes
   MPM_LAW_PLASTIC       the law flows: its volume then follows from its shear, and low-order shapes lock without F-bar
+  MPM_LAW_LAGGED        strength is that of the step's start: a point may go on flowing though nothing moves
 */
-typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2, MPM_LAW_INTERNAL = 4, MPM_LAW_PLASTIC = 8 } MpmLawTrait;
+typedef enum {
+  MPM_LAW_SYMMETRIC    = 1,
+  MPM_LAW_SMALL_STRAIN = 2,
+  MPM_LAW_INTERNAL     = 4,
+  MPM_LAW_PLASTIC      = 8,
+  MPM_LAW_LAGGED       = 16
+} MpmLawTrait;
 
 /*
   Why parameters contradict each other: the one that is refused, by its place in the parameter table, with the range that
