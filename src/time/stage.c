@@ -398,6 +398,62 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Both ends of the ramp must leave every law parameters that it accepts. */
+static PetscErrorCode CheckReduced(MpmModel model, const MpmStage *stage)
+{
+  PetscReal ends[2];
+  char      why[MPM_FAULT_TEXT], factor[MPM_NUMBER_TEXT];
+
+  PetscFunctionBeginUser;
+  MpmRampBounds(stage->reduction.ramp, &ends[0], &ends[1]);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    MpmMaterial *material = &model->scene.materials->at[m];
+
+    for (PetscInt k = 0; k < 2; k++) {
+      MpmMaterialReduce(material, ends[k]);
+      MpmRealText(ends[k], factor);
+      MpmCheckInput(!MpmMaterialIsFaulty(material, why), "-mpm_stage_%s_reduction: %s leaves material %s %s",
+                    stage->name, factor, material->name, why);
+    }
+    MpmMaterialReduce(material, 1.);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, MpmStage *stage)
+{
+  PetscReal least, most;
+  PetscBool given, any = PETSC_FALSE;
+  char     *text, number[MPM_NUMBER_TEXT];
+
+  PetscFunctionBeginUser;
+  stage->reduction.limit = 0.01;
+  PetscCall(MpmOptionsHas(block, "reduction", &given));
+  if (MpmOptionsHelp()) {
+    PetscCall(MpmOptionsText(block, "reduction",
+                             "what cohesion, tan(friction) and other strengths are divided by, over the stage's time, "
+                             "time:factor pairs (s:-); default: 1",
+                             NULL, MPM_OPTIONAL, &text));
+    PetscCall(PetscFree(text));
+  } else if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  else PetscCall(MpmRampCreate(block, "reduction", NULL, &stage->reduction.ramp));
+  PetscCall(MpmOptionsReal(block, "reduction_limit", "-",
+                           "how far a point has moved in the stage, in heights of the material, where the reduction is "
+                           "taken as the factor of safety",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &stage->reduction.limit, NULL));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmRampBounds(stage->reduction.ramp, &least, &most);
+  MpmRealText(least, number);
+  MpmCheckInput(least > 0., "-%sreduction: the factor %s must be > 0", block->prefix, number);
+  MpmCheckInput(stage->geostatic.method == MPM_GEOSTATIC_NONE,
+                "-%sreduction: a geostatic stage does not reduce strength; one that follows can", block->prefix);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (MpmMaterialHasStrength(&model->scene.materials->at[m])) any = PETSC_TRUE;
+  MpmCheckInput(any, "-%sreduction: no material has a strength that it could reduce", block->prefix);
+  PetscCall(CheckReduced(model, stage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const MpmTimeControl *scene, MpmStage *stage)
 {
   static const char *const types[] = {"load", "geostatic", NULL};
@@ -420,7 +476,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscCall(
     MarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds, &given));
   PetscCall(ReadMaterials(model, &block, stage));
-  PetscCall(MpmReductionRead(model, &block, stage));
+  PetscCall(ReadReduction(model, &block, stage));
   PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
   PetscCall(CheckGeostatic(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);
