@@ -278,6 +278,14 @@ double PointStiffnessAt(const Point *point)
   return point->law->info[PLAIN].stiffness(point->parameter, table, point->state, point->F);
 }
 
+double PointStiffnessAround(const Point *point, const double *dF)
+{
+  Point  after = *point;
+  double tau[SYM], stiffness = fmax(PointStiffness(point), PointStiffnessAt(point));
+
+  return PointStep(&after, dF, tau) ? stiffness : fmax(stiffness, PointStiffnessAt(&after));
+}
+
 double PointStateUnit(const Point *point, int i)
 {
   const MpmLawInfo *info   = &point->law->info[PLAIN];

@@ -408,6 +408,7 @@ TCase *CamClayCase(void);
 TCase *MohrCoulombCase(void);
 TCase *NaccCase(void);
 TCase *PotentialCase(void);
+TCase *NorSandCase(void);
 Suite *LawValuesSuite(void);
 
 Suite *LawValuesSuite(void)
@@ -433,5 +434,6 @@ Suite *LawValuesSuite(void)
   suite_add_tcase(suite, MohrCoulombCase());
   suite_add_tcase(suite, NaccCase());
   suite_add_tcase(suite, PotentialCase());
+  suite_add_tcase(suite, NorSandCase());
   return suite;
 }

@@ -58,6 +58,8 @@ MpmLawInput PointInput(const Point *point, const double *dF, MpmLawTable table[M
 int    PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau);
 double PointStiffness(const Point *point);   /* at rest */
 double PointStiffnessAt(const Point *point); /* at the point's state */
+/* The largest of that at rest, at the state, and after a step from there: what derivatives of the stress are measured by */
+double PointStiffnessAround(const Point *point, const double *dF);
 /* What a history value is measured in: PointStiffness() for a pressure, otherwise 1 */
 double PointStateUnit(const Point *point, int i);
 void   PointSet(Point *point, const char *parameter, double value);

@@ -46,13 +46,14 @@ MPM_FN int ImplicitIsSmall(const Implicit *implicit, double step, double x)
 MPM_FN int ImplicitEvaluate(const Implicit *implicit, const double x[], double r[], double J[9])
 {
   const int n = implicit->unknowns;
-  Dual      input[IMPLICIT_INPUTS], unknown[IMPLICIT_UNKNOWNS], residual[IMPLICIT_UNKNOWNS];
-  int       failed = 0;
+  Dual      input[IMPLICIT_INPUTS], unknown[IMPLICIT_UNKNOWNS] = {DualConstant(0.)}, residual[IMPLICIT_UNKNOWNS];
+  int       failed = 0, k = 0;
 
-  for (int k = 0; k < implicit->inputs; ++k) input[k] = DualConstant(DualValue(implicit->input[k]));
+  do input[k] = DualConstant(DualValue(implicit->input[k]));
+  while (++k < implicit->inputs);
   for (int i = 0; i < n; ++i) unknown[i] = DualSeed(x[i], i);
   if (implicit->residual(implicit->problem, input, unknown, residual)) return 1;
-  for (int k = 0; k < 9; ++k) J[k] = k % 4 == 0 ? 1. : 0.;
+  for (k = 0; k < 9; ++k) J[k] = k % 4 == 0 ? 1. : 0.;
   for (int i = 0; i < n; ++i) {
     r[i] = DualValue(residual[i]);
     failed |= !(fabs(r[i]) <= DBL_MAX);
@@ -140,14 +141,14 @@ MPM_FN double ImplicitNorm(int n, const double r[])
 */
 MPM_FN int ImplicitSystem(const Implicit *implicit, const double start[], Dual x[])
 {
-  const int n = implicit->unknowns;
-  double    at[IMPLICIT_UNKNOWNS], r[IMPLICIT_UNKNOWNS], step[IMPLICIT_UNKNOWNS], J[9];
+  const int n                     = implicit->unknowns;
+  double    at[IMPLICIT_UNKNOWNS] = {0.}, r[IMPLICIT_UNKNOWNS], step[IMPLICIT_UNKNOWNS], J[9];
 
   for (int i = 0; i < n; ++i) at[i] = start[i];
   if (ImplicitEvaluate(implicit, at, r, J)) return 1;
   for (int iteration = 0; iteration < IMPLICIT_LIMIT; ++iteration) {
-    const double norm  = ImplicitNorm(n, r);
-    double       part  = 1., tried[IMPLICIT_UNKNOWNS];
+    const double norm = ImplicitNorm(n, r);
+    double       part = 1., tried[IMPLICIT_UNKNOWNS] = {0.};
     int          small = 1, worse = 1;
 
     if (norm == 0.) return ImplicitDerive(implicit, at, x);

@@ -1,0 +1,523 @@
+/*
+  Nor-Sand: critical state plasticity of sand whose state is its density relative to the critical state line; Borja and
+  Andrade's form, with pressure-dependent hyperelasticity
+
+    b_trial = dF b_n dF^T,   e = (1/2) ln b,   e_v = tr e,   e_s = sqrt(2/3) |dev e|
+    p = -p_ref exp(-e_v/kappa),   q = 3 G e_s,   tau = p I + 2 G dev e
+    f = q + eta p <= 0,   eta = (M/N) (1 - (1 - N) (p/p_i)^(N/(1-N))),   N = 0: M (1 + ln(p_i/p))
+    flow:  de_v = dg beta df/dp,   df/dp = (eta - M)/(1 - N);   de_s = dg along dev e
+    psi_i = v - v_c0 + lambda ln(-p_i/1 kPa),   dp_i = h (p_l - p_i) dg
+    p_l = p (1 + 3.5 N psi_i/(beta M))^(-(1-N)/N),   N = 0: p exp(-3.5 psi_i/(beta M))
+
+  tau  Kirchhoff stress J sigma, tension positive, Pa: p = tr(tau)/3 < 0, q = sqrt(3/2) |dev tau|. f bounds it, not the
+       Cauchy stress
+  b    elastic left Cauchy-Green tensor (history)
+  p_i  image pressure, at which flow keeps its volume and q = -M p (history, as -p_i > 0). It is drawn to the limit p_l
+       that the density sets: loose sand hardens and contracts, dense sand dilates, peaks and softens
+  v    specific volume (history): it goes with det F
+
+  An image pressure or a specific volume of 0 stands for that of the parameters.
+
+  The step: v, p_i and dg are those of its end, all unknown at once. With y = ln(p/-p_ref) and L = ln(p/p_i) as unknowns
+  f = 0 gives dg = e_s,trial - q/(3 G), so that the stress is on the yield surface to rounding, and
+
+    y + (e_v,trial - dg beta df/dp)/kappa = 0,   ln(p_i,n/p_i + h dg p_l/p_i) - ln(1 + h dg) = 0
+
+  At a given dg the second grows with L, y of the first put in: dg decides all. There is one root where the stress falls
+  slower, as p_i softens, than by elastic unloading. On the axis of pressure the surface has a tip, q = 0 and eta = 0:
+  de_s is then anything up to dg, and dg the unknown of the second residual.
+
+  p_l has a pole at a v below 1; beyond it p_l goes on by its tangent. p < 0 always: in tension the stress vanishes while
+  e_v grows, and it comes back when the volume does.
+
+  The tangent is not symmetric.
+
+  Source: Borja and Andrade (2006), doi:10.1016/j.cma.2005.08.020; Andrade and Ellison (2008),
+  doi:10.1061/(ASCE)1090-0241(2008)134:12(1825); Jefferies (1993), doi:10.1680/geot.1993.43.1.91.
+*/
+#include "talus/point/elasticity.h"
+#include "talus/point/implicit.h"
+
+enum {
+  DENSITY,
+  KAPPA,
+  SHEAR,
+  CRITICAL_RATIO,
+  CURVATURE,
+  BETA,
+  LAMBDA,
+  V_C0,
+  HARDENING,
+  SPECIFIC_VOLUME,
+  IMAGE_PRESSURE,
+  PRECONSOLIDATION,
+  REFERENCE_PRESSURE
+};
+
+static const MpmParameter parameters[] = {
+  {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL, 2000., NULL},
+  {MPM_NUMBER, "kappa", "-", 0., 1, 0., HUGE_VAL, 1, "elastic volume strain per ln p", NULL, 0.01, NULL},
+  {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus, the same at all pressures", NULL, 20e6, NULL},
+  {MPM_NUMBER, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at the critical state", NULL, 1.2, NULL},
+  {MPM_NUMBER, "N", "-", 0., 0, 0., 0.95, 0, "curvature of the yield surface; 0: that of Cam-Clay", NULL, 0.3, NULL},
+  {MPM_NUMBER, "beta", "-", 1., 0, 0., HUGE_VAL, 1, "volume of the flow, over that of associated flow", NULL, 1., NULL},
+  {MPM_NUMBER, "lambda", "-", 0., 1, 0., HUGE_VAL, 0, "slope of the critical state line, v over ln p", NULL, 0.02,
+   NULL},
+  {MPM_NUMBER, "v_c0", "-", 0., 1, 1., HUGE_VAL, 1, "specific volume of the critical state at 1 kPa", NULL, 1.9, NULL},
+  {MPM_NUMBER, "h", "-", 0., 1, 0., HUGE_VAL, 1, "hardening: how fast the image pressure goes to its limit", NULL, 100.,
+   NULL},
+  {MPM_NUMBER, "specific_volume", "-", 0., 1, 1., HUGE_VAL, 1, "1 + void ratio at the start", NULL, 1.8, NULL},
+  {MPM_NUMBER, "image_pressure", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1, "at the start; or preconsolidation", NULL, 100e3,
+   NULL},
+  {MPM_NUMBER, "preconsolidation", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1,
+   "pressure at which isotropic compression yields at the start; instead of image_pressure", NULL, 215e3, NULL},
+  {MPM_NUMBER, "reference_pressure", "Pa", 0., 1, 0., HUGE_VAL, 1, "pressure at which elastic strain is zero", NULL,
+   100e3, NULL}};
+
+enum { STATE_B = 0, STATE_IMAGE = MPM_SYM, STATE_VOLUME };
+
+static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
+                                          {"image_pressure", MPM_STATE_SCALAR, 0., "Pa"},
+                                          {"specific_volume", MPM_STATE_SCALAR, 0., "-"}};
+
+#define CRITICAL_PRESSURE 1e3  /* Pa, at which v_c0 is that of the critical state */
+#define LIMIT_SLOPE       3.5  /* -alpha beta: what ties the most dilation to psi_i */
+#define POLE_MARGIN       0.1  /* 1 + N s below which the limit of the image pressure is continued */
+#define LARGEST_LOG       600. /* |ln p/p_ref| beyond which there is no answer */
+#define START_CUTS        50   /* bisections that find a start of the local problem where Newton finds none */
+#define NEAR_TIP          0.01 /* eta/M below which the local problem has e_s as an unknown */
+#define SERIES            0.05 /* below it the functions of N are summed as series */
+#define SERIES_TERMS      13
+
+/* ---- functions that are smooth at N = 0 ---- */
+
+/* expm1(u)/u */
+MPM_FN Dual GrowthFunction(Dual u)
+{
+  const double x = DualValue(u);
+  double       f = 0., slope = 0.;
+
+  if (fabs(x) < SERIES) {
+    /* f = 1 + x/2 (1 + x/3 (1 + ...)) and its derivative */
+    for (int k = SERIES_TERMS; k >= 2; --k) {
+      slope = (1. + f + x * slope) / k;
+      f     = x / k * (1. + f);
+    }
+    f += 1.;
+  } else {
+    f     = expm1(x) / x;
+    slope = (exp(x) - f) / x;
+  }
+  return DualChain(u, f, slope);
+}
+
+/* log1p(u)/u */
+MPM_FN Dual LogFunction(Dual u)
+{
+  const double x = DualValue(u);
+  double       f = 0., slope = 0.;
+
+  if (fabs(x) < SERIES) {
+    /* f = sum_k (-x)^k/(k + 1) */
+    for (int k = SERIES_TERMS; k >= 0; --k) {
+      slope = -f - x * slope;
+      f     = 1. / (k + 1) - x * f;
+    }
+  } else {
+    f     = log1p(x) / x;
+    slope = (1. / (1. + x) - f) / x;
+  }
+  return DualChain(u, f, slope);
+}
+
+/* ln(1 + exp a) */
+MPM_FN Dual SoftPlus(Dual a)
+{
+  const double x = DualValue(a), small = exp(-fabs(x)), value = (x > 0. ? x : 0.) + log1p(small);
+
+  return DualChain(a, value, (x > 0. ? 1. : small) / (1. + small));
+}
+
+/* ---- the model, in y = ln(p/-p_ref) and L = ln(p/p_i) ---- */
+
+/* df/dp */
+MPM_FN Dual Dilatancy(const Real *parameter, Dual L)
+{
+  const Real rest = 1. - parameter[CURVATURE];
+
+  return DualScale(-parameter[CRITICAL_RATIO] / rest,
+                   DualMul(L, GrowthFunction(DualScale(parameter[CURVATURE] / rest, L))));
+}
+
+MPM_FN Dual StressRatio(const Real *parameter, Dual L)
+{
+  return DualShift(DualScale(1. - parameter[CURVATURE], Dilatancy(parameter, L)), parameter[CRITICAL_RATIO]);
+}
+
+/* L where eta = 0: where the yield surface meets the axis of pressure */
+MPM_FN Dual TipRatio(const Real *parameter)
+{
+  return LogFunction(DualConstant(parameter[CURVATURE] / (1. - parameter[CURVATURE])));
+}
+
+/* ln(p_l/p) */
+MPM_FN Dual LimitRatio(const Real *parameter, Dual v, Dual log_image)
+{
+  const Real N      = parameter[CURVATURE];
+  const Real line   = RealLog(parameter[REFERENCE_PRESSURE] / CRITICAL_PRESSURE) * parameter[LAMBDA] - parameter[V_C0];
+  const Dual psi    = DualShift(DualAdd(v, DualScale(parameter[LAMBDA], log_image)), line);
+  const Dual s      = DualScale(LIMIT_SLOPE / (parameter[BETA] * parameter[CRITICAL_RATIO]), psi);
+  const Dual scaled = DualScale(N, s);
+
+  if (1. + DualValue(scaled) > POLE_MARGIN) return DualScale(N - 1., DualMul(s, LogFunction(scaled)));
+  {
+    const Real power = (N - 1.) / N; /* N is not 0 here */
+    const Dual below = DualShift(DualScale(1. / POLE_MARGIN, DualShift(scaled, 1.)), -1.);
+
+    return DualShift(DualLog1p(DualScale(power, below)), power * log(POLE_MARGIN));
+  }
+}
+
+/* What a step is about */
+typedef struct {
+  const MpmLawPoint *point;
+  Real               log_image; /* ln(p_i/-p_ref) at the step's start */
+} Step;
+
+/* Inputs: e_v and e_s of the trial state, v at the step's end */
+enum { IN_VOLUME, IN_SHEAR, IN_V, INPUTS };
+
+/* ln(p_i,n/p_i + h dg p_l/p_i) - ln(1 + h dg) */
+MPM_FN Dual HardeningResidual(const Step *step, Dual v, Dual dg, Dual y, Dual L)
+{
+  const Real *parameter = step->point->parameter;
+  const Dual  grown = DualScale(parameter[HARDENING], dg), z = DualSub(y, L);
+  const Dual  before = DualShift(DualNeg(z), step->log_image);
+  const Dual  drawn  = DualAdd(DualAdd(DualLog(grown), L), LimitRatio(parameter, v, z));
+
+  return DualSub(DualAdd(before, SoftPlus(DualSub(drawn, before))), DualLog1p(grown));
+}
+
+/* y that the elastic volume strain has after plastic flow dg */
+MPM_FN Dual LogPressure(const Real *parameter, Dual volume, Dual dg, Dual L)
+{
+  const Dual plastic = DualScale(parameter[BETA], DualMul(dg, Dilatancy(parameter, L)));
+
+  return DualScale(1. / parameter[KAPPA], DualSub(plastic, volume));
+}
+
+/* e_s of a stress on the yield surface */
+MPM_FN Dual ShearOnSurface(const Real *parameter, Dual y, Dual L)
+{
+  return DualScale(parameter[REFERENCE_PRESSURE] / (3. * parameter[SHEAR]),
+                   DualMul(StressRatio(parameter, L), DualExp(y)));
+}
+
+/* L of a stress ratio eta, the inverse of StressRatio() */
+MPM_FN Dual RatioOnSurface(const Real *parameter, Dual eta)
+{
+  const Dual part = DualScale(1. / parameter[CRITICAL_RATIO], eta);
+  const Dual down = DualMul(part, LogFunction(DualScale(-parameter[CURVATURE], part)));
+
+  return DualSub(TipRatio(parameter), DualScale(1. - parameter[CURVATURE], down));
+}
+
+MPM_FN int SurfaceResidual(const Step *step, const Dual input[], Dual dg, Dual y, Dual L, Dual r[2])
+{
+  if (!(DualValue(dg) > 0.)) return 1;
+  r[0] = DualSub(y, LogPressure(step->point->parameter, input[IN_VOLUME], dg, L));
+  r[1] = HardeningResidual(step, input[IN_V], dg, y, L);
+  return 0;
+}
+
+/* Unknowns y and L */
+MPM_FN int ByRatio(const void *problem, const Dual input[], const Dual x[], Dual r[])
+{
+  const Step *step = (const Step *)problem;
+  const Dual  dg   = DualSub(input[IN_SHEAR], ShearOnSurface(step->point->parameter, x[0], x[1]));
+
+  return SurfaceResidual(step, input, dg, x[0], x[1], r);
+}
+
+/* L of y and e_s */
+MPM_FN Dual RatioOfShear(const Real *parameter, Dual y, Dual shear)
+{
+  const Dual inverse = DualScale(3. * parameter[SHEAR] / parameter[REFERENCE_PRESSURE], DualExp(DualNeg(y)));
+
+  return RatioOnSurface(parameter, DualMul(inverse, shear));
+}
+
+/* Unknowns y and e_s: where p is so large that L does not tell e_s */
+MPM_FN int ByShear(const void *problem, const Dual input[], const Dual x[], Dual r[])
+{
+  const Step *step = (const Step *)problem;
+  const Dual  L    = RatioOfShear(step->point->parameter, x[0], x[1]);
+
+  return SurfaceResidual(step, input, DualSub(input[IN_SHEAR], x[1]), x[0], L, r);
+}
+
+/* Unknown dg, at the tip */
+MPM_FN int AtTip(const void *problem, const Dual input[], const Dual x[], Dual r[])
+{
+  const Step *step = (const Step *)problem;
+  const Dual  L    = TipRatio(step->point->parameter);
+
+  r[0] = HardeningResidual(step, input[IN_V], x[0], LogPressure(step->point->parameter, input[IN_VOLUME], x[0], L), L);
+  return 0;
+}
+
+/* Unknown L at a dg, the last input here */
+MPM_FN int AtFlow(const void *problem, const Dual input[], const Dual x[], Dual r[])
+{
+  const Step *step = (const Step *)problem;
+  const Dual  dg   = input[INPUTS];
+
+  r[0] =
+    HardeningResidual(step, input[IN_V], dg, LogPressure(step->point->parameter, input[IN_VOLUME], dg, x[0]), x[0]);
+  return 0;
+}
+
+/* The second residual at the tip */
+MPM_FN double TipExcess(const Step *step, const Dual input[], double dg)
+{
+  const Dual x = DualConstant(dg);
+  Dual       r;
+
+  AtTip(step, input, &x, &r);
+  return DualValue(r);
+}
+
+/* ---- the local problem ---- */
+
+/* dg at the tip, at least e_s of the trial state */
+MPM_FN int SolveTip(const Step *step, const Dual input[], Dual *dg)
+{
+  const double   lower    = DualValue(input[IN_SHEAR]);
+  const Implicit implicit = {AtTip, step, input, INPUTS, 1, RealValue(step->point->parameter[KAPPA])};
+  double         upper    = lower + RealValue(step->point->parameter[KAPPA]);
+
+  for (int doubling = 0; doubling < 60 && !(TipExcess(step, input, upper) > 0.); ++doubling) upper += upper - lower;
+  return ImplicitBracket(&implicit, lower, upper, 0.5 * (lower + upper), dg);
+}
+
+/* y and L at a dg; a positive result: f < 0 there, so that dg is too large; 0: it is too small */
+MPM_FN int SolveFlow(const Step *step, const Dual input[], double dg, double x[2])
+{
+  const Real    *parameter = step->point->parameter;
+  const double   tip       = DualValue(TipRatio(parameter));
+  const Dual     at[]      = {input[IN_VOLUME], input[IN_SHEAR], input[IN_V], DualConstant(dg)};
+  const Implicit implicit  = {AtFlow, step, at, INPUTS + 1, 1, 1.};
+  double         lower     = fmin(x[1], tip) - 1.;
+  Dual           L         = DualConstant(lower), r;
+
+  if (!(TipExcess(step, input, dg) > 0.)) return 0; /* beyond the tip eta < 0 */
+  for (int doubling = 0; doubling < 60; ++doubling) {
+    L = DualConstant(lower);
+    AtFlow(step, at, &L, &r);
+    if (DualValue(r) < 0.) break;
+    lower -= 2. * (tip - lower);
+  }
+  if (ImplicitBracket(&implicit, lower, tip, fmin(x[1], tip), &L)) return 0;
+  x[0] = DualValue(LogPressure(parameter, input[IN_VOLUME], DualConstant(dg), L));
+  x[1] = DualValue(L);
+  return log(3. * RealValue(parameter[SHEAR]) * (DualValue(input[IN_SHEAR]) - dg)) <
+         log(DualValue(StressRatio(parameter, L)) * RealValue(parameter[REFERENCE_PRESSURE])) + x[0];
+}
+
+/* The end of a step off the tip */
+typedef struct {
+  Dual y, L, shear; /* e_s */
+} End;
+
+/*
+  A start near the root, from bisections of dg between 0 and e_s of the trial state: y and, as `by_shear` comes out, L or
+  e_s. The last dg that is too large has y and L on the surface's side of the tip.
+*/
+MPM_FN void FindStart(const Step *step, const Dual input[], double trial, double start[2], int *by_shear)
+{
+  const double shear = DualValue(input[IN_SHEAR]);
+  double       lower = 0., upper = shear, x[2] = {0., trial};
+
+  SolveFlow(step, input, upper, x);
+  for (int cut = 0; cut < START_CUTS; ++cut) {
+    const double dg = 0.5 * (lower + upper);
+
+    if (SolveFlow(step, input, dg, x)) upper = dg;
+    else lower = dg;
+  }
+  SolveFlow(step, input, upper, x);
+  *by_shear = x[1] > 0.;
+  start[0]  = x[0];
+  start[1]  = *by_shear ? shear - upper : x[1];
+}
+
+MPM_FN int SolveFrom(const Step *step, const Dual input[], const double start[2], int by_shear, End *end)
+{
+  const Real    *parameter = step->point->parameter;
+  const Implicit implicit  = {by_shear ? ByShear : ByRatio, step, input, INPUTS, 2, 1.};
+  Dual           x[2];
+
+  if (ImplicitSystem(&implicit, start, x)) return 1;
+  end->y     = x[0];
+  end->L     = by_shear ? RatioOfShear(parameter, x[0], x[1]) : x[1];
+  end->shear = by_shear ? x[1] : ShearOnSurface(parameter, x[0], x[1]);
+  return !(DualValue(end->shear) >= 0. && DualValue(end->shear) <= DualValue(input[IN_SHEAR]));
+}
+
+/* Off the tip. Where Newton's method fails from the trial state, or comes so near the tip that L is too coarse, from
+   another start. */
+MPM_FN int SolveSurface(const Step *step, const Dual input[], End *end)
+{
+  const Real *parameter = step->point->parameter;
+  double      trial[2], start[2];
+  int         by_shear;
+
+  trial[0] = -DualValue(input[IN_VOLUME]) / RealValue(parameter[KAPPA]);
+  trial[1] = trial[0] - RealValue(step->log_image);
+  if (!SolveFrom(step, input, trial, 0, end) &&
+      DualValue(StressRatio(parameter, end->L)) > NEAR_TIP * RealValue(parameter[CRITICAL_RATIO]))
+    return 0;
+  FindStart(step, input, trial[1], start, &by_shear);
+  return SolveFrom(step, input, start, by_shear, end);
+}
+
+/* ---- the law ---- */
+
+/* Excess of f over zero that rounding does not explain, at a trial state */
+MPM_FN int IsOutside(const Step *step, double volume, double shear)
+{
+  const Real  *parameter = step->point->parameter;
+  const double y = -volume / RealValue(parameter[KAPPA]), stiff = RealValue(parameter[SHEAR]);
+  const Dual   L   = DualShift(DualConstant(y), -RealValue(step->log_image));
+  const double eta = DualValue(StressRatio(parameter, L)), slope = fabs(DualValue(Dilatancy(parameter, L)));
+  const double P = RealValue(parameter[REFERENCE_PRESSURE]) * exp(fmin(y, LARGEST_LOG));
+
+  return 3. * stiff * shear - eta * P > ELASTIC_STRAIN_NOISE * (3. * stiff + slope * P / RealValue(parameter[KAPPA]));
+}
+
+/* The image pressure that the parameters give a point at rest */
+MPM_FN Real ImageAtRest(const Real *parameter)
+{
+  const Dual tip = TipRatio(parameter);
+
+  if (RealValue(parameter[IMAGE_PRESSURE]) <= DBL_MAX) return parameter[IMAGE_PRESSURE];
+  return parameter[PRECONSOLIDATION] * RealExp(-DualReal(tip));
+}
+
+/* Takes the trial strain e to its stress, by the factor `part` of its deviator and y; log_image becomes that of the end */
+MPM_FN int Yield(const MpmLawPoint *point, Step *step, const Scalar in[INPUTS], Scalar *part, Scalar *y,
+                 Real *log_image)
+{
+  const Real *parameter = point->parameter;
+  Dual        input[INPUTS], shear = DualConstant(0.);
+  End         end;
+
+  for (int k = 0; k < INPUTS; ++k) input[k] = DualSeed(ScalarValue(in[k]), k);
+  if (TipExcess(step, input, DualValue(input[IN_SHEAR])) <= 0.) {
+    Dual dg;
+
+    if (SolveTip(step, input, &dg)) return 1;
+    end.L = TipRatio(parameter);
+    end.y = LogPressure(parameter, input[IN_VOLUME], dg, end.L);
+  } else {
+    if (SolveSurface(step, input, &end)) return 1;
+    shear = DualDiv(end.shear, input[IN_SHEAR]);
+  }
+  *part      = ScalarFromDual(shear, INPUTS, in);
+  *y         = ScalarFromDual(end.y, INPUTS, in);
+  *log_image = ScalarReal(ScalarFromDual(DualSub(end.y, end.L), INPUTS, in));
+  return 0;
+}
+
+MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
+{
+  const Real *parameter = point->parameter;
+  const Real  reference = parameter[REFERENCE_PRESSURE];
+  const Real image = RealValue(point->state_n[STATE_IMAGE]) > 0. ? point->state_n[STATE_IMAGE] : ImageAtRest(parameter);
+  const Real v =
+    RealValue(point->state_n[STATE_VOLUME]) > 0. ? point->state_n[STATE_VOLUME] : parameter[SPECIFIC_VOLUME];
+  Step   step      = {point, RealLog(image / reference)};
+  Real   image_end = image;
+  Sym    b         = SymPush(dF, &point->state_n[STATE_B]);
+  Scalar in[INPUTS], y;
+  Sym    e, dev;
+  int    plastic;
+
+  if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
+  dev           = SymDev(&e);
+  in[IN_VOLUME] = SymTrace(&e);
+  in[IN_SHEAR]  = ScalarScale(sqrt(2. / 3.), SymNorm(&dev));
+  in[IN_V]      = ScalarScale(v, TensorDet(dF));
+  y             = ScalarScale(-1. / parameter[KAPPA], in[IN_VOLUME]);
+  plastic       = IsOutside(&step, ScalarValue(in[IN_VOLUME]), ScalarValue(in[IN_SHEAR]));
+  if (plastic) {
+    Scalar part;
+
+    if (Yield(point, &step, in, &part, &y, &image_end)) return 1;
+    dev       = SymScale(part, &dev);
+    image_end = reference * RealExp(image_end);
+  }
+  if (!(fabs(ScalarValue(y)) < LARGEST_LOG)) return 1;
+  *tau = SymScaleBy(2. * parameter[SHEAR], &dev);
+  *tau = SymShift(tau, ScalarScale(-reference, ScalarExp(y)));
+  if (point->state) {
+    if (plastic) {
+      e = SymShift(&dev, ScalarScale(-parameter[KAPPA] / 3., y));
+      if (ElasticLeftCauchyGreen(&e, &b)) return 1;
+    }
+    SymStore(&point->state[STATE_B], &b);
+    point->state[STATE_IMAGE]  = image_end;
+    point->state[STATE_VOLUME] = ScalarReal(in[IN_V]);
+  }
+  return 0;
+}
+
+/* K + 4/3 G at the state's pressure, K = -p/kappa */
+static double MpmMaterialStiffness_nor_sand(const double *parameter, const MpmLawTable *table, const double *state,
+                                            const double *F)
+{
+  const double rest[6] = {1., 1., 1., 0., 0., 0.}, *b = state ? &state[STATE_B] : rest;
+#if MPM_DIM == 2
+  const double det = (b[0] * b[1] - b[3] * b[3]) * b[2];
+#else
+  const double det =
+    b[0] * (b[1] * b[2] - b[4] * b[4]) - b[3] * (b[3] * b[2] - b[4] * b[5]) + b[5] * (b[3] * b[4] - b[1] * b[5]);
+#endif
+
+  (void)table, (void)F;
+  return parameter[REFERENCE_PRESSURE] * exp(-0.5 * log(det) / parameter[KAPPA]) / parameter[KAPPA] +
+         4. / 3. * parameter[SHEAR];
+}
+
+/* Elastic strain of a pressure and a deviator; image pressure and specific volume, unless they are given, of the parameters */
+static int MpmMaterialHistory_nor_sand(const double *parameter, const MpmLawTable *table, const double *stress,
+                                       double *state)
+{
+  const double p      = (stress[0] + stress[1] + stress[2]) / 3.;
+  const double volume = -parameter[KAPPA] * log(-p / parameter[REFERENCE_PRESSURE]);
+  Sym          e, b;
+
+  (void)table;
+  if (!(p < 0.)) return 1;
+  for (int i = 0; i < MPM_SYM; ++i)
+    e.a[i] = ScalarConstant((stress[i] - (i < 3 ? p : 0.)) / (2. * parameter[SHEAR]) + (i < 3 ? volume / 3. : 0.));
+  if (ElasticLeftCauchyGreen(&e, &b)) return 1;
+  SymValues(&state[STATE_B], &b);
+  return 0;
+}
+
+static int MpmMaterialCheck_nor_sand(const double *parameter, const MpmLawTable *table, MpmLawFault *fault)
+{
+  const int         image = parameter[IMAGE_PRESSURE] <= DBL_MAX, cap = parameter[PRECONSOLIDATION] <= DBL_MAX;
+  const MpmLawFault both    = {PRECONSOLIDATION, -HUGE_VAL, HUGE_VAL, 0,
+                               "only one of image_pressure and preconsolidation can be given"};
+  const MpmLawFault neither = {-1, 0., 0., 0, "one of image_pressure and preconsolidation is missing (Pa, > 0)"};
+
+  (void)table;
+  *fault = image ? both : neither;
+  return image != cap;
+}
+
+MPM_LAW_MORE(nor_sand, MPM_LAW_PLASTIC, "Nor-Sand, critical state plasticity of sand", parameters, states,
+             MpmMaterialCheck_nor_sand, MpmMaterialStiffness_nor_sand, MpmMaterialEvaluate_nor_sand, NULL,
+             MpmMaterialHistory_nor_sand)
