@@ -342,6 +342,25 @@ static int MpmMaterialHistory_modified_cam_clay(const double *parameter, const M
   return 0;
 }
 
-MPM_LAW_MORE(modified_cam_clay, MPM_LAW_PLASTIC, "Modified Cam-Clay with logarithmic elasticity", parameters, states,
-             MpmMaterialCheck_modified_cam_clay, MpmMaterialStiffness_modified_cam_clay,
-             MpmMaterialEvaluate_modified_cam_clay, NULL, MpmMaterialHistory_modified_cam_clay)
+/*
+  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the given size
+  p_c over that which the stress with Jaky's ratio has.
+*/
+static double MpmMaterialK0_modified_cam_clay(const double *parameter, const MpmLawTable *table, const double *state,
+                                              double weight)
+{
+  const double M = parameter[CRITICAL], sine = 3. * M / (6. + M), jaky = 1. - sine;
+  const double p = (1. + 2. * jaky) / 3. * weight, q = (1. - jaky) * weight;
+  double       size = state ? state[STATE_SIZE] : 0., ocr = 1.;
+
+  (void)table;
+  if (!(size > 0.) && parameter[PRECONSOLIDATION] <= DBL_MAX) size = parameter[PRECONSOLIDATION];
+  if (size > 0. && p > 0.) ocr = size / (p + q * q / (M * M * p));
+  else if (parameter[OCR] <= DBL_MAX) ocr = parameter[OCR];
+  return jaky * pow(fmax(ocr, 1.), sine);
+}
+
+MPM_LAW_ALL(modified_cam_clay, MPM_LAW_PLASTIC, "Modified Cam-Clay with logarithmic elasticity", parameters, states,
+            MpmMaterialCheck_modified_cam_clay, MpmMaterialStiffness_modified_cam_clay,
+            MpmMaterialEvaluate_modified_cam_clay, NULL, MpmMaterialHistory_modified_cam_clay,
+            MpmMaterialK0_modified_cam_clay)

@@ -127,11 +127,15 @@ PetscErrorCode MpmBodyInitialCheck(MpmBodyInitial initial, MPI_Comm comm)
   for (size_t v = 0; v < initial->material->info.state_count; v++) {
     const Profile *profile = &initial->profile[v];
     PetscReal      missed  = profile->misses ? profile->missed : PETSC_NINFINITY;
+    char           ends[2][MPM_NUMBER_TEXT], at[MPM_NUMBER_TEXT];
 
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &missed, 1, MPIU_REAL, MPIU_MAX, comm));
-    MpmCheckInput(missed <= PETSC_NINFINITY, "%s: heights reach from %g to %g m, and there is a point at %g m",
-                  profile->option, (double)profile->height[0], (double)profile->height[profile->count - 1],
-                  (double)missed);
+    if (missed <= PETSC_NINFINITY) continue;
+    MpmRealText(profile->height[0], ends[0]);
+    MpmRealText(profile->height[profile->count - 1], ends[1]);
+    MpmRealText(missed, at);
+    MpmCheckInput(PETSC_FALSE, "%s: heights reach from %s to %s m, and there is a point at %s m", profile->option,
+                  ends[0], ends[1], at);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,7 +4,7 @@
 
     e = sym(F_{n+1} - F_n),   sigma = sigma_n + M (m (m.e) + e_shear + r e),   m = 1 up the vertical axis, k0 across it
 
-  sigma_n  stress at the step's start, given as history, Pa; M a modulus, Pa; e_shear: the components of e off the
+  sigma_n  stress at the step's start, given as history like k0, Pa; M a modulus, Pa; e_shear: the components of e off the
            diagonal; r a small number that keeps the tangent regular, and whose part of the stress does not count
 
   Equilibrium under this law is the smallest change of stress, in the sum of V (change^2), that brings balance and keeps
@@ -12,17 +12,18 @@
 */
 #include "talus/point/law.h"
 
-enum { DENSITY, MODULUS, RATIO, AXIS, REGULAR };
+enum { DENSITY, MODULUS, AXIS, REGULAR };
 
 static const MpmParameter parameters[] = {
   {MPM_NUMBER, "density", "kg/m3", 0., 1, 0., HUGE_VAL, 0, "mass density", NULL, 0., NULL},
   {MPM_NUMBER, "modulus", "Pa", 0., 1, 0., HUGE_VAL, 1, "modulus", NULL, 0., NULL},
-  {MPM_NUMBER, "ratio", "-", 0., 1, 0., HUGE_VAL, 0, "horizontal over vertical stress", NULL, 0., NULL},
   {MPM_NUMBER, "axis", "-", 0., 1, 0., 2., 0, "the vertical one", NULL, 0., NULL},
   {MPM_NUMBER, "regular", "-", 0., 1, 0., 1., 0, "part of an isotropic stiffness", NULL, 0., NULL},
 };
 
-static const MpmStateVariable states[] = {{"stress", MPM_STATE_SYM, 0., "Pa"}};
+enum { STATE_STRESS = 0, STATE_RATIO = MPM_SYM };
+
+static const MpmStateVariable states[] = {{"stress", MPM_STATE_SYM, 0., "Pa"}, {"ratio", MPM_STATE_SCALAR, 1., "-"}};
 
 MPM_FN double Stiffness(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
 {
@@ -34,7 +35,8 @@ MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sy
 {
   const Real *parameter = point->parameter;
   const int   axis      = (int)RealValue(parameter[AXIS]);
-  const Sym   sigma_n   = SymLoad(point->state_n);
+  const Sym   sigma_n   = SymLoad(&point->state_n[STATE_STRESS]);
+  const Real  ratio     = point->state_n[STATE_RATIO];
   Tensor      H         = *dF;
   Scalar      along     = ScalarConstant(0.);
   Sym         e;
@@ -45,13 +47,15 @@ MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sy
 #if MPM_DIM == 2
   e.a[2] = ScalarConstant(0.);
 #endif
-  for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&along, a == axis ? 1. : parameter[RATIO], &e.a[SymIndex(a, a)]);
+  for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&along, a == axis ? 1. : ratio, &e.a[SymIndex(a, a)]);
   *tau = SymScaleBy(parameter[REGULAR] * parameter[MODULUS], &e);
-  for (int a = 0; a < 3; a++)
-    ScalarAddScaled(&tau->a[a], parameter[MODULUS] * (a == axis ? 1. : parameter[RATIO]), &along);
+  for (int a = 0; a < 3; a++) ScalarAddScaled(&tau->a[a], parameter[MODULUS] * (a == axis ? 1. : ratio), &along);
   for (int c = 3; c < (MPM_DIM == 2 ? 4 : 6); c++) ScalarAddScaled(&tau->a[c], parameter[MODULUS], &e.a[c]);
   *tau = SymAdd(tau, &sigma_n);
-  if (point->state) SymStore(point->state, tau);
+  if (point->state) {
+    SymStore(&point->state[STATE_STRESS], tau);
+    point->state[STATE_RATIO] = ratio;
+  }
   return 0;
 }
 

@@ -1,6 +1,6 @@
 /*
   The stress of k0, which a geostatic stage starts from: the vertical stress is the weight above (overburden.c), the
-  horizontal ones k0 times that.
+  horizontal ones k0 times that, which each point has for itself.
 
   On level ground this is to be the geostatic stress, to rounding. But it need not be in balance over the grid: splines sum
   it to forces that are not quite the weights, least of all where layers differ in their points a cell, and so do points
@@ -13,6 +13,7 @@
 #include "point/material.h"
 #include "point/registry.h"
 #include "point/stress_inversion.h"
+#include "particles/body.h"
 #include "particles/overburden.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -105,10 +106,31 @@ static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The stress of k0 from the weight above, for all points. */
-static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[])
+/* The ratio of every point under the weight above it: that of its body, or what its law says. */
+static PetscErrorCode FindRatios(MpmModel model, const MpmPoints *points, const PetscReal pressure[], PetscReal ratio[])
 {
-  const PetscReal   k0       = model->scene.stages[model->state.stage].geostatic.k0;
+  const PetscReal *k0   = model->scene.stages[model->state.stage].geostatic.k0;
+  const PetscInt   size = model->state.particles->state_size;
+  PetscInt        *body;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(points->count, &body));
+  MpmBodiesOfPoints(model->scene.bodies->count, model->scene.bodies->at, points, body);
+  for (PetscInt p = 0; p < points->count; p++) {
+    const MpmMaterial *material = &model->scene.materials->at[points->material[p]];
+
+    ratio[p] = k0[body[p]];
+    if (ratio[p] == MPM_K0_OCR && material->info.k0)
+      ratio[p] =
+        material->info.k0(material->parameter, material->table, size ? &points->state[p * size] : NULL, pressure[p]);
+  }
+  PetscCall(PetscFree(body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The stress of k0 from the weight above, and its ratio, for all points. */
+static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[], PetscReal ratio[])
+{
   const PetscInt    size     = model->state.particles->stress_size;
   const MpmVertical vertical = FindVertical(model);
   PetscReal        *pressure;
@@ -118,11 +140,12 @@ static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[])
   PetscCall(PetscMalloc1(rest->n, &pressure));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(MpmOverburden(model->disc.grid, &points, &vertical, rest->domain, pressure));
+  PetscCall(FindRatios(model, &points, pressure, ratio));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) {
     for (PetscInt c = 0; c < size; c++)
-      stress[p * size + c] = c < 3 ? -pressure[p] * (c == vertical.axis ? 1. : k0) : 0.;
-    rest->largest = PetscMax(rest->largest, PetscMax(1., k0) * pressure[p]);
+      stress[p * size + c] = c < 3 ? -pressure[p] * (c == vertical.axis ? 1. : ratio[p]) : 0.;
+    rest->largest = PetscMax(rest->largest, PetscMax(1., ratio[p]) * pressure[p]);
   }
   PetscCall(PetscFree(pressure));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rest->largest, 1, MPIU_REAL, MPIU_MAX, model->comm));
@@ -184,9 +207,10 @@ typedef struct {
   MpmRest *rest;
   MpmMaterial *auxiliaries; /* one for each material */
   MpmMaterials materials;   /* the scene's, with these in place of its own */
-  PetscReal    k0;
-  PetscInt     axis;   /* vertical one */
-  PetscReal   *stress; /* Cauchy, `stress_size` components a point; the points' history for the auxiliary law */
+  PetscReal   *ratio;       /* k0 of each point */
+  PetscInt     axis;        /* vertical one */
+  PetscReal   *stress;      /* Cauchy, `stress_size` components a point */
+  PetscReal   *history;     /* of the auxiliary law: stress and ratio */
   PetscReal   *F, *volume0;
   PetscReal    change; /* largest of the last solve, Pa */
   PetscBool    level;  /* is it a stress of level ground? */
@@ -198,8 +222,9 @@ static PetscErrorCode BalanceCreate(Balance *balance)
   const PetscInt dim   = model->disc.dim;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc3(model->scene.materials->count, &balance->auxiliaries, (balance->rest->n * dim * dim),
-                         &balance->F, balance->rest->n, &balance->volume0));
+  PetscCall(PetscMalloc4(model->scene.materials->count, &balance->auxiliaries, (balance->rest->n * dim * dim),
+                         &balance->F, balance->rest->n, &balance->volume0,
+                         (balance->rest->n * (model->state.particles->stress_size + 1)), &balance->history));
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     MpmMaterial *auxiliary = &balance->auxiliaries[m];
 
@@ -213,11 +238,10 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     }
     PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));
     auxiliary->stiffness = auxiliary->penalty = BALANCE_MODULUS * balance->rest->largest;
-    PetscCall(PetscArraycpy(
-      auxiliary->parameter,
-      ((const PetscReal[]){auxiliary->density, auxiliary->stiffness, balance->k0, (PetscReal)balance->axis,
-                           model->solver.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
-      auxiliary->info.parameter_count));
+    PetscCall(PetscArraycpy(auxiliary->parameter,
+                            ((const PetscReal[]){auxiliary->density, auxiliary->stiffness, (PetscReal)balance->axis,
+                                                 model->solver.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
+                            auxiliary->info.parameter_count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -239,7 +263,7 @@ static PetscErrorCode SecondCreate(Balance *balance)
   second->disc.ghost    = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
   second->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
   PetscCall(MpmDiscretizationSetUp(&second->disc, second->scene.materials, second->scene.boundaries,
-                                   second->state.particles->stress_size));
+                                   second->state.particles->stress_size + 1));
   PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
   second->solver.may_be_indefinite = PETSC_FALSE;
   balance->second                  = second;
@@ -269,7 +293,7 @@ static PetscErrorCode BalanceDestroy(Balance *balance)
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < balance->model->scene.materials->count; m++)
     PetscCall(PetscFree(balance->auxiliaries[m].parameter));
-  PetscCall(PetscFree3(balance->auxiliaries, balance->F, balance->volume0));
+  PetscCall(PetscFree4(balance->auxiliaries, balance->F, balance->volume0, balance->history));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -309,15 +333,16 @@ static PetscErrorCode TakeStress(Balance *balance)
   balance->change = 0.;
   for (PetscInt p = 0; p < balance->rest->n; p++) {
     const PetscReal *solved = &model->disc.trial->stress[p * size], *start = &balance->rest->start[p * size];
+    const PetscReal  k0     = balance->ratio[p];
     PetscReal       *stress = &balance->stress[p * size], vertical = solved[v], square = 1.;
 
     for (PetscInt a = 0; a < dim; a++) {
       if (a == v) continue;
-      vertical += balance->k0 * solved[a];
-      square += PetscSqr(balance->k0);
+      vertical += k0 * solved[a];
+      square += PetscSqr(k0);
     }
     for (PetscInt c = 0; c < size; c++) {
-      const PetscReal value = c >= 3 ? solved[c] : vertical / square * (c == v ? 1. : balance->k0);
+      const PetscReal value = c >= 3 ? solved[c] : vertical / square * (c == v ? 1. : k0);
 
       balance->change = PetscMax(balance->change, PetscAbsReal(value - stress[c]));
       stress[c]       = value;
@@ -337,19 +362,24 @@ static PetscErrorCode TakeStress(Balance *balance)
 static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
 {
   MpmModel            model  = balance->second;
+  const PetscInt      size   = model->state.particles->stress_size;
   PetscInt            failed = 0;
   const char         *why;
   MpmPoints           points;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
 
   PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < balance->rest->n; p++) {
+    for (PetscInt c = 0; c < size; c++) balance->history[p * (size + 1) + c] = balance->stress[p * size + c];
+    balance->history[p * (size + 1) + size] = balance->ratio[p];
+  }
   PetscCall(
     MpmStepPrepare(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, &why));
   if (!why) {
     points                        = *model->disc.points;
     points.F                      = balance->F;
     points.volume0                = balance->volume0;
-    points.state                  = balance->stress;
+    points.state                  = balance->history;
     model->disc.sum->points       = &points;
     model->solver.cache.reference = 0.;
     PetscCall(MpmSolverSolve(&model->solver, &reason));
@@ -364,14 +394,10 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
 }
 
 /* Brings the stress of k0 into balance where ground is level, and leaves it as it is where it is not. */
-static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal stress[])
+static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal ratio[], PetscReal stress[])
 {
-  PetscBool solved  = PETSC_TRUE;
-  Balance   balance = {.model  = model,
-                       .rest   = rest,
-                       .k0     = model->scene.stages[model->state.stage].geostatic.k0,
-                       .axis   = FindVertical(model).axis,
-                       .stress = stress};
+  PetscBool solved = PETSC_TRUE;
+  Balance balance  = {.model = model, .rest = rest, .ratio = ratio, .axis = FindVertical(model).axis, .stress = stress};
 
   PetscFunctionBeginUser;
   PetscCall(BalanceCreate(&balance));
@@ -391,21 +417,20 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
 {
   const PetscInt size = model->state.particles->stress_size;
   PetscInt64     without;
-  PetscReal     *stress;
+  PetscReal     *stress, *ratio;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((rest->n * size), &stress));
-  PetscCall(FindK0(model, rest, stress));
+  PetscCall(PetscMalloc2((rest->n * size), &stress, rest->n, &ratio));
+  PetscCall(FindK0(model, rest, stress, ratio));
   PetscCall(CorrectSmallStrain(model, rest, stress));
   PetscCall(PetscMalloc1((rest->n * size), &rest->start));
   PetscCall(PetscArraycpy(rest->start, stress, rest->n * size));
-  if (rest->largest > 0.) PetscCall(BalanceK0(model, rest, stress));
+  if (rest->largest > 0.) PetscCall(BalanceK0(model, rest, ratio, stress));
   PetscCall(SetStresses(model, rest, stress, &without));
-  MpmCheckInput(!without, "-mpm_stage_%s_geostatic_k0 %g: %" PetscInt64_FMT " points cannot have that stress",
-                model->scene.stages[model->state.stage].name,
-                (double)model->scene.stages[model->state.stage].geostatic.k0, without);
-  PetscCall(PetscFree(stress));
+  MpmCheckInput(!without, "-mpm_stage_%s_geostatic_k0: %" PetscInt64_FMT " points cannot have that stress",
+                model->scene.stages[model->state.stage].name, without);
+  PetscCall(PetscFree2(stress, ratio));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) { /* a law without history has its own stress across the plane */
     if (size == 4 && !rest->stateful[points.material[p]]) rest->start[4 * p + 2] = points.stress[4 * p + 2];

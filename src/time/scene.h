@@ -15,10 +15,12 @@ typedef struct {
 
 typedef enum { MPM_GEOSTATIC_NONE, MPM_GEOSTATIC_GRAVITY, MPM_GEOSTATIC_K0 } MpmGeostaticMethod;
 
+#define MPM_K0_OCR (-1.)
+
 /* The search for a geostatic state: stress in equilibrium without displacement. */
 typedef struct {
   MpmGeostaticMethod method;
-  PetscReal          k0;
+  PetscReal         *k0;        /* by the model's bodies; MPM_K0_OCR: the law says it */
   PetscReal          tolerance; /* largest displacement that remains, in heights of the material */
   PetscInt           iterations;
 } MpmGeostatic;

@@ -268,7 +268,78 @@ static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadGeostatic(const MpmOptions *options, const char *name, MpmGeostatic *geostatic)
+#define K0_MOST 100.
+
+/* A number, or `ocr`. */
+static PetscErrorCode ParseK0(const MpmOptions *block, const char *text, const char *word, PetscReal *k0)
+{
+  PetscFunctionBeginUser;
+  *k0 = MPM_K0_OCR;
+  if (!strcmp(word, "ocr")) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(MpmParseReal(word, k0) && *k0 >= 0. && *k0 <= K0_MOST,
+                "-%sk0 %s: must be a number in [0, %g], ocr, or body:value pairs of them", block->prefix, text,
+                K0_MOST);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One "name:value" pair: of a body, or of all bodies of a material. */
+static PetscErrorCode TakeK0(MpmModel model, const MpmOptions *block, const char *text, char *pair, PetscReal k0[])
+{
+  char     *colon = strchr(pair, ':');
+  PetscInt  body, material;
+  PetscReal value;
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(colon, "-%sk0 %s: must be a number, ocr, or body:value pairs", block->prefix, text);
+  *colon   = '\0';
+  body     = FindName(model->scene.bodies->count, model->scene.bodies->names, pair);
+  material = FindName(model->scene.materials->count, model->scene.materials->names, pair);
+  MpmCheckInput(body >= 0 || material >= 0, "-%sk0 %s: there is no body or material %s", block->prefix, text, pair);
+  PetscCall(ParseK0(block, text, colon + 1, &value));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    if (body >= 0 ? b != body : MpmBodyMaterial(model->scene.bodies->at[b]) != material) continue;
+    MpmCheckInput(PetscIsNanReal(k0[b]), "-%sk0 %s: body %s stands there twice", block->prefix, text,
+                  model->scene.bodies->names[b]);
+    k0[b] = value;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadK0(MpmModel model, const MpmOptions *block, MpmNeed need, MpmGeostatic *geostatic)
+{
+  char    *text, **pair;
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsText(block, "k0",
+                           "horizontal over vertical stress, for the method k0: a number, ocr (from friction and "
+                           "overconsolidation), or pairs of these with names of bodies or materials, body:value",
+                           NULL, need, &text));
+  if (!text || MpmOptionsHelp()) PetscFunctionReturn(PetscFree(text));
+  PetscCall(PetscMalloc1(model->scene.bodies->count, &geostatic->k0));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) geostatic->k0[b] = NAN;
+  PetscCall(MpmTextSplit(text, &count, &pair));
+  if (count == 1 && !strchr(pair[0], ':')) {
+    PetscCall(ParseK0(block, text, pair[0], &geostatic->k0[0]));
+    for (PetscInt b = 1; b < model->scene.bodies->count; b++) geostatic->k0[b] = geostatic->k0[0];
+  } else
+    for (PetscInt k = 0; k < count; k++) PetscCall(TakeK0(model, block, text, pair[k], geostatic->k0));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
+
+    MpmCheckInput(!PetscIsNanReal(geostatic->k0[b]), "-%sk0 %s: body %s has none", block->prefix, text,
+                  model->scene.bodies->names[b]);
+    MpmCheckInput(geostatic->k0[b] != MPM_K0_OCR || material->info.k0,
+                  "-%sk0 %s: %s does not know the ratio of material %s, body %s: must be a number", block->prefix, text,
+                  material->info.name, material->name, model->scene.bodies->names[b]);
+  }
+  PetscCall(MpmNamesDestroy(count, &pair));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadGeostatic(MpmModel model, const MpmOptions *options, const char *name,
+                                    MpmGeostatic *geostatic)
 {
   static const char *const methods[] = {"gravity", "k0", NULL};
   char                     prefix[256];
@@ -283,9 +354,7 @@ static PetscErrorCode ReadGeostatic(const MpmOptions *options, const char *name,
   geostatic->method     = method ? MPM_GEOSTATIC_K0 : MPM_GEOSTATIC_GRAVITY;
   geostatic->tolerance  = 1e-9;
   geostatic->iterations = 50;
-  PetscCall(MpmOptionsReal(&block, "k0", "-", "horizontal over vertical stress, for the method k0",
-                           ((MpmRange){0., 100., PETSC_FALSE}), method ? MPM_REQUIRED : MPM_OPTIONAL, &geostatic->k0,
-                           NULL));
+  PetscCall(ReadK0(model, &block, method ? MPM_REQUIRED : MPM_OPTIONAL, geostatic));
   PetscCall(MpmOptionsReal(&block, "tolerance", "-", "largest displacement that remains, in heights of the material",
                            ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &geostatic->tolerance, NULL));
   PetscCall(MpmOptionsInt(&block, "iterations", "most solutions under the full loads", 1, 100000, MPM_OPTIONAL,
@@ -329,6 +398,62 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Both ends of the ramp must leave every law parameters that it accepts. */
+static PetscErrorCode CheckReduced(MpmModel model, const MpmStage *stage)
+{
+  PetscReal ends[2];
+  char      why[MPM_FAULT_TEXT], factor[MPM_NUMBER_TEXT];
+
+  PetscFunctionBeginUser;
+  MpmRampBounds(stage->reduction.ramp, &ends[0], &ends[1]);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    MpmMaterial *material = &model->scene.materials->at[m];
+
+    for (PetscInt k = 0; k < 2; k++) {
+      MpmMaterialReduce(material, ends[k]);
+      MpmRealText(ends[k], factor);
+      MpmCheckInput(!MpmMaterialIsFaulty(material, why), "-mpm_stage_%s_reduction: %s leaves material %s %s",
+                    stage->name, factor, material->name, why);
+    }
+    MpmMaterialReduce(material, 1.);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, MpmStage *stage)
+{
+  PetscReal least, most;
+  PetscBool given, any = PETSC_FALSE;
+  char     *text, number[MPM_NUMBER_TEXT];
+
+  PetscFunctionBeginUser;
+  stage->reduction.limit = 0.01;
+  PetscCall(MpmOptionsHas(block, "reduction", &given));
+  if (MpmOptionsHelp()) {
+    PetscCall(MpmOptionsText(block, "reduction",
+                             "what cohesion, tan(friction) and other strengths are divided by, over the stage's time, "
+                             "time:factor pairs (s:-); default: 1",
+                             NULL, MPM_OPTIONAL, &text));
+    PetscCall(PetscFree(text));
+  } else if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  else PetscCall(MpmRampCreate(block, "reduction", NULL, &stage->reduction.ramp));
+  PetscCall(MpmOptionsReal(block, "reduction_limit", "-",
+                           "how far a point has moved in the stage, in heights of the material, where the reduction is "
+                           "taken as the factor of safety",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &stage->reduction.limit, NULL));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmRampBounds(stage->reduction.ramp, &least, &most);
+  MpmRealText(least, number);
+  MpmCheckInput(least > 0., "-%sreduction: the factor %s must be > 0", block->prefix, number);
+  MpmCheckInput(stage->geostatic.method == MPM_GEOSTATIC_NONE,
+                "-%sreduction: a geostatic stage does not reduce strength; one that follows can", block->prefix);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (MpmMaterialHasStrength(&model->scene.materials->at[m])) any = PETSC_TRUE;
+  MpmCheckInput(any, "-%sreduction: no material has a strength that it could reduce", block->prefix);
+  PetscCall(CheckReduced(model, stage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const MpmTimeControl *scene, MpmStage *stage)
 {
   static const char *const types[] = {"load", "geostatic", NULL};
@@ -343,7 +468,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscCall(PetscSNPrintf(time_prefix, sizeof(time_prefix), "mpm_stage_%s_time_", stage->name));
   PetscCall(MpmOptionsWord(&block, "type", "load: steps in time; geostatic: a state of stress in equilibrium", types,
                            MPM_OPTIONAL, &type, NULL));
-  if (type || MpmOptionsHelp()) PetscCall(ReadGeostatic(options, stage->name, &stage->geostatic));
+  if (type || MpmOptionsHelp()) PetscCall(ReadGeostatic(model, options, stage->name, &stage->geostatic));
   stage->time = *scene;
   if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
   PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
@@ -351,7 +476,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscCall(
     MarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds, &given));
   PetscCall(ReadMaterials(model, &block, stage));
-  PetscCall(MpmReductionRead(model, &block, stage));
+  PetscCall(ReadReduction(model, &block, stage));
   PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
   PetscCall(CheckGeostatic(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -431,6 +556,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(stage->removed));
     PetscCall(PetscFree(stage->adds));
     PetscCall(PetscFree(stage->material));
+    PetscCall(PetscFree(stage->geostatic.k0));
     PetscCall(MpmRampDestroy(&stage->reduction.ramp));
   }
   for (PetscInt b = 0; model->state.parked && b < model->scene.bodies->count; b++)

@@ -13,9 +13,8 @@
   The factor of safety is F at the end of the first step of the run after which a point has moved `reduction_limit` times
   the material's height since its stage began. Where the points stood then travels with them and stands in checkpoints.
 
-  Order of calls: Read() with the stage; Begin() once its bodies are there, Observe() after each of its steps.
+  Order of calls: Begin() once its bodies are there, Observe() after each of its steps.
 */
-#include "options/options.h"
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "particles/particles.h"
@@ -25,64 +24,6 @@
 #include "time/time.h"
 
 const char *const MpmReductionFields[MPM_MAX_DIM] = {"reduction_start_x", "reduction_start_y", "reduction_start_z"};
-
-/* ---- what is read ---- */
-
-/* Both ends of the ramp must leave every law parameters that it accepts. */
-static PetscErrorCode CheckParameters(MpmModel model, const MpmStage *stage)
-{
-  PetscReal ends[2];
-  char      why[MPM_FAULT_TEXT], factor[MPM_NUMBER_TEXT];
-
-  PetscFunctionBeginUser;
-  MpmRampBounds(stage->reduction.ramp, &ends[0], &ends[1]);
-  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
-    MpmMaterial *material = &model->scene.materials->at[m];
-
-    for (PetscInt k = 0; k < 2; k++) {
-      MpmMaterialReduce(material, ends[k]);
-      MpmRealText(ends[k], factor);
-      MpmCheckInput(!MpmMaterialIsFaulty(material, why), "-mpm_stage_%s_reduction: %s leaves material %s %s",
-                    stage->name, factor, material->name, why);
-    }
-    MpmMaterialReduce(material, 1.);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmReductionRead(MpmModel model, const MpmOptions *block, MpmStage *stage)
-{
-  PetscReal least, most;
-  PetscBool given, any = PETSC_FALSE;
-  char     *text, number[MPM_NUMBER_TEXT];
-
-  PetscFunctionBeginUser;
-  stage->reduction.limit = 0.01;
-  PetscCall(MpmOptionsHas(block, "reduction", &given));
-  if (MpmOptionsHelp()) {
-    PetscCall(MpmOptionsText(block, "reduction",
-                             "what cohesion, tan(friction) and other strengths are divided by, over the stage's time, "
-                             "time:factor pairs (s:-); default: 1",
-                             NULL, MPM_OPTIONAL, &text));
-    PetscCall(PetscFree(text));
-  } else if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  else PetscCall(MpmRampCreate(block, "reduction", NULL, &stage->reduction.ramp));
-  PetscCall(MpmOptionsReal(block, "reduction_limit", "-",
-                           "how far a point has moved in the stage, in heights of the material, where the reduction is "
-                           "taken as the factor of safety",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &stage->reduction.limit, NULL));
-  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmRampBounds(stage->reduction.ramp, &least, &most);
-  MpmRealText(least, number);
-  MpmCheckInput(least > 0., "-%sreduction: the factor %s must be > 0", block->prefix, number);
-  MpmCheckInput(stage->geostatic.method == MPM_GEOSTATIC_NONE,
-                "-%sreduction: a geostatic stage does not reduce strength; one that follows can", block->prefix);
-  for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    if (MpmMaterialHasStrength(&model->scene.materials->at[m])) any = PETSC_TRUE;
-  MpmCheckInput(any, "-%sreduction: no material has a strength that it could reduce", block->prefix);
-  PetscCall(CheckParameters(model, stage));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscBool MpmStagesReduce(const MpmModel model)
 {

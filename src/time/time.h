@@ -41,11 +41,10 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
 /* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
 PetscErrorCode MpmStageResume(MpmModel model);
 /*
-  Strength reduction (strength_reduction.c): Read takes a stage's options, Begin notes where the points stand as it
+  Strength reduction (strength_reduction.c): Begin notes where the points stand as it
   begins, Apply sets the materials' strengths for a time of the stage under way, Observe looks after a step whether the
   factor of safety is reached. Does any stage reduce, and the factor at a time: 1 where none does.
 */
-PetscErrorCode MpmReductionRead(MpmModel model, const MpmOptions *block, MpmStage *stage);
 PetscErrorCode MpmReductionBegin(MpmModel model);
 void           MpmReductionApply(MpmModel model, PetscReal time);
 PetscErrorCode MpmReductionObserve(MpmModel model);

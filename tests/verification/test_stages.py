@@ -90,6 +90,34 @@ def initial_history(test):
         test.check(f"initial_from_{column or 'profile'}", np.abs(start["equivalent_plastic_strain"][ground] - wanted).max(), None, 1e-10)
 
 
+def ratios(test, shape, text, soil, rock, **options):
+    """Another k0 in each layer, by body, by material, or by the law; level ground rests, with its ratio at every point."""
+    label = f"ratios_{shape}_{text}"
+    run = test.run(FOLDER / "level.yaml", mpm_shape=shape, mpm_quiet=None, mpm_stage_rest_geostatic_k0=text, **options)
+    at_rest(test, label, run, "level")
+    state = run.results.state("last")
+    wanted = np.where(state["position"][:, 1] > 1.0, soil, rock)
+    test.check(f"{label}.error", np.abs(state["stress"][:, 0] / state["stress"][:, 1] - wanted).max(), None, 1e-9)
+
+
+def clay(test, k0):
+    """Cam-Clay's ratio by its overconsolidation; its preconsolidation follows from the stress."""
+    scene = test.folder() / "clay.yaml"
+    lines = (FOLDER / "level.yaml").read_text(encoding="utf-8").splitlines()
+    law_of_clay = "{type: modified_cam_clay, kappa: 0.02, lambda: 0.1, M: 1.2, G: 4e6, ocr: 2, density: 2000}"
+    scene.write_text("\n".join(f"  material_soil: {law_of_clay}" if "material_soil:" in line else line for line in lines),
+                     encoding="utf-8")
+    run = test.run(scene, mpm_quiet=None, mpm_stage_rest_geostatic_k0="soil:ocr,rock:0.8")
+    at_rest(test, "clay", run, "level")
+    state = run.results.state("last")
+    ground = state["material"] == 0
+    stress = state["stress"][ground] * np.linalg.det(state["F"][ground].reshape(-1, 3, 3))[:, None]
+    test.check("clay.k0_error", np.abs(stress[:, 0] / stress[:, 1] / k0 - 1.0).max(), None, 1e-6)
+    pressure, shear = -stress[:, :3].mean(axis=1), stress[:, 0] - stress[:, 1]
+    size = 2.0 * (pressure + shear**2 / (1.44 * pressure))
+    test.check("clay.preconsolidation", np.abs(state["preconsolidation"][ground] / size - 1.0).max(), None, 1e-6)
+
+
 def gaps(test, shape, k0):
     """Layers that meet inside a cell, where their points leave a gap; also a ratio for which no elasticity is fit."""
     run = test.run(FOLDER / "level.yaml", mpm_shape=shape, mpm_quiet=None, mpm_body_ground_lower="0,1.3",
@@ -276,6 +304,13 @@ with Test() as test:
         gaps(test, shape_name, k0_value)
     grids(test)
     initial_history(test)
+    ratios(test, "gimp", "ground:0.45,bed:0.8", 0.45, 0.8)
+    ratios(test, "bspline2", "bed:0.3,ground:0.5", 0.5, 0.3, mpm_body_bed_material="soil")
+    # Jaky: 1 - sin(30 degrees); with F-bar points under the surface would yield as layers are balanced
+    ratios(test, "gimp_bspline2", "soil:ocr,rock:0.25", 0.5, 0.25, mpm_stabilization_fbar="false", **law("mohr_coulomb"))
+    sine = 3 * 1.2 / (6 + 1.2)
+    clay(test, (1 - sine) * 2**sine)
+    ratios(test, "gimp", "ground:ocr,bed:ocr", 0.5, 0.5, mpm_body_bed_material="soil", **law("drucker_prager"))
     level(test, "level3d", "hencky", "gimp")
     level(test, "level3d", "drucker_prager", "linear")
     layers3d(test)
