@@ -39,9 +39,10 @@ enum { COHESION = ELASTIC_COUNT, FRICTION, DILATION, FIT, VOLUME_CORRECTION };
 
 static const MpmParameter parameters[] = {
   ELASTIC_PARAMETERS,
-  {MPM_NUMBER, "cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL, 5e3, NULL},
-  {MPM_NUMBER, "friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL, 30., NULL},
-  {MPM_NUMBER, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL, 10., NULL},
+  {MPM_STRENGTH, "cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL, 5e3, NULL},
+  {MPM_STRENGTH_ANGLE, "friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL, 30., NULL},
+  {MPM_STRENGTH_ANGLE, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL,
+   10., NULL},
   {MPM_WORD, "fit", "", 0., 0, 0., 2., 0, "where the cone meets Mohr-Coulomb", "compression|extension|plane_strain", 0.,
    NULL},
   {MPM_WORD, "volume_correction", "", 1., 0, 0., 1., 0,
@@ -158,5 +159,16 @@ static int MpmMaterialCheck_drucker_prager(const double *parameter, const MpmLaw
   return parameter[DILATION] <= parameter[FRICTION];
 }
 
-MPM_LAW(drucker_prager, MPM_LAW_PLASTIC, "Drucker-Prager plasticity with cohesion, dilation and volume correction",
-        parameters, states, MpmMaterialCheck_drucker_prager, ElasticStiffness, MpmMaterialEvaluate_drucker_prager)
+/* Jaky: the law does not know what it has borne before. */
+static double MpmMaterialK0_drucker_prager(const double *parameter, const MpmLawTable *table, const double *state,
+                                           double weight)
+{
+  (void)table;
+  (void)state;
+  (void)weight;
+  return 1. - sin(parameter[FRICTION] * 3.14159265358979323846 / 180.);
+}
+
+MPM_LAW_ALL(drucker_prager, MPM_LAW_PLASTIC, "Drucker-Prager plasticity with cohesion, dilation and volume correction",
+            parameters, states, MpmMaterialCheck_drucker_prager, ElasticStiffness, MpmMaterialEvaluate_drucker_prager,
+            NULL, NULL, MpmMaterialK0_drucker_prager)

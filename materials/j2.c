@@ -25,9 +25,9 @@ enum { YIELD_STRESS = ELASTIC_COUNT, HARDENING };
 
 static const MpmParameter parameters[] = {
   ELASTIC_PARAMETERS,
-  {MPM_NUMBER, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1,
+  {MPM_STRENGTH, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1,
    "initial uniaxial yield stress, bound on sqrt(3 J2) of the Kirchhoff stress", NULL, 100e3, NULL},
-  {MPM_NUMBER, "hardening", "Pa", 0., 0, 0., HUGE_VAL, 0, "growth of the yield stress per equivalent plastic strain",
+  {MPM_STRENGTH, "hardening", "Pa", 0., 0, 0., HUGE_VAL, 0, "growth of the yield stress per equivalent plastic strain",
    NULL, 1e6, NULL}};
 
 enum { STATE_B = 0, STATE_ALPHA = MPM_SYM };

@@ -51,17 +51,18 @@ enum {
 
 static const MpmParameter parameters[] = {
   ELASTIC_PARAMETERS,
-  {MPM_NUMBER, "cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL, 20e3, NULL},
-  {MPM_NUMBER, "friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL, 30., NULL},
-  {MPM_NUMBER, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL, 10., NULL},
-  {MPM_NUMBER, "tension", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 0,
+  {MPM_STRENGTH, "cohesion", "Pa", 0., 1, 0., HUGE_VAL, 0, "c of Mohr-Coulomb", NULL, 20e3, NULL},
+  {MPM_STRENGTH_ANGLE, "friction", "degrees", 0., 1, 0., 89., 0, "friction angle of Mohr-Coulomb", NULL, 30., NULL},
+  {MPM_STRENGTH_ANGLE, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL,
+   10., NULL},
+  {MPM_STRENGTH, "tension", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 0,
    "largest tension that the material bears, at most c cot(friction); without it, that", NULL, 10e3, NULL},
-  {MPM_NUMBER, "cohesion_residual", "Pa", 0., 0, 0., HUGE_VAL, 0, "cohesion left at softening_strain", NULL, 1e3,
+  {MPM_STRENGTH, "cohesion_residual", "Pa", 0., 0, 0., HUGE_VAL, 0, "cohesion left at softening_strain", NULL, 1e3,
    "cohesion"},
-  {MPM_NUMBER, "friction_residual", "degrees", 0., 0, 0., 89., 0, "friction angle left at softening_strain", NULL, 20.,
-   "friction"},
-  {MPM_NUMBER, "dilation_residual", "degrees", 0., 0, 0., 89., 0, "dilation angle left at softening_strain", NULL, 1.,
-   "dilation"},
+  {MPM_STRENGTH_ANGLE, "friction_residual", "degrees", 0., 0, 0., 89., 0, "friction angle left at softening_strain",
+   NULL, 20., "friction"},
+  {MPM_STRENGTH_ANGLE, "dilation_residual", "degrees", 0., 0, 0., 89., 0, "dilation angle left at softening_strain",
+   NULL, 1., "dilation"},
   {MPM_NUMBER, "softening_strain", "-", HUGE_VAL, 0, 0., HUGE_VAL, 1,
    "equivalent plastic strain at which the residual strengths are reached; without it nothing softens", NULL, 0.1,
    NULL}};
@@ -428,6 +429,16 @@ static int MpmMaterialSymmetric_mohr_coulomb(const double *parameter, const MpmL
          parameter[FRICTION_RESIDUAL] == parameter[FRICTION] && parameter[DILATION_RESIDUAL] == parameter[DILATION];
 }
 
-MPM_LAW_MORE(mohr_coulomb, MPM_LAW_PLASTIC, "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
-             parameters, states, MpmMaterialCheck_mohr_coulomb, ElasticStiffness, MpmMaterialEvaluate_mohr_coulomb,
-             MpmMaterialSymmetric_mohr_coulomb, ElasticHistory)
+/* Jaky: the law does not know what it has borne before. */
+static double MpmMaterialK0_mohr_coulomb(const double *parameter, const MpmLawTable *table, const double *state,
+                                         double weight)
+{
+  (void)table;
+  (void)state;
+  (void)weight;
+  return 1. - sin(parameter[FRICTION] * 3.14159265358979323846 / 180.);
+}
+
+MPM_LAW_ALL(mohr_coulomb, MPM_LAW_PLASTIC, "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
+            parameters, states, MpmMaterialCheck_mohr_coulomb, ElasticStiffness, MpmMaterialEvaluate_mohr_coulomb,
+            MpmMaterialSymmetric_mohr_coulomb, ElasticHistory, MpmMaterialK0_mohr_coulomb)

@@ -1,22 +1,57 @@
 /*
   Compressible neo-Hookean elasticity
 
-    psi = (lambda/2) (ln J)^2 - mu ln J + (mu/2) (I1 - 3),   tau = mu (b - I) + lambda ln(J) I
+    psi = (mu/2) (I1 - 3 - 2 ln J) + lambda U,   tau = mu (b - I) + lambda J U' I
+
+  and, with `shear: isochoric`, where only the change of shape gives shear stress and k = lambda + (2/3) mu
+
+    psi = (mu/2) (J^{-2/3} I1 - 3) + k U,        tau = mu J^{-2/3} dev b + k J U' I
+
+  `volumetric` says what U is:
+
+    log        U = (ln J)^2/2,             J U' = ln J
+    quadratic  U = (J^2 - 1 - 2 ln J)/4,   J U' = (J^2 - 1)/2
 
   tau  Kirchhoff stress J sigma, tension positive, Pa
   b    F F^T, J = det F, I1 = tr b; in plane strain b_zz = 1
 
   Derives from the potential psi (per initial volume). For rubber-like solids; grows without bound both in tension and
-  in compression.
+  in compression, but for the pressure of `quadratic`, which is at most lambda/2 (k/2) as J goes to 0. That of `log`, J
+  sigma, is not convex in J beyond e.
 
   Source: Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8; Bonet and Wood (2008),
-  doi:10.1017/CBO9780511755446, section 6.4.3.
+  doi:10.1017/CBO9780511755446, section 6.4.3; Simo and Taylor (1991), doi:10.1016/0045-7825(91)90100-K, for `quadratic`;
+  Flory (1961), doi:10.1039/tf9615700829, for `isochoric`.
 */
 #include "talus/point/elasticity.h"
 
-static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
+enum { VOLUMETRIC = ELASTIC_COUNT, SHEAR };
+
+static const MpmParameter parameters[] = {
+  ELASTIC_PARAMETERS,
+  {MPM_WORD, "volumetric", "", 0., 0, 0., 1., 0, "stress by volume: ln J or (J^2 - 1)/2", "log|quadratic", 0., NULL},
+  {MPM_WORD, "shear", "", 0., 0, 0., 1., 0, "stress by shear: of b or of J^(-2/3) b", "full|isochoric", 0., NULL}};
 
 static const MpmStateVariable states[] = MPM_NO_STATE;
+
+/* J U' */
+MPM_FN Scalar Volume(const MpmLawPoint *point, const Tensor *F)
+{
+  const Scalar J = TensorDet(F);
+
+  if (RealValue(point->parameter[VOLUMETRIC]) > 0.5) return ScalarScale(0.5, ScalarShift(ScalarSquare(J), -1.));
+  return ScalarLog(J);
+}
+
+/* mu J^{-2/3} dev b + k J U' I */
+MPM_FN Sym IsochoricStress(const MpmLawPoint *point, Lame lame, const Tensor *F, const Sym *strain)
+{
+  const Sym  dev   = SymDev(strain);
+  const Sym  shear = SymScale(ScalarScale(lame.mu, ScalarPow(TensorDet(F), -2. / 3.)), &dev);
+  const Real bulk  = lame.lambda + 2. / 3. * lame.mu;
+
+  return SymShift(&shear, ScalarScale(bulk, Volume(point, F)));
+}
 
 MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
@@ -27,16 +62,22 @@ MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tenso
   const Sym    isotonic = SymScaleBy(lame.mu, &strain);
 
   if (!ElasticIsRegular(point, dF)) return 1;
-  *tau = SymShift(&isotonic, ScalarScale(lame.lambda, ScalarLog(TensorDet(&F))));
+  if (RealValue(point->parameter[SHEAR]) > 0.5) *tau = IsochoricStress(point, lame, &F, &strain);
+  else *tau = SymShift(&isotonic, ScalarScale(lame.lambda, Volume(point, &F)));
   return 0;
 }
 
-/* d tau/d ln(stretch) along a principal axis is lambda + 2 mu b; the largest sum of |b| over a row bounds b. */
+/*
+  d tau/d ln(stretch) along a principal axis is lambda (J^2 lambda) + 2 mu b, or k (J^2 k) + mu J^{-2/3} (2/3) (b + tr(b)/3)
+  at most; the largest sum of |b| over a row bounds b.
+*/
 static double MpmMaterialStiffness_neo_hookean(const double *parameter, const MpmLawTable *table, const double *state,
                                                const double *F)
 {
-  const Lame lame    = LameFromValues(parameter);
-  double     largest = 1.;
+  const Lame   lame = LameFromValues(parameter);
+  const double J = F ? MpmDeterminant(MPM_DIM, F) : 1., lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
+  const double volume  = parameter[VOLUMETRIC] > 0.5 ? J * J : 1.;
+  double       largest = 1.;
 
   (void)table, (void)state;
   for (int i = 0; F && i < MPM_DIM; i++) {
@@ -50,7 +91,8 @@ static double MpmMaterialStiffness_neo_hookean(const double *parameter, const Mp
     }
     largest = fmax(largest, sum);
   }
-  return RealValue(lame.lambda + 2. * largest * lame.mu);
+  if (parameter[SHEAR] > 0.5) return volume * (lambda + 2. / 3. * mu) + 4. / 3. * largest * mu / pow(J, 2. / 3.);
+  return volume * lambda + 2. * largest * mu;
 }
 
 MPM_LAW(neo_hookean, MPM_LAW_SYMMETRIC, "compressible neo-Hookean elasticity", parameters, states, NULL,

@@ -167,9 +167,11 @@ typedef struct MpmSummary {
   PetscInt    steps, step_cuts;
   PetscInt64  newton_iterations, linear_iterations;
   PetscReal   time_total, time[MPM_TIME_COUNT];
-  PetscReal   imbalance;  /* points on the fullest rank over their mean, the most of any step */
-  PetscInt    rebalances; /* how often the partition has moved */
-  PetscReal   memory_max; /* bytes, sum over ranks of each rank's maximum resident size */
+  PetscReal   imbalance;        /* points on the fullest rank over their mean, the most of any step */
+  PetscInt    rebalances;       /* how often the partition has moved */
+  PetscBool   reduces;          /* strength */
+  PetscReal   factor_of_safety; /* 0: not reached */
+  PetscReal   memory_max;       /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 
 /* Makes one account of the ranks' own: times become the maximum over ranks, memory_max the sum of the processes'
@@ -178,7 +180,7 @@ typedef struct MpmSummary {
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
    active_dofs_max, steps, step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s,
-   time {setup, ...}, memory_max_bytes. */
+   time {setup, ...}, memory_max_bytes; where strength is reduced factor_of_safety, or null. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 
 /* ---- checkpoint_file.c ---- */

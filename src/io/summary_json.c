@@ -91,6 +91,11 @@ static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const 
   PetscCall(AppendNumber(text, summary->imbalance));
   PetscCall(MpmTextFileAppend(text, ",\n"));
   PetscCall(AppendCount(text, "rebalances", summary->rebalances));
+  if (summary->reduces) {
+    PetscCall(MpmTextFileAppend(text, "  \"factor_of_safety\": "));
+    PetscCall(AppendNumber(text, summary->factor_of_safety > 0. ? summary->factor_of_safety : HUGE_VAL));
+    PetscCall(MpmTextFileAppend(text, ",\n"));
+  }
   PetscCall(MpmTextFileAppend(text, "  \"time_total_s\": "));
   PetscCall(AppendNumber(text, summary->time_total));
   PetscCall(MpmTextFileAppend(text, ",\n  \"time\": {"));

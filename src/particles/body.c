@@ -8,19 +8,22 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/body_file.h"
+#include "particles/body_initial.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 
 struct _p_MpmBody {
-  char       *name;
-  MpmRegion   region;
-  MpmImported imported; /* where the region is a file */
-  PetscInt    dim, material;
-  PetscInt    id_first, id_end;
-  PetscInt    per_cell[MPM_MAX_DIM];
-  PetscInt    cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
-  PetscInt    before_count;
-  MpmBody    *before; /* bodies whose points on a shared edge are not this one's */
+  char          *name;
+  MpmRegion      region;
+  MpmImported    imported; /* where the region is a file */
+  MpmBodyInitial initial;
+  PetscInt       dim, material;
+  PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
+  PetscInt       id_first, id_end;
+  PetscInt       per_cell[MPM_MAX_DIM];
+  PetscInt       cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
+  PetscInt       before_count;
+  MpmBody       *before; /* bodies whose points on a shared edge are not this one's */
 };
 
 /* The cells that the region meets; a bounded region must lie inside the grid. */
@@ -82,6 +85,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
   PetscCall(PetscFree(names));
+  if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[(*body)->material], &(*body)->initial));
   if (is_file || MpmOptionsHelp())
     PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
   if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
@@ -95,6 +99,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscCall(PetscFree((*body)->name));
   PetscCall(MpmRegionDestroy(&(*body)->region));
   PetscCall(MpmImportedDestroy(&(*body)->imported));
+  PetscCall(MpmBodyInitialDestroy(&(*body)->initial));
   PetscCall(PetscFree((*body)->before));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -220,6 +225,18 @@ static PetscBool IsTaken(const MpmBody body, const MpmGrid *grid, const PetscRea
 
 /* ---- points ---- */
 
+void MpmBodySetVertical(MpmBody body, PetscInt axis, PetscInt up)
+{
+  body->axis = axis;
+  body->up   = up;
+}
+
+/* Of a place, up gravity's axis. */
+static PetscReal Height(const MpmBody body, const PetscReal x[])
+{
+  return (PetscReal)body->up * x[body->axis];
+}
+
 /*
   Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where
   points is given.
@@ -267,14 +284,19 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
   return count;
 }
 
-/* Points of bodies on a lattice start without stress. */
-static void FillAtRest(const MpmMaterial materials[], const MpmParticles *particles, PetscInt first, PetscInt end,
-                       MpmPoints *points)
+/* Points of bodies on a lattice start without stress, with the history that the scene gives. */
+static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const MpmParticles *particles, PetscInt first,
+                       PetscInt end, MpmPoints *points)
 {
   for (PetscInt p = first; p < end; p++) {
     const MpmMaterial *material = &materials[points->material[p]];
 
-    if (points->state) MpmMaterialStateAtRest(material, particles->dim, &points->state[p * particles->state_size]);
+    if (points->state) {
+      PetscReal *state = &points->state[p * particles->state_size];
+
+      MpmMaterialStateAtRest(material, particles->dim, state);
+      MpmBodyInitialFill(body->initial, particles->dim, Height(body, &points->x[p * particles->dim]), state);
+    }
     if (points->mass) points->mass[p] = points->volume0[p] * material->density;
   }
 }
@@ -288,7 +310,7 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   PetscFunctionBeginUser;
   if (!body->imported) {
     *first += FillCells(body, grid, id, begin, points);
-    FillAtRest(materials, particles, begin, *first, points);
+    FillAtRest(body, materials, particles, begin, *first, points);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *first += MpmImportedCount(body->imported);
@@ -296,6 +318,12 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
     points->id[p]       = (PetscInt)(id + p - begin);
     points->material[p] = body->material;
   }
+  for (PetscInt p = begin; p < *first && points->state; p++)
+    MpmMaterialStateAtRest(&materials[body->material], grid->dim, &points->state[p * particles->state_size]);
+  PetscCall(MpmImportedPlace(body->imported, grid->dim, begin, points));
+  for (PetscInt p = begin; p < *first && points->state; p++)
+    MpmBodyInitialFill(body->initial, grid->dim, Height(body, &points->x[p * grid->dim]),
+                       &points->state[p * particles->state_size]);
   PetscCall(MpmImportedFill(body->imported, grid, &materials[body->material], particles->state_size, begin, points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -328,6 +356,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
     id += total[b];
     bodies[b]->id_end = (PetscInt)id;
   }
+  for (PetscInt b = 0; b < body_count; b++) PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));

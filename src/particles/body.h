@@ -19,6 +19,8 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
                                PetscReal *points);
+/* Which way is up, 1 or -1 along an axis, for what is given by height. To be called before the points are made. */
+void MpmBodySetVertical(MpmBody body, PetscInt axis, PetscInt up);
 /* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial *materials,
                                  const MpmGrid *grid, MpmParticles *particles);

@@ -190,13 +190,19 @@ PetscInt MpmImportedCount(MpmImported imported)
 
 /* ---- into the particles ---- */
 
-/* The row's history, that of no strain where the file does not have it; true when the file has all of it. */
+PetscErrorCode MpmImportedPlace(MpmImported imported, PetscInt dim, PetscInt first, MpmPoints *points)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(&points->x[first * dim], imported->quantity[POSITION].value, imported->count * dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The row's history into what stands there, as far as the file has it; true when it has all of it. */
 static PetscBool TakeState(const MpmImported imported, const MpmMaterial *material, PetscInt dim, PetscInt row,
                            PetscReal state[])
 {
   PetscBool all = PETSC_TRUE;
 
-  MpmMaterialStateAtRest(material, dim, state);
   for (size_t v = 0; v < material->info.state_count; v++) {
     const Quantity *quantity = &imported->quantity[STATES + v];
     const PetscInt  n        = MpmStateComponents(&material->info.states[v], dim);
@@ -274,6 +280,7 @@ PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const 
     PetscBool      has_state;
 
     TakeGeometry(imported, grid->dim, material->density, row, p, points);
+    for (PetscInt k = 0; k < state_size; k++) state[k] = points->state[p * state_size + k];
     has_state = TakeState(imported, material, grid->dim, row, state);
     if (TakeStress(imported, &initial, row, has_state, p, points, state) == 2) failed++;
     for (PetscInt k = 0; k < state_size; k++) points->state[p * state_size + k] = state[k];

@@ -11,6 +11,11 @@ PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, c
                                  MpmImported *imported);
 PetscErrorCode MpmImportedDestroy(MpmImported *imported);
 PetscInt       MpmImportedCount(MpmImported imported);
-/* Writes them from point `first` on, all but id and material. */
+/* Writes their positions from point `first` on. */
+PetscErrorCode MpmImportedPlace(MpmImported imported, PetscInt dim, PetscInt first, MpmPoints *points);
+/*
+  Writes them from point `first` on, all but id and material. History that the file does not have is left as it stands, but
+  where it follows from the stress.
+*/
 PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
                                PetscInt state_size, PetscInt first, MpmPoints *points);

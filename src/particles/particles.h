@@ -35,10 +35,10 @@ typedef struct MpmParked {
 
 /* What fields the points have beside those that all have. */
 typedef struct {
-  PetscInt     state_size, own_size, rates;
-  PetscBool    half_length, increment;
-  PetscInt     extra_count; /* fields of one number a point, by name */
-  char *const *extra;
+  PetscInt           state_size, own_size, rates;
+  PetscBool          half_length, increment;
+  PetscInt           extra_count; /* fields of one number a point, by name */
+  const char *const *extra;
 } MpmParticleFields;
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);

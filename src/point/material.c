@@ -107,25 +107,85 @@ static MpmParameter WithDefault(const MpmMaterial *material, size_t k)
   return parameter;
 }
 
+/* The parameter that is at fault, with the range that it must keep to, as text. */
+static void FaultText(const MpmMaterial *material, const MpmLawFault *fault, char why[MPM_FAULT_TEXT])
+{
+  const MpmParameter *parameter = &material->info.parameters[fault->parameter];
+  char                range[MPM_RANGE_TEXT], value[MPM_NUMBER_TEXT];
+
+  MpmRangeText((MpmRange){fault->lower, fault->upper, (PetscBool)(fault->open != 0)}, range);
+  MpmRealText(material->parameter[fault->parameter], value);
+  if (!range[0]) { /* any value would do by itself */
+    snprintf(why, MPM_FAULT_TEXT, "%s %s: %s", parameter->name, value, fault->why ? fault->why : "contradicts another");
+    return;
+  }
+  snprintf(why, MPM_FAULT_TEXT, "%s %s: must %s %s %s%s%s", parameter->name, value,
+           strncmp(range, "in ", 3) ? "be" : "lie", range, parameter->unit, fault->why ? ": " : "",
+           fault->why ? fault->why : "");
+}
+
 /* Parameters that contradict each other end the run. */
 static PetscErrorCode CheckParameters(const MpmMaterial *material)
 {
   MpmLawFault fault = {-1, PETSC_NINFINITY, PETSC_INFINITY, 0, "contradictory parameters"};
-  char        range[MPM_RANGE_TEXT], value[MPM_NUMBER_TEXT];
+  char        why[MPM_FAULT_TEXT];
 
   PetscFunctionBeginUser;
   if (!material->info.check || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (material->info.check(material->parameter, material->table, &fault)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(fault.parameter >= 0, "-mpm_material_%s: %s", material->name, fault.why);
-  MpmRangeText((MpmRange){fault.lower, fault.upper, (PetscBool)(fault.open != 0)}, range);
-  MpmRealText(material->parameter[fault.parameter], value);
-  MpmCheckInput(range[0], "-mpm_material_%s_%s %s: %s", material->name, material->info.parameters[fault.parameter].name,
-                value, fault.why);
-  MpmCheckInput(PETSC_FALSE, "-mpm_material_%s_%s %s: must %s %s %s: %s", material->name,
-                material->info.parameters[fault.parameter].name, value, strncmp(range, "in ", 3) ? "be" : "lie", range,
-                material->info.parameters[fault.parameter].unit, fault.why);
+  FaultText(material, &fault, why);
+  MpmCheckInput(PETSC_FALSE, "-mpm_material_%s_%s", material->name, why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TEXT])
+{
+  MpmLawFault fault = {-1, PETSC_NINFINITY, PETSC_INFINITY, 0, "contradictory parameters"};
+
+  for (size_t i = 0; i < material->info.parameter_count; i++) {
+    const MpmParameter *parameter = &material->info.parameters[i];
+    const MpmRange      range     = {parameter->lower, parameter->upper, (PetscBool)(parameter->open != 0)};
+
+    if (parameter->kind >= MPM_WORD || MpmRangeHolds(range, material->parameter[i])) continue;
+    if (material->parameter[i] == parameter->fallback) continue; /* left out: it may stand outside */
+    FaultText(material, &(MpmLawFault){(int)i, parameter->lower, parameter->upper, parameter->open, NULL}, why);
+    return PETSC_TRUE;
+  }
+  if (!material->info.check || material->info.check(material->parameter, material->table, &fault)) return PETSC_FALSE;
+  if (fault.parameter >= 0) FaultText(material, &fault, why);
+  else snprintf(why, MPM_FAULT_TEXT, "%s", fault.why);
+  return PETSC_TRUE;
+}
+
+/* ---- strength ---- */
+
+PetscBool MpmMaterialHasStrength(const MpmMaterial *material)
+{
+  for (size_t i = 0; i < material->info.parameter_count; i++) {
+    const MpmParameterKind kind = material->info.parameters[i].kind;
+
+    if (kind == MPM_STRENGTH || kind == MPM_STRENGTH_ANGLE) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+void MpmMaterialReduce(MpmMaterial *material, PetscReal factor)
+{
+  const PetscReal degree = PETSC_PI / 180.;
+
+  for (size_t i = 0; i < material->info.parameter_count; i++) {
+    const MpmParameterKind kind  = material->info.parameters[i].kind;
+    const double           given = material->given[i];
+
+    if (kind == MPM_STRENGTH) material->parameter[i] = given / factor;
+    else if (kind == MPM_STRENGTH_ANGLE && factor == 1.) material->parameter[i] = given;
+    else if (kind == MPM_STRENGTH_ANGLE)
+      material->parameter[i] = PetscAtanReal(PetscTanReal(given * degree) / factor) / degree;
+  }
+}
+
+/* ---- a material of the scene ---- */
 
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material)
 {
@@ -149,6 +209,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   }
   PetscCall(PetscFree(names));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));
+  PetscCall(PetscCalloc1(material->info.parameter_count, &material->given));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->table));
   if (!given) PetscCall(PrintLaws(&block));
   for (size_t i = 0; given && i < material->info.parameter_count; i++) {
@@ -159,6 +220,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
   }
+  PetscCall(PetscArraycpy(material->given, material->parameter, material->info.parameter_count));
   PetscCall(CheckParameters(material));
   if (material->info.symmetric) {
     const PetscBool symmetric = (PetscBool)(material->info.symmetric(material->parameter, material->table) != 0);
@@ -185,7 +247,7 @@ PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysic
   for (int k = 0; k < physics->parameter_count; k++) {
     const MpmParameter *parameter = &physics->parameters[k];
 
-    PetscCheck(parameter->kind == MPM_NUMBER || parameter->kind == MPM_WORD, options->comm, PETSC_ERR_SUP,
+    PetscCheck(parameter->kind <= MPM_WORD, options->comm, PETSC_ERR_SUP,
                "physics %s: its parameter %s must be a number or a word", physics->name, parameter->name);
     PetscCall(MpmParameterRead(&block, parameter, &material->physics_parameter[k], &unused));
   }
@@ -197,6 +259,7 @@ PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(material->name));
   PetscCall(PetscFree(material->parameter));
+  PetscCall(PetscFree(material->given));
   PetscCall(PetscFree(material->physics_parameter));
   PetscCall(MpmTablesDestroy(material->info.parameter_count, &material->table));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,7 +12,8 @@
 typedef struct MpmMaterial {
   char        *name;
   MpmLawInfo   info;
-  double      *parameter;
+  double      *parameter;         /* in force; strengths may be reduced */
+  double      *given;             /* as the scene has them */
   double      *physics_parameter; /* what the physics takes of this material */
   MpmLawTable *table;             /* by parameter */
   MpmFunction  law[MPM_FORM_COUNT];
@@ -34,6 +35,12 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
 /* The parameters of the physics, which stand in the material's block too. */
 PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
+/* Divides all strengths that the scene gives by a factor > 0, angles by their tangents; the other parameters stay. */
+void      MpmMaterialReduce(MpmMaterial *material, PetscReal factor);
+PetscBool MpmMaterialHasStrength(const MpmMaterial *material);
+/* Are the parameters in force out of range, or against each other? `why` then names one: "dilation 40: must be ...". */
+#define MPM_FAULT_TEXT 512
+PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TEXT]);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
 /*

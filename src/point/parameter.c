@@ -186,10 +186,10 @@ PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *par
                                 MpmLawTable *table)
 {
   PetscFunctionBeginUser;
-  *value = parameter->kind == MPM_NUMBER || parameter->kind == MPM_WORD ? parameter->fallback : 0.;
+  *value = parameter->kind <= MPM_WORD ? parameter->fallback : 0.;
   *table = (MpmLawTable){0, NULL};
   if (parameter->kind == MPM_WORD) PetscCall(ReadWord(block, parameter, value));
-  else if (parameter->kind == MPM_NUMBER)
+  else if (parameter->kind < MPM_WORD)
     PetscCall(MpmOptionsReal(block, parameter->name, parameter->unit, parameter->help, Range(parameter),
                              parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, value, NULL));
   else PetscCall(ReadNumbers(block, parameter, table));

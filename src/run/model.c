@@ -436,15 +436,15 @@ static PetscErrorCode FillOwnStates(MpmModel model)
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt    state_size = 0, extra = 0;
-  PetscBool   half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || model->scene.boundaries->count ||
-                                      MpmStagesAreGeostatic(model));
-  const char *why;
-  char      **fields;
+  PetscInt     state_size = 0, extra = 0, axis, up;
+  PetscBool    half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || model->scene.boundaries->count ||
+                                      MpmStagesAreGeostatic(model) || MpmStagesReduce(model));
+  const char  *why;
+  const char **fields;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(
-    (model->scene.loads->count + model->results->tracks.count + model->scene.boundaries->count * MPM_MAX_DIM),
+    (model->scene.loads->count + model->results->tracks.count + (model->scene.boundaries->count + 1) * MPM_MAX_DIM),
     &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
@@ -457,6 +457,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     for (PetscInt a = 0; model->scene.boundaries->at[k].stick && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
+  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
 
   model->state.particles->has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
@@ -471,6 +472,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &axis, &up);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) MpmBodySetVertical(model->scene.bodies->at[b], axis, up);
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));

@@ -60,7 +60,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
-                      model->scene.boundaries->count * (dim + 1) + 1;
+                      model->scene.boundaries->count * (dim + 1) + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -93,6 +93,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
     }
   }
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
+  if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -150,7 +151,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
-  if (model->scene.stages[0].name) row[k] = (PetscReal)model->state.stage + 1.;
+  if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
+  if (MpmStagesReduce(model)) row[k] = MpmReductionFactor(model, model->state.time);
   PetscCall(MpmHistoryAppend(model->results->history, row));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -175,7 +177,9 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .newton_iterations = model->solver.newton_total,
                             .linear_iterations = model->solver.linear_total,
                             .imbalance         = model->state.particles->imbalance,
-                            .rebalances        = model->state.particles->rebalances};
+                            .rebalances        = model->state.particles->rebalances,
+                            .reduces           = MpmStagesReduce(model),
+                            .factor_of_safety  = model->state.safety.factor};
   char           path[PETSC_MAX_PATH_LEN];
   PetscLogDouble now;
 

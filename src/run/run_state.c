@@ -42,6 +42,8 @@ static const struct {
   MODEL("stage", INT, state.stage),
   MODEL("stage_start", REAL, state.time_start),
   MODEL("reference_output", BOOL, state.reference_output),
+  MODEL("reduction_height", REAL, state.safety.height),
+  MODEL("factor_of_safety", REAL, state.safety.factor),
 #undef MODEL
 #undef RESULTS
 };

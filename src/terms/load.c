@@ -246,6 +246,24 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, PetscInt *up)
+{
+  PetscReal most = 0.;
+
+  *axis = dim - 1;
+  *up   = 1;
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscReal gravity = 0.;
+
+    for (PetscInt l = 0; l < loads->count; l++)
+      if (loads->at[l].type == MPM_LOAD_GRAVITY) gravity += loads->at[l].value[a];
+    if (PetscAbsReal(gravity) <= most) continue;
+    most  = PetscAbsReal(gravity);
+    *axis = a;
+    *up   = gravity < 0. ? 1 : -1;
+  }
+}
+
 PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
                             MpmParticles *particles, PetscReal force[])
 {

@@ -40,6 +40,9 @@ PetscErrorCode MpmLoadDestroy(MpmLoad *load);
 /* Finds the points that carry the load, in the initial state. */
 PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles);
 
+/* The axis along which gravity acts most, of all loads, and which way is up on it, 1 or -1; the last axis without any. */
+void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, PetscInt *up);
+
 /* Adds `factor` times the load to the external force at the local nodes. */
 PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
                             MpmParticles *particles, PetscReal force[]);

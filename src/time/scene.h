@@ -23,6 +23,12 @@ typedef struct {
   PetscInt           iterations;
 } MpmGeostatic;
 
+/* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
+typedef struct {
+  MpmRamp   ramp;
+  PetscReal limit; /* way of a point, in heights of the material, that tells the factor of safety */
+} MpmReduction;
+
 /*
   One stage of a scene: which conditions and loads act, how time runs, and what happens to the bodies at its start. A
   scene without stages is one stage without a name.
@@ -35,6 +41,7 @@ typedef struct MpmStage {
   PetscInt      *material;       /* by the model's bodies: of its points from here on, or -1 */
   PetscBool      reset;          /* displacements start at zero again */
   MpmGeostatic   geostatic;
+  MpmReduction   reduction;
 } MpmStage;
 
 /* What was read: constant from then on. */

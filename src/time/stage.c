@@ -351,6 +351,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscCall(
     MarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds, &given));
   PetscCall(ReadMaterials(model, &block, stage));
+  PetscCall(MpmReductionRead(model, &block, stage));
   PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
   PetscCall(CheckGeostatic(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -430,6 +431,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(stage->removed));
     PetscCall(PetscFree(stage->adds));
     PetscCall(PetscFree(stage->material));
+    PetscCall(MpmRampDestroy(&stage->reduction.ramp));
   }
   for (PetscInt b = 0; model->state.parked && b < model->scene.bodies->count; b++)
     PetscCall(PetscFree(model->state.parked[b].data));
@@ -612,11 +614,13 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   SetTime(model, k);
   model->state.dt_wanted = model->state.dt_nominal;
   model->state.dt_last   = 0.; /* nothing goes on as before */
+  MpmReductionApply(model, model->state.time);
   if (stage->name) {
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
     PetscCall(ChangeBodies(model, stage));
     PetscCall(MpmMaterialsChange(model, stage));
     if (stage->reset) PetscCall(ResetDisplacement(model));
+    PetscCall(MpmReductionBegin(model));
     if (model->solver.jacobian)
       PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */
   }
@@ -642,5 +646,6 @@ PetscErrorCode MpmStageResume(MpmModel model)
     }
   }
   model->state.time = time;
+  MpmReductionApply(model, time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,11 @@
 #include "base/base.h"
 #include "base/types.h"
 
+/* Where strength is reduced: the material's height as the stage began, m, and the factor of safety; 0: not known yet. */
+typedef struct {
+  PetscReal height, factor;
+} MpmSafety;
+
 /* What moves on: points, time, and how steps go. */
 typedef struct {
   const MpmIntegrator *integrator;
@@ -28,4 +33,5 @@ typedef struct {
   PetscBool            reference_output;         /* position0 goes into the next state that is written */
   PetscBool            ghost_auto, ghost_rescue; /* nobody has set the ghost penalty; raise it before giving up */
   PetscInt64           active_dofs_max;
+  MpmSafety            safety;
 } MpmState;

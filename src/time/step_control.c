@@ -14,11 +14,14 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
 
   PetscFunctionBeginUser;
   *retryable = PETSC_FALSE;
+  MpmReductionApply(model, time);
   PetscCall(integrator->begin(model, time, dt, again, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(integrator->predict(model));
-  PetscCall(integrator->solve(model, why, retryable));
-  PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
+  if (!*why) {
+    PetscCall(integrator->predict(model));
+    PetscCall(integrator->solve(model, why, retryable));
+    PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
+  }
+  if (*why) MpmReductionApply(model, model->state.time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,6 +90,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   }
   model->state.time = next;
   model->state.step++;
+  PetscCall(MpmReductionObserve(model));
   model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

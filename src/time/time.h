@@ -40,6 +40,19 @@ PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
 /* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
 PetscErrorCode MpmStageResume(MpmModel model);
+/*
+  Strength reduction (strength_reduction.c): Read takes a stage's options, Begin notes where the points stand as it
+  begins, Apply sets the materials' strengths for a time of the stage under way, Observe looks after a step whether the
+  factor of safety is reached. Does any stage reduce, and the factor at a time: 1 where none does.
+*/
+PetscErrorCode MpmReductionRead(MpmModel model, const MpmOptions *block, MpmStage *stage);
+PetscErrorCode MpmReductionBegin(MpmModel model);
+void           MpmReductionApply(MpmModel model, PetscReal time);
+PetscErrorCode MpmReductionObserve(MpmModel model);
+PetscBool      MpmStagesReduce(const MpmModel model);
+PetscReal      MpmReductionFactor(const MpmModel model, PetscReal time);
+/* The points' fields for it, one an axis. */
+extern const char *const MpmReductionFields[MPM_MAX_DIM];
 /* The factor of a load at a time, 0 where it does not act. */
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
 

@@ -36,7 +36,7 @@ static double *Component(Setting *setting, Kind kind, int k)
 
   switch (kind) {
   case PARAMETER:
-    return parameters[k].kind == MPM_NUMBER ? &setting->point.parameter[k] : NULL;
+    return parameters[k].kind < MPM_WORD ? &setting->point.parameter[k] : NULL;
   case TABLE:
     return parameters[k / MAX_DATA].kind >= MPM_TABLE ? &setting->point.data[k / MAX_DATA][k % MAX_DATA] : NULL;
   case STATE:

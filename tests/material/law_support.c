@@ -166,15 +166,17 @@ static double RandomParameter(const MpmParameter *parameter, double E, int degen
   return fmin(fmax(value, parameter->lower), parameter->upper);
 }
 
-/* Growing numbers, so that no law softens; the x of a table begin on the side of compression. */
+/* Growing numbers, so that no law softens; the x of a table begin on the side of compression, and are of the size of
+   strains or, now and then, of numbers such as exponents. */
 static void RandomData(const MpmParameter *parameter, double E, double data[MAX_DATA])
 {
   MpmParameter y      = *parameter;
   const int    column = parameter->kind == MPM_TABLE;
+  const double size   = column && RandomUniform(0., 1.) < 0.5 ? 100. : 1.;
 
   if (column) y.unit = strchr(parameter->unit, ':') + 1;
   for (int i = 0; i < MAX_DATA; ++i) {
-    if (column && i % 2 == 0) data[i] = i ? data[i - 2] + RandomUniform(0.01, 0.03) : -0.03;
+    if (column && i % 2 == 0) data[i] = i ? data[i - 2] + size * RandomUniform(0.01, 0.03) : -0.03 * size;
     else data[i] = RandomParameter(&y, E, 0) + (i > column ? data[i - 1 - column] : 0.);
   }
 }

@@ -20,6 +20,9 @@ static Point ElasticPoint(const char *name, double E, double nu)
   PointCreate(LawFind(name), 0, &point);
   PointSet(&point, "E", E);
   PointSet(&point, "nu", nu);
+  for (size_t p = 0; p < point.law->info[PLAIN].parameter_count; ++p)
+    if (point.law->info[PLAIN].parameters[p].kind == MPM_WORD)
+      point.parameter[p] = point.law->info[PLAIN].parameters[p].fallback;
   return point;
 }
 
@@ -216,6 +219,57 @@ START_TEST(test_drucker_prager_principal)
 }
 END_TEST
 
+/* The projection of principal stretches by Klar et al. (2016), with the volume correction of Tampubolon et al. (2017) in
+   v: cohesionless, without dilation. The correction ends where the point leaves the apex. */
+static void ProjectSand(double lambda, double mu, double degrees, double *stretch, double *v)
+{
+  const double s = sin(degrees * PI / 180.), alpha = sqrt(2. / 3.) * 2. * s / (3. - s);
+  double       e[3], trace = 0., norm = 0., excess;
+
+  for (int i = 0; i < 3; ++i) trace += e[i] = log(stretch[i]) + *v / 3.;
+  for (int i = 0; i < 3; ++i) norm += (e[i] - trace / 3.) * (e[i] - trace / 3.);
+  norm   = sqrt(norm);
+  excess = norm + (3. * lambda + 2. * mu) / (2. * mu) * trace * alpha;
+  if (trace > 0.) {
+    *v = trace;
+    for (int i = 0; i < 3; ++i) stretch[i] = 1.;
+    return;
+  }
+  *v = 0.;
+  for (int i = 0; i < 3; ++i) stretch[i] = exp(e[i] - fmax(excess, 0.) * (e[i] - trace / 3.) / norm);
+}
+
+/* Steps that open and close a point: elastic, on the cone and at the apex in turn */
+START_TEST(test_drucker_prager_projection)
+{
+  const double mu = 1e6 / 2.6, lambda = 0.3e6 / (1.3 * 0.4);
+  int          apex = 0, closed = 0;
+
+  RandomSeed(21);
+  for (int path = 0; path < 100; ++path) {
+    const double degrees    = RandomUniform(5., 60.);
+    Point        point      = DruckerPrager(1e6, 0.3, 0., degrees, 0., COMPRESSION);
+    const int    at         = LawState(point.law, "volume_correction");
+    double       stretch[3] = {1., 1., 1.}, v = 0.;
+
+    RandomSeed(1000 + (unsigned)path);
+    for (int step = 0; step < 10; ++step) {
+      double dF[DIM2] = {0.}, tau[SYM], before = v;
+
+      for (int a = 0; a < DIM; ++a) stretch[a] *= dF[a * (DIM + 1)] = exp(RandomUniform(-0.03, 0.03));
+      ProjectSand(lambda, mu, degrees, stretch, &v);
+      ck_assert_int_eq(PointStep(&point, dF, tau), 0);
+      for (int a = 0; a < 3; ++a) ExpectNear("stretch", sqrt(point.state[a]), stretch[a], 1e-13);
+      ExpectNear("volume correction", point.state[at], v, 1e-13);
+      apex += v > 0.;
+      closed += v == 0. && before > 0.;
+    }
+  }
+  ck_assert_int_gt(apex, 100);
+  ck_assert_int_gt(closed, 30);
+}
+END_TEST
+
 /* A principal stress of mean p on the Mohr-Coulomb surface, where each fit must meet it */
 static void MohrCoulombPoint(int fit, double c, double phi, double p, double *stress)
 {
@@ -350,7 +404,10 @@ START_TEST(test_drucker_prager_volume_correction)
 }
 END_TEST
 
+TCase *CamClayCase(void);
 TCase *MohrCoulombCase(void);
+TCase *NaccCase(void);
+TCase *PotentialCase(void);
 TCase *NorSandCase(void);
 Suite *LawValuesSuite(void);
 
@@ -365,6 +422,7 @@ Suite *LawValuesSuite(void)
                                 test_j2_return,
                                 test_j2_yield_surface,
                                 test_drucker_prager_principal,
+                                test_drucker_prager_projection,
                                 test_drucker_prager_dilation,
                                 test_drucker_prager_yield_surface,
                                 test_drucker_prager_volume_correction};
@@ -372,7 +430,10 @@ Suite *LawValuesSuite(void)
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   tcase_add_loop_test(tcase, test_drucker_prager_fit, COMPRESSION, PLANE_STRAIN + 1);
   suite_add_tcase(suite, tcase);
+  suite_add_tcase(suite, CamClayCase());
   suite_add_tcase(suite, MohrCoulombCase());
+  suite_add_tcase(suite, NaccCase());
+  suite_add_tcase(suite, PotentialCase());
   suite_add_tcase(suite, NorSandCase());
   return suite;
 }

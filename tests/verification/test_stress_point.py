@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The laboratory, one point without a grid: closed forms of laws along its paths, what each path holds, tables beside paths
-with a name, Newton's iterations, steps that are cut, ranks, the example triaxial, and scenes that it refuses.
+with a name, Newton's iterations, steps that are cut, ranks, the examples triaxial and rubber_uniaxial, and scenes that it refuses.
 
 Quick.
 """
@@ -231,7 +231,8 @@ def check_ranks(test):
     texts = [[(start(test, PRAGER, ranks=ranks, path="triaxial_drained", end=-0.05, steps=20, stress=CONFINED, mpm_title="r").folder
                / f"run_{name}").read_bytes() for name in ("history.csv", "options.yaml")] for ranks in (1, 2)]
     test.check("ranks.same_files", texts[0] == texts[1], 1, 1)
-    test.check_example("triaxial", test.run(example("triaxial"), ranks=2, mpm_quiet=None), "triaxial")
+    for name in ("triaxial", "rubber_uniaxial"):
+        test.check_example(name, test.run(example(name), ranks=2, mpm_quiet=None), name)
     run = start(test, HENCKY, path="oedometer", end=-0.1)
     test.check("files", run.files == ["run_history.csv", "run_options.yaml", "run_summary.json", "scene.yaml"], 1, 1)
     again = Run(test.program, run.folder / "run_options.yaml", 1, {"mpm_output_prefix": "again"}, run.folder)

@@ -42,13 +42,18 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
   `parameters` and `states` are the file's static tables; a law without history passes MPM_NO_STATE for `states`.
 
-  MPM_LAW_MORE(..., kernel, symmetric, history) has the optional functions of MpmLawInfo, too; either may be NULL.
+  MPM_LAW_MORE(..., kernel, symmetric, history) has optional functions of MpmLawInfo, too, and MPM_LAW_ALL(..., kernel,
+  symmetric, history, k0) all of them; any may be NULL.
 */
 #define MPM_LAW(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_) \
   MPM_LAW_MORE(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, NULL, NULL)
 
 #define MPM_LAW_MORE(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, \
                      history_) \
+  MPM_LAW_ALL(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, history_, NULL)
+
+#define MPM_LAW_ALL(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, history_, \
+                    k0_) \
   MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
@@ -66,6 +71,7 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
     info->stiffness = stiffness_; \
     info->symmetric = symmetric_; \
     info->history   = history_; \
+    info->k0        = k0_; \
     info->law       = (MpmFunction)law; \
   }
 

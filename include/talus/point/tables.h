@@ -10,13 +10,16 @@ typedef void (*MpmFunction)(void);
 /*
   What a parameter of a law is.
 
-  MPM_NUMBER  a number, in the parameter's unit and range
-  MPM_WORD    one of `choices`; the law sees its index
-  MPM_TABLE   rows x, y with growing x: text "x:y,x:y" in the scene, or the name of a file with two columns; the range is
-              that of y
-  MPM_DATA    numbers, each in the range, in a file
+  MPM_NUMBER          a number, in the parameter's unit and range
+  MPM_STRENGTH        a number that bounds the stress, or tells how such a bound grows or falls: a stage that reduces
+                      strength divides it by its factor
+  MPM_STRENGTH_ANGLE  an angle, degrees: such a stage divides its tangent
+  MPM_WORD            one of `choices`; the law sees its index
+  MPM_TABLE           rows x, y with growing x: text "x:y,x:y" in the scene, or the name of a file with two columns; the
+                      range is that of y
+  MPM_DATA            numbers, each in the range, in a file
 */
-typedef enum { MPM_NUMBER, MPM_WORD, MPM_TABLE, MPM_DATA } MpmParameterKind;
+typedef enum { MPM_NUMBER, MPM_STRENGTH, MPM_STRENGTH_ANGLE, MPM_WORD, MPM_TABLE, MPM_DATA } MpmParameterKind;
 
 /*
   One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required; without
@@ -65,8 +68,15 @@ typedef struct {
                         the geometry of the step alone, and a step takes one Newton iteration
   MPM_LAW_INTERNAL      the engine's own, not offered to scenes
   MPM_LAW_PLASTIC       the law flows: its volume then follows from its shear, and low-order shapes lock without F-bar
+  MPM_LAW_LAGGED        strength is that of the step's start: a point may go on flowing though nothing moves
 */
-typedef enum { MPM_LAW_SYMMETRIC = 1, MPM_LAW_SMALL_STRAIN = 2, MPM_LAW_INTERNAL = 4, MPM_LAW_PLASTIC = 8 } MpmLawTrait;
+typedef enum {
+  MPM_LAW_SYMMETRIC    = 1,
+  MPM_LAW_SMALL_STRAIN = 2,
+  MPM_LAW_INTERNAL     = 4,
+  MPM_LAW_PLASTIC      = 8,
+  MPM_LAW_LAGGED       = 16
+} MpmLawTrait;
 
 /*
   Why parameters contradict each other: the one that is refused, by its place in the parameter table, with the range that
@@ -93,6 +103,9 @@ typedef struct {
              changed as far as the stress asks for it) with which dF = I, F_n = I gives the Kirchhoff stress, Pa, in the
              components of this instance's dimension. A stress outside the yield surface is the elastic one: the law's
              return moves it. Non-zero where there is no such state.
+  k0         NULL, or the ratio of horizontal to vertical stress in ground at rest where the vertical stress is `weight`, Pa,
+             positive in compression, by the law's friction and by what it has borne before: (1 - sin phi) OCR^sin phi
+             (Jaky; Mayne and Kulhawy 1982). `state` holds the values that the scene gives
 */
 typedef struct {
   const char             *name;
@@ -106,6 +119,7 @@ typedef struct {
   double (*stiffness)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
   int (*symmetric)(const double *parameter, const MpmLawTable *table);
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
+  double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
   MpmFunction law;
 } MpmLawInfo;
 

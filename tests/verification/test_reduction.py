@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Strength reduction: the stress of confined ground is that of the reduced strength, and elasticity stays; slopes fail where limit
+analysis has it; cut steps and restarts change nothing.
+
+A short version of examples/slope_reduction, whose README has the figures of finer grids.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import EXAMPLES, Test, difference, example  # noqa: E402
+
+FOLDER = Path(__file__).resolve().parent
+FRICTION, FACTOR = 30.0, 2.0
+COARSE = {"mpm_grid_cells": "54,16", "mpm_quiet": None, "mpm_output_every": 1000}
+FAIL = {"mpm_stage_fail_reduction": "0:1,0.2:1.3,1:1.5", "mpm_stage_fail_time_step": 0.04}
+
+
+def confined(test, name, parameters, excess, least):
+    """Level ground between smooth walls on rock that has no strength: rest, half the strength, all of it again. Past the factor
+    1.4 the `least` of the excesses over the points is 0: all of them flow, or some."""
+    options = {"mpm_stages": "rest,weak,hold", "mpm_stage_rest_geostatic_k0": 0.43, "mpm_stage_weak_reduction": f"0:1,1:{FACTOR}",
+               "mpm_stage_weak_time_step": 0.25, "mpm_material_soil_type": name, "mpm_quiet": None,
+               **{f"mpm_material_soil_{key}": value for key, value in parameters.items()}}
+    run = test.run(FOLDER / "level.yaml", **options)
+    factor, stage = run.results.column("reduction"), run.results.column("stage")
+    test.check(f"{name}.factors", np.abs(factor[stage == 2] - [1.25, 1.5, 1.75, 2.0]).max(), None, 1e-12)
+    test.check(f"{name}.factor_elsewhere", np.abs(factor[stage != 2] - 1.0).max(), None, 0.0)
+    for step in np.flatnonzero(stage > 1):
+        state = run.results.state(int(step) + 1)
+        ground = state["material"] == 0
+        tau = (state["stress"] * np.linalg.det(state["F"].reshape(-1, 3, 3))[:, None])[ground]
+        found = excess(tau, state, ground, factor[step] if stage[step] == 2 else FACTOR)
+        test.check(f"{name}.excess_{step}", found.max(), None, 1e-4 if stage[step] == 3 else 1e-9)
+        if stage[step] == 3 or factor[step] > 1.4:  # with all strength again the stress stays where it was
+            test.check(f"{name}.flows_{step}", least(found), -1e-4 if stage[step] == 3 else -1e-9)
+    rock = [run.results.state(step) for step in (1, "last")]
+    test.check(f"{name}.rock", difference(*(state["stress"][state["material"] == 1] for state in rock)), None, 1e-6)
+    test.check(f"{name}.no_factor_of_safety", float(run.results.summary["factor_of_safety"] is None), 1, 1)
+
+
+def coulomb(tau, _state, _ground, factor):
+    """By how much Rankine's active state is passed, over the largest stress; c = 0."""
+    high, low = tau[:, 0], tau[:, 1]
+    return (high - low + (high + low) * np.sin(np.arctan(np.tan(np.radians(FRICTION)) / factor))) / np.abs(low).max()
+
+
+def mises(tau, state, ground, factor):
+    """By how much von Mises' bound is passed, hardening included."""
+    dev = tau[:, :3] - tau[:, :3].mean(axis=1)[:, None]
+    limit = (6e4 + 1e6 * state["equivalent_plastic_strain"][ground]) / factor
+    return np.sqrt(1.5 * (dev**2).sum(axis=1)) / limit - 1.0
+
+
+def slope(test, label, options, least, most):
+    run = test.run(example("slope_reduction"), **{**COARSE, **FAIL, **options})
+    test.check(f"{label}.factor_of_safety", run.results.summary["factor_of_safety"], least, most)
+    moved = np.linalg.norm(run.results.state("last")["displacement"], axis=1).max()
+    test.check(f"{label}.slides_on", moved, 0.3)
+    return run
+
+
+def excess(test, label, run):
+    """The stress keeps to the strength of the last step's end, and reaches it."""
+    state, factor = run.results.state("last"), run.results.column("reduction")[-1]
+    sine = np.sin(np.arctan(np.tan(np.radians(20.0)) / factor))
+    tau = state["stress"] * np.linalg.det(state["F"].reshape(-1, 3, 3))[:, None]
+    centre, radius = 0.5 * (tau[:, 0] + tau[:, 1]), np.hypot(0.5 * (tau[:, 0] - tau[:, 1]), tau[:, 3])
+    high, low = np.maximum(centre + radius, tau[:, 2]), np.minimum(centre - radius, tau[:, 2])
+    passed = (high - low + (high + low) * sine) / (2.0 * 10e3 / factor * np.sqrt(1.0 - sine**2)) - 1.0
+    test.check(f"{label}.yield_excess", passed.max(), -1e-6, 1e-6)
+
+
+def slopes(test):
+    associated = slope(test, "associated", {}, 1.32, 1.40)
+    excess(test, "associated", associated)
+    low = slope(test, "psi_0", {"mpm_material_soil_dilation": 0}, 1.25, associated.results.summary["factor_of_safety"])
+    test.check("psi_0.lower", low.results.summary["factor_of_safety"] / associated.results.summary["factor_of_safety"], None, 0.999)
+    # steps that are far too long: cut, and again with the strength of their own end
+    long = slope(test, "cut", {"mpm_stage_fail_time_step": 0.5, "snes_max_it": 8}, 1.3, 1.5)
+    test.check("cut.cuts", long.results.summary["step_cuts"], 1)
+    excess(test, "cut", long)
+    return associated
+
+
+def restarts(test, whole):
+    """From a checkpoint before failure, on other numbers of ranks."""
+    first = test.run(example("slope_reduction"), **COARSE, **FAIL, mpm_checkpoint_every=10, mpm_checkpoint_keep=100)
+    checkpoint = first.prefix + "_checkpoint_000010.h5"
+    for count in (1, 2):
+        run = test.run(example("slope_reduction"), ranks=count, **COARSE, **FAIL, mpm_restart=checkpoint)
+        for column in ("reduction", "track_toe_ux"):
+            own = run.results.column(column)
+            test.check(f"restart_{count}.{column}", difference(whole.results.column(column)[-own.size:], own), None, 1e-6)
+        test.near(f"restart_{count}.factor_of_safety", run.results.summary["factor_of_safety"],
+                  whole.results.summary["factor_of_safety"], relative=1e-12)
+
+
+with Test() as test:
+    confined(test, "mohr_coulomb", {"cohesion": 0, "friction": FRICTION, "dilation": 5}, coulomb, np.min)
+    confined(test, "j2", {"yield_stress": 6e4, "hardening": 1e6}, mises, np.max)
+    restarts(test, slopes(test))
+    slope(test, "clay", {"options_file": EXAMPLES / "slope_reduction" / "clay.yaml", "mpm_grid_cells": "90,21",
+                         "mpm_stage_fail_reduction": "0:1,0.2:1.36,1:1.6"}, 1.42, 1.52)
