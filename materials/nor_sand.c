@@ -364,21 +364,31 @@ MPM_FN int SolveFrom(const Step *step, const Dual input[], const double start[2]
   return !(DualValue(end->shear) >= 0. && DualValue(end->shear) <= DualValue(input[IN_SHEAR]));
 }
 
-/* Off the tip. Where Newton's method fails from the trial state, or comes so near the tip that L is too coarse, from
-   another start. */
-MPM_FN int SolveSurface(const Step *step, const Dual input[], End *end)
+/*
+  Newton's method from the trial state finds most ends off the tip. Where it fails, or comes so near the tip that L is too
+  coarse, the second residual tells whether the end is at the tip, and otherwise bisections give another start.
+*/
+MPM_FN int Solve(const Step *step, const Dual input[], End *end)
 {
   const Real *parameter = step->point->parameter;
   double      trial[2], start[2];
   int         by_shear;
+  Dual        dg;
 
   trial[0] = -DualValue(input[IN_VOLUME]) / RealValue(parameter[KAPPA]);
   trial[1] = trial[0] - RealValue(step->log_image);
   if (!SolveFrom(step, input, trial, 0, end) &&
       DualValue(StressRatio(parameter, end->L)) > NEAR_TIP * RealValue(parameter[CRITICAL_RATIO]))
     return 0;
-  FindStart(step, input, trial[1], start, &by_shear);
-  return SolveFrom(step, input, start, by_shear, end);
+  if (TipExcess(step, input, DualValue(input[IN_SHEAR])) > 0.) {
+    FindStart(step, input, trial[1], start, &by_shear);
+    return SolveFrom(step, input, start, by_shear, end);
+  }
+  if (SolveTip(step, input, &dg)) return 1;
+  end->L     = TipRatio(parameter);
+  end->y     = LogPressure(parameter, input[IN_VOLUME], dg, end->L);
+  end->shear = DualConstant(0.);
+  return 0;
 }
 
 /* ---- the law ---- */
@@ -388,11 +398,13 @@ MPM_FN int IsOutside(const Step *step, double volume, double shear)
 {
   const Real  *parameter = step->point->parameter;
   const double y = -volume / RealValue(parameter[KAPPA]), stiff = RealValue(parameter[SHEAR]);
-  const Dual   L   = DualShift(DualConstant(y), -RealValue(step->log_image));
-  const double eta = DualValue(StressRatio(parameter, L)), slope = fabs(DualValue(Dilatancy(parameter, L)));
-  const double P = RealValue(parameter[REFERENCE_PRESSURE]) * exp(fmin(y, LARGEST_LOG));
+  const Dual   L     = DualShift(DualConstant(y), -RealValue(step->log_image));
+  const double slope = DualValue(Dilatancy(parameter, L)), M = RealValue(parameter[CRITICAL_RATIO]);
+  const double eta = M + (1. - RealValue(parameter[CURVATURE])) * slope;
+  const double P   = RealValue(parameter[REFERENCE_PRESSURE]) * exp(fmin(y, LARGEST_LOG));
 
-  return 3. * stiff * shear - eta * P > ELASTIC_STRAIN_NOISE * (3. * stiff + slope * P / RealValue(parameter[KAPPA]));
+  return 3. * stiff * shear - eta * P >
+         ELASTIC_STRAIN_NOISE * (3. * stiff + fabs(slope) * P / RealValue(parameter[KAPPA]));
 }
 
 /* The image pressure that the parameters give a point at rest */
@@ -404,29 +416,31 @@ MPM_FN Real ImageAtRest(const Real *parameter)
   return parameter[PRECONSOLIDATION] * RealExp(-DualReal(tip));
 }
 
-/* Takes the trial strain e to its stress, by the factor `part` of its deviator and y; log_image becomes that of the end */
-MPM_FN int Yield(const MpmLawPoint *point, Step *step, const Scalar in[INPUTS], Scalar *part, Scalar *y,
-                 Real *log_image)
+/*
+  Takes a trial strain to its end: the factor of its deviator, y, and ln(p_i/-p_ref). `v` is the specific volume of the
+  step's end.
+*/
+MPM_FN int Yield(const Step *step, Scalar volume, const Sym *dev, Scalar v, Scalar *part, Scalar *y, Real *log_image)
 {
-  const Real *parameter = point->parameter;
-  Dual        input[INPUTS], shear = DualConstant(0.);
-  End         end;
+  const Scalar in[INPUTS] = {volume, ScalarScale(sqrt(2. / 3.), SymNorm(dev)), v};
+  Dual         input[INPUTS], shear;
+  End          end;
 
   for (int k = 0; k < INPUTS; ++k) input[k] = DualSeed(ScalarValue(in[k]), k);
-  if (TipExcess(step, input, DualValue(input[IN_SHEAR])) <= 0.) {
-    Dual dg;
-
-    if (SolveTip(step, input, &dg)) return 1;
-    end.L = TipRatio(parameter);
-    end.y = LogPressure(parameter, input[IN_VOLUME], dg, end.L);
-  } else {
-    if (SolveSurface(step, input, &end)) return 1;
-    shear = DualDiv(end.shear, input[IN_SHEAR]);
-  }
+  if (Solve(step, input, &end)) return 1;
+  shear      = DualValue(end.shear) > 0. ? DualDiv(end.shear, input[IN_SHEAR]) : DualConstant(0.);
   *part      = ScalarFromDual(shear, INPUTS, in);
   *y         = ScalarFromDual(end.y, INPUTS, in);
   *log_image = ScalarReal(ScalarFromDual(DualSub(end.y, end.L), INPUTS, in));
   return 0;
+}
+
+/* v of the step's end */
+MPM_FN Scalar SpecificVolume(const MpmLawPoint *point, const Tensor *dF)
+{
+  const Real v = point->state_n[STATE_VOLUME];
+
+  return ScalarScale(RealValue(v) > 0. ? v : point->parameter[SPECIFIC_VOLUME], TensorDet(dF));
 }
 
 MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
@@ -434,26 +448,22 @@ MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *
   const Real *parameter = point->parameter;
   const Real  reference = parameter[REFERENCE_PRESSURE];
   const Real image = RealValue(point->state_n[STATE_IMAGE]) > 0. ? point->state_n[STATE_IMAGE] : ImageAtRest(parameter);
-  const Real v =
-    RealValue(point->state_n[STATE_VOLUME]) > 0. ? point->state_n[STATE_VOLUME] : parameter[SPECIFIC_VOLUME];
-  Step   step      = {point, RealLog(image / reference)};
-  Real   image_end = image;
-  Sym    b         = SymPush(dF, &point->state_n[STATE_B]);
-  Scalar in[INPUTS], y;
-  Sym    e, dev;
-  int    plastic;
+  const Step step  = {point, RealLog(image / reference)};
+  Real       image_end = image;
+  Sym        b         = SymPush(dF, &point->state_n[STATE_B]);
+  Scalar     volume, y;
+  Sym        e, dev;
+  int        plastic;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
-  dev           = SymDev(&e);
-  in[IN_VOLUME] = SymTrace(&e);
-  in[IN_SHEAR]  = ScalarScale(sqrt(2. / 3.), SymNorm(&dev));
-  in[IN_V]      = ScalarScale(v, TensorDet(dF));
-  y             = ScalarScale(-1. / parameter[KAPPA], in[IN_VOLUME]);
-  plastic       = IsOutside(&step, ScalarValue(in[IN_VOLUME]), ScalarValue(in[IN_SHEAR]));
+  dev     = SymDev(&e);
+  volume  = SymTrace(&e);
+  y       = ScalarScale(-1. / parameter[KAPPA], volume);
+  plastic = IsOutside(&step, ScalarValue(volume), sqrt(2. / 3.) * SymNormValue(&dev));
   if (plastic) {
     Scalar part;
 
-    if (Yield(point, &step, in, &part, &y, &image_end)) return 1;
+    if (Yield(&step, volume, &dev, SpecificVolume(point, dF), &part, &y, &image_end)) return 1;
     dev       = SymScale(part, &dev);
     image_end = reference * RealExp(image_end);
   }
@@ -467,7 +477,7 @@ MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *
     }
     SymStore(&point->state[STATE_B], &b);
     point->state[STATE_IMAGE]  = image_end;
-    point->state[STATE_VOLUME] = ScalarReal(in[IN_V]);
+    point->state[STATE_VOLUME] = ScalarReal(SpecificVolume(point, dF));
   }
   return 0;
 }
