@@ -15,7 +15,7 @@ typedef struct {
   PetscReal  point[MPM_MAX_DIM], direction[MPM_MAX_DIM], radius; /* direction: a plane's normal, a cylinder's axis */
   PetscReal  side;                                               /* 1: the material is outside, -1: inside */
   PetscInt   vertex_count;
-  PetscReal *vertices, penalty, motion[MPM_MAX_DIM];
+  PetscReal *vertices, penalty, motion[MPM_MAX_DIM], growth; /* m, times ramp */
   PetscBool  stick, bilateral;
   MpmRegion  region; /* of the contact candidates, at the start */
   MpmRamp    ramp;
@@ -27,6 +27,11 @@ typedef struct MpmBoundaries {
   char       **names;
   MpmBoundary *at;
 } MpmBoundaries;
+
+/* Where a boundary stands: by how much it has moved, and its radius grown. */
+typedef struct {
+  PetscReal motion[MPM_MAX_DIM], growth;
+} MpmPose;
 
 /* Distance from a boundary, positive where the material is, its gradient and its second derivative. */
 typedef struct {
@@ -44,7 +49,7 @@ typedef struct {
 typedef struct MpmContacts {
   PetscInt           boundary_count;
   const MpmBoundary *boundaries;
-  PetscReal (*before)[MPM_MAX_DIM], (*after)[MPM_MAX_DIM]; /* the boundaries' motions at the step's start and end */
+  MpmPose           *before, *after;          /* the boundaries' at the step's start and end */
   PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the body; deepest places behind, m */
   PetscReal   unit, touch;                    /* 1/h; a face that is no further away touches */
   PetscInt    count, capacity;
@@ -57,9 +62,8 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
 /* Do the scene's points suit it? */
 PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
-void           MpmBoundaryMotion(const MpmBoundary *boundary, PetscReal time, PetscReal motion[]);
-void           MpmBoundaryDistance(const MpmBoundary *boundary, const PetscReal motion[], const PetscReal x[],
-                                   MpmSurface *surface);
-/* Room for the boundaries' motions and reactions; the boundaries are borrowed. */
+MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
+void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
+/* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
 PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);

@@ -73,10 +73,10 @@ static PetscReal Reach(PetscInt dim, const PetscReal half[], const PetscReal n[]
 static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *points, PetscInt p, PetscReal *distance,
                               PetscReal *reach)
 {
-  const PetscReal still[MPM_MAX_DIM] = {0., 0., 0.};
-  MpmSurface      surface;
+  const MpmPose still = {.growth = 0.};
+  MpmSurface    surface;
 
-  MpmBoundaryDistance(boundary, still, &points->x0[p * boundary->dim], &surface);
+  MpmBoundaryDistance(boundary, &still, &points->x0[p * boundary->dim], &surface);
   *distance = surface.distance;
   *reach    = Reach(boundary->dim, &points->half_length[p * boundary->dim], surface.normal);
   return PetscMin(1., PetscMax(0., *distance / *reach));
@@ -124,7 +124,7 @@ static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rule
 
   PetscFunctionBeginUser;
   *candidate = PETSC_FALSE;
-  MpmBoundaryDistance(boundary, contacts->before[b], &points->x[p * dim], &surface);
+  MpmBoundaryDistance(boundary, &contacts->before[b], &points->x[p * dim], &surface);
   for (PetscInt k = 0; k < dim * dim; k++) most += F[k] * F[k]; /* no stretch is larger */
   for (PetscInt a = 0; a < dim; a++) length += half[a] * half[a];
   if (!boundary->bilateral && surface.distance > margin + PetscSqrtReal(most * length))
@@ -151,13 +151,15 @@ static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rule
 static PetscErrorCode List(MpmContacts *contacts, PetscInt b, const MpmRules *rules, const MpmSpace *space,
                            const MpmPoints *points)
 {
-  PetscReal margin = 0.;
+  const MpmPose *before = &contacts->before[b], *after = &contacts->after[b];
+  PetscReal      margin = 0.;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < space->dim; a++) {
     margin = PetscMax(margin, 2. * rules->grid->h[a]);
-    margin += PetscAbsReal(contacts->after[b][a] - contacts->before[b][a]);
+    margin += PetscAbsReal(after->motion[a] - before->motion[a]);
   }
+  margin += PetscAbsReal(after->growth - before->growth);
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       MpmContact contact = {.point = space->order[s], .group = g, .boundary = b};
@@ -273,11 +275,9 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   contacts->unit  = 1. / h;
   contacts->touch = TOUCH * h;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    const PetscReal still[MPM_MAX_DIM] = {0., 0., 0.};
-
-    if (step->time_n > 0.) MpmBoundaryMotion(&contacts->boundaries[b], step->time_n, contacts->before[b]);
-    else PetscCall(PetscArraycpy(contacts->before[b], still, MPM_MAX_DIM));
-    MpmBoundaryMotion(&contacts->boundaries[b], step->time, contacts->after[b]);
+    contacts->before[b] = (MpmPose){.growth = 0.};
+    if (step->time_n > 0.) contacts->before[b] = MpmBoundaryPose(&contacts->boundaries[b], step->time_n);
+    contacts->after[b] = MpmBoundaryPose(&contacts->boundaries[b], step->time);
     PetscCall(List(contacts, b, rules, space, step->sum->points));
   }
   PetscCall(Weights(contacts, rules, space, step->sum->points));
@@ -298,8 +298,8 @@ static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, Pet
                      Answer *answer)
 {
   const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
-  const PetscReal   *before = contacts->before[contact->boundary], *after = contacts->after[contact->boundary];
-  PetscReal          at[MPM_MAX_DIM], along                               = 0.;
+  const MpmPose     *before = &contacts->before[contact->boundary], *after = &contacts->after[contact->boundary];
+  PetscReal          at[MPM_MAX_DIM], along                                = 0.;
   MpmSurface         surface;
 
   for (PetscInt a = 0; a < dim; a++) at[a] = contact->face[a] + u[a];
@@ -307,9 +307,10 @@ static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, Pet
   *answer       = (Answer){.active = (PetscBool)(boundary->bilateral || surface.distance <= contacts->touch)};
   answer->depth = boundary->bilateral ? PetscAbsReal(surface.distance) : PetscMax(0., -surface.distance);
   if (!answer->active) return;
-  for (PetscInt a = 0; a < dim; a++) along += contact->normal[a] * (u[a] - after[a] + before[a]);
+  for (PetscInt a = 0; a < dim; a++) along += contact->normal[a] * (u[a] - after->motion[a] + before->motion[a]);
   for (PetscInt a = 0; a < dim; a++) {
-    if (boundary->stick) answer->slip[a] = contact->slip[a] + u[a] - after[a] + before[a] - along * contact->normal[a];
+    if (boundary->stick)
+      answer->slip[a] = contact->slip[a] + u[a] - after->motion[a] + before->motion[a] - along * contact->normal[a];
     answer->force[a] = -contact->stiffness * (surface.distance * surface.normal[a] + answer->slip[a]);
     for (PetscInt c = 0; c < dim; c++) {
       PetscReal k = surface.normal[a] * surface.normal[c] + surface.distance * surface.second[a][c];

@@ -11,6 +11,7 @@
     friction  frictionless (default) or stick
     penalty   times Young's modulus over the smallest cell size: pressure by depth
     motion    displacement of the surface in total, times ramp
+    growth    of a sphere's or cylinder's radius in total, times ramp; what sticks to it moves straight away from its middle
     points    a region: the points in it at the start are the contact candidates
 */
 #include "options/options.h"
@@ -116,6 +117,26 @@ static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The ramp, and what it makes of the radius. */
+static PetscErrorCode ReadGrowth(const MpmOptions *block, MpmBoundary *boundary)
+{
+  const PetscBool help  = MpmOptionsHelp();
+  const PetscBool round = (PetscBool)(boundary->type == MPM_BOUNDARY_SPHERE || boundary->type == MPM_BOUNDARY_CYLINDER);
+  PetscReal       least, most;
+
+  PetscFunctionBeginUser;
+  if (help || round)
+    PetscCall(MpmOptionsReal(block, "growth", "m", "growth of a sphere's or cylinder's radius in total", MPM_RANGE_ANY,
+                             MPM_OPTIONAL, &boundary->growth, NULL));
+  PetscCall(MpmRampCreate(block, "ramp", "0:0,1:1", &boundary->ramp));
+  if (help || !round) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmRampBounds(boundary->ramp, &least, &most);
+  least = boundary->radius + PetscMin(boundary->growth * least, boundary->growth * most);
+  MpmCheckInput(least > 0., "-%sgrowth %g: the radius falls to %g m; it has to stay positive", block->prefix,
+                (double)boundary->growth, (double)least);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary)
 {
@@ -144,7 +165,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->penalty, NULL));
   PetscCall(MpmOptionsReals(&block, "motion", "m", "displacement of the surface in total", MPM_RANGE_ANY, MPM_OPTIONAL,
                             grid->dim, boundary->motion, NULL));
-  PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &boundary->ramp));
+  PetscCall(ReadGrowth(&block, boundary));
   PetscCall(ReadPoints(options, name, grid, boundary));
   for (PetscInt a = 0; stick && a < grid->dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
@@ -164,11 +185,13 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmBoundaryMotion(const MpmBoundary *boundary, PetscReal time, PetscReal motion[])
+MpmPose MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time)
 {
   const PetscReal factor = MpmRampEvaluate(boundary->ramp, time);
+  MpmPose         pose   = {.growth = boundary->growth * factor};
 
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) motion[a] = boundary->motion[a] * factor;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) pose.motion[a] = boundary->motion[a] * factor;
+  return pose;
 }
 
 /* ---- distance ---- */
@@ -251,15 +274,14 @@ static void PolygonDistance(const MpmBoundary *boundary, const PetscReal x[], Mp
   }
 }
 
-void MpmBoundaryDistance(const MpmBoundary *boundary, const PetscReal motion[], const PetscReal x[],
-                         MpmSurface *surface)
+void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface)
 {
   const PetscInt dim            = boundary->dim;
   PetscReal      r[MPM_MAX_DIM] = {0., 0., 0.}, at[MPM_MAX_DIM] = {0., 0., 0.}, along = 0.;
 
   *surface = (MpmSurface){0};
   for (PetscInt a = 0; a < dim; a++) {
-    at[a] = x[a] - motion[a];
+    at[a] = x[a] - pose->motion[a];
     r[a]  = at[a] - boundary->point[a];
     along += r[a] * boundary->direction[a];
   }
@@ -269,11 +291,11 @@ void MpmBoundaryDistance(const MpmBoundary *boundary, const PetscReal motion[], 
     for (PetscInt a = 0; a < dim; a++) surface->normal[a] = boundary->direction[a];
     break;
   case MPM_BOUNDARY_SPHERE:
-    RoundDistance(dim, r, boundary->radius, NULL, surface);
+    RoundDistance(dim, r, boundary->radius + pose->growth, NULL, surface);
     break;
   case MPM_BOUNDARY_CYLINDER:
     for (PetscInt a = 0; a < dim; a++) r[a] -= along * boundary->direction[a];
-    RoundDistance(dim, r, boundary->radius, boundary->direction, surface);
+    RoundDistance(dim, r, boundary->radius + pose->growth, boundary->direction, surface);
     break;
   case MPM_BOUNDARY_POLYGON:
     PolygonDistance(boundary, at, surface);

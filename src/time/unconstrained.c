@@ -221,8 +221,8 @@ static void HoldByBoundaries(Pieces *pieces)
     const PetscInt     piece    = pieces->of[node];
     MpmSurface         before, after;
 
-    MpmBoundaryDistance(boundary, contacts->before[contact->boundary], contact->face, &before);
-    MpmBoundaryDistance(boundary, contacts->after[contact->boundary], contact->face, &after);
+    MpmBoundaryDistance(boundary, &contacts->before[contact->boundary], contact->face, &before);
+    MpmBoundaryDistance(boundary, &contacts->after[contact->boundary], contact->face, &after);
     if (!boundary->bilateral && PetscMin(before.distance, after.distance) > MPM_TOLERANCE * model->disc.h[0]) continue;
     Hold(pieces, piece, before.normal, contact->face);
     for (PetscInt a = 0; a < dim && boundary->stick; a++) {

@@ -54,6 +54,8 @@ NO_BOX = {"mpm_body_block_lower": None, "mpm_body_block_upper": None}
 NORMAL = {"mpm_bc_base_components": None, "mpm_bc_base_normal": "1,2"}
 PLANE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "plane", "mpm_boundary_wall_point": "2,0",
          "mpm_boundary_wall_normal": "-1,0"}
+DISC = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "sphere", "mpm_boundary_wall_center": "3,1",
+        "mpm_boundary_wall_radius": "1"}
 WALL_POINTS = {**PLANE, "mpm_boundary_wall_points_region": "box", "mpm_boundary_wall_points_lower": "3,3",
                "mpm_boundary_wall_points_upper": "4,4"}
 ON_REGION = {"mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_region": "box"}
@@ -214,6 +216,15 @@ CASES = [
     ("disc as boundary with radius zero", {**PLANE, "mpm_boundary_wall_type": "sphere",
                                            "mpm_boundary_wall_center": "3,1", "mpm_boundary_wall_radius": "0"},
      "-mpm_boundary_wall_radius"),
+    ("disc as boundary that shrinks to nothing", {**DISC, "mpm_boundary_wall_growth": "-1"}, "-mpm_boundary_wall_growth"),
+    ("disc as boundary that shrinks to nothing on the way",
+     {**DISC, "mpm_boundary_wall_growth": "0.5", "mpm_boundary_wall_ramp": "0:0,0.5:-2,1:0"}, "-mpm_boundary_wall_growth"),
+    ("disc as boundary whose growth is no number", {**DISC, "mpm_boundary_wall_growth": "nan"},
+     "-mpm_boundary_wall_growth"),
+    ("plane that grows", {**PLANE, "mpm_boundary_wall_growth": "0.1"}, "-mpm_boundary_wall_growth"),
+    ("polygon that grows", {**PLANE, "mpm_boundary_wall_point": None, "mpm_boundary_wall_normal": None,
+                            "mpm_boundary_wall_type": "polygon", "mpm_boundary_wall_vertices": "2,0,2.5,0,2.5,2,2,2",
+                            "mpm_boundary_wall_growth": "0.1"}, "-mpm_boundary_wall_growth"),
     ("penalty zero", {**PLANE, "mpm_boundary_wall_penalty": "0"}, "-mpm_boundary_wall_penalty"),
     ("unknown friction", {**PLANE, "mpm_boundary_wall_friction": "sticky"}, "-mpm_boundary_wall_friction"),
     ("unknown contact", {**PLANE, "mpm_boundary_wall_contact": "loose"}, "-mpm_boundary_wall_contact"),

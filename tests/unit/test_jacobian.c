@@ -49,6 +49,7 @@ static const char *const touching_2d =
   "-mpm_boundary_floor_friction stick -mpm_boundary_floor_points_region box -mpm_boundary_floor_points_lower 0.5,0.4 "
   "-mpm_boundary_floor_points_upper 1.5,1.6 -mpm_boundary_disc_type sphere -mpm_boundary_disc_center 1.5,1 "
   "-mpm_boundary_disc_radius 1.17 -mpm_boundary_disc_side inside -mpm_boundary_disc_motion 0.2,0 "
+  "-mpm_boundary_disc_growth -0.04 "
   "-mpm_boundary_wedge_type polygon -mpm_boundary_wedge_vertices 0.5,1.6,1,1.6,0.75,1.61 "
   "-mpm_boundary_wedge_contact bilateral -mpm_boundary_wedge_motion 0.02,-0.05 ";
 static const char *const touching_3d =
@@ -58,9 +59,10 @@ static const char *const touching_3d =
   "-mpm_boundary_floor_ramp 0:1 -mpm_boundary_floor_friction stick -mpm_boundary_floor_points_region box "
   "-mpm_boundary_floor_points_lower 0.5,0.8,0.4 -mpm_boundary_floor_points_upper 1,1.5,0.8 "
   "-mpm_boundary_ball_type sphere -mpm_boundary_ball_center 1,1,1.8 -mpm_boundary_ball_radius 1 "
-  "-mpm_boundary_ball_motion 0,0,-0.2 -mpm_boundary_rod_type cylinder -mpm_boundary_rod_point 1.9,1,1 "
+  "-mpm_boundary_ball_motion 0,0,-0.2 -mpm_boundary_ball_growth 0.04 -mpm_boundary_rod_type cylinder "
+  "-mpm_boundary_rod_point 1.9,1,1 "
   "-mpm_boundary_rod_axis 0,1,0.2 -mpm_boundary_rod_radius 0.5 -mpm_boundary_rod_contact bilateral "
-  "-mpm_boundary_rod_motion -0.1,0,0 ";
+  "-mpm_boundary_rod_motion -0.1,0,0 -mpm_boundary_rod_growth 0.02 ";
 
 typedef struct {
   const char *name, *parameters;

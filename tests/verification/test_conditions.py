@@ -13,6 +13,7 @@ from talus_test import EXAMPLES, Test, difference, example  # noqa: E402
 
 BLOCK = Path(__file__).resolve().parent / "block.yaml"
 ROLLERS = BLOCK.parent / "rollers.yaml"
+RING = BLOCK.parent / "ring.yaml"
 YOUNG, POISSON, DENSITY, CELL = 1e6, 0.25, 1000.0, 0.5
 PENALTY = 500.0  # default of a boundary, E/h
 CONSTRAINED = YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
@@ -244,6 +245,32 @@ def bowl(test):
     check_vector(test, "ledge.reaction", reaction(run, "ledge"), (0.0, total), total)
 
 
+def closing_ring(test):
+    """A disc in a ring that closes by a tenth and moves: 2 (lambda + mu) ln f / f^2, stuck or not, whatever the steps, over a
+    restart; and a slab in a cylinder, between two planes."""
+    motion, stretch, errors = np.array([0.1, 0.05]), 0.9, {}
+    stress = YOUNG / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)) * np.log(stretch) / stretch**2
+    cases = {"one_step": (1, {"mpm_time_step": 1}), "coarse": (1, {}), "fine": (2, {"mpm_grid_refine": 2}),
+             "on_4": (4, {}), "smooth": (1, {"mpm_boundary_ring_friction": "frictionless"})}
+    runs = {}
+    for label, (ranks, options) in cases.items():
+        runs[label] = run = test.run(RING, ranks=ranks, snes_rtol=1e-12, **options)
+        errors[label] = np.mean(np.abs(run.table("stress")[:, :2] / stress - 1.0))
+        test.check(f"ring_{label}.stress", errors[label], None, 0.03)
+        test.check(f"ring_{label}.balance", np.max(np.abs(reaction(run, "ring"))) / abs(stress), None, BALANCE)
+        if label != "smooth":  # that may turn
+            away = run.table("displacement") - motion - (stretch - 1.0) * (run.table("position0", "first") - 2.0)
+            test.check(f"ring_{label}.displacement", np.max(np.abs(away)), None, 0.002)
+    test.check("ring.order", np.log2(errors["coarse"] / errors["fine"]), 0.7, None)
+    test.check("ring.same", difference(runs["coarse"].table("displacement"), runs["on_4"].table("displacement")), None, 1e-8)
+    half = test.run(RING, snes_rtol=1e-12, mpm_time_end=0.5, mpm_checkpoint_every=1)
+    rest = test.run(RING, snes_rtol=1e-12, mpm_restart=half.prefix + "_checkpoint.h5")
+    test.check("ring.restart", difference(runs["coarse"].table("displacement"), rest.table("displacement")), None, 1e-8)
+    disc, slab = (test.run(scene, ranks=ranks, snes_rtol=1e-12, mpm_stabilization_ghost="off")
+                  for scene, ranks in ((RING, 1), (RING.parent / "ring3d.yaml", 2)))
+    test.check("ring.slab", difference(disc.table("displacement"), slab.table("displacement")[:, :2]), None, 1e-8)
+
+
 def inclined_plane(test):
     """The example, on several ranks, stuck and against a stop."""
     for scene in ("case.yaml", "stick.yaml"):
@@ -280,4 +307,5 @@ with Test() as test:
     free_sides(test)
     stick(test)
     bowl(test)
+    closing_ring(test)
     inclined_plane(test)
