@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Modified Cam-Clay in the laboratory: the undrained path, exact in steps of any length, its strains and a drained test at first
 order, over-consolidated clay, the initial state, and parameters that are refused.
-
-Quick.
 """
 import sys
 from pathlib import Path

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Nor-Sand in the laboratory: the example's tests on loose and dense sand against an independent program, with fewer steps, and
 what it does that theory says: critical state, undrained and isotropic compression, plane strain; scenes that it refuses.
-
-Quick.
 """
 import sys
 from pathlib import Path

@@ -4,8 +4,6 @@ The template of materials/README.md, linear_elastic.c with its name replaced, is
 build finds it: it is configured, and what depends on the file is compiled and put before the library that is there. The same
 file becomes a plugin of an installed Talus. Both give the template's own results, to the last bit, in plane strain and in
 3D, and -help lists the law.
-
-Quick.
 """
 import re
 import shutil
