@@ -195,7 +195,7 @@ END_TEST
 /* A material of a scene has its law in all forms, and its stiffness at a state. */
 START_TEST(material)
 {
-  const double       identity[4] = {1., 0., 0., 1.}, stretched[4] = {2., 0., 0., 1.}, modulus[3] = {0., 1., 0.};
+  const double       identity[4] = {1., 0., 0., 1.}, stretched[4] = {2., 0., 0., 1.}, modulus[16] = {0., 1.};
   const MpmLawInput  input = {NULL, NULL, NULL, identity, stretched, 1.}, along = {modulus, NULL, NULL, NULL, NULL, 0.};
   double             tau[4], dtau[4];
   const MpmLawOutput value = {tau, NULL}, derivative = {dtau, NULL};
