@@ -33,6 +33,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
@@ -47,27 +48,17 @@ SLOW = 2.0  # s: an example that has been made coarse must run in less
 # ---- scenes ----
 
 def parse_scene(text):
-    """The options of a scene, name -> value, out of the YAML that the examples use: maps by indent or in braces."""
-    options, stack = {}, []
+    """The options of a scene, name -> value as text, as PETSc takes them from YAML: names of nested maps joined by _."""
+    options = {}
 
-    def take(prefix, key, value):
-        value = value.strip()
-        if value.startswith("{"):
-            for pair in re.findall(r'(\w+):\s*("[^"]*"|\{[^{}]*\}|[^,{}]+)', value[1:]):
-                take(f"{prefix}_{key}", *pair)
-        elif value:
-            options[f"{prefix}_{key}"] = value.strip('"')
-
-    for line in text.splitlines():
-        match = re.match(r'( *)([\w-]+):((?:"[^"]*"|[^"#]|\S#)*)', line)
-        if not match:
-            continue
-        indent, key, value = len(match[1]), match[2], match[3]
-        stack = [level for level in stack if level[0] < indent]
-        if value.strip():
-            take("_".join(name for _, name in stack), key, value)
+    def take(prefix, value):
+        if isinstance(value, dict):
+            for key, inner in value.items():
+                take(f"{prefix}_{key}" if prefix else key, inner)
         else:
-            stack.append((indent, key))
+            options[prefix] = value
+
+    take("", yaml.load(text, Loader=yaml.BaseLoader))
     return options
 
 

@@ -303,9 +303,15 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->output_every, NULL));
   PetscCall(MpmOutputSetFromOptions(model, &block));
   PetscCall(MpmOptionsText(options, "view",
-                           "at the end of the run, what the model consists of: alone to the terminal, or a "
-                           "PETSc viewer such as ascii:FILE",
+                           "at the end of the run, what the model consists of: alone to the terminal, or ascii:FILE",
                            NULL, MPM_OPTIONAL, &view));
+  if (view && *view) {
+    PetscBool text, file;
+
+    PetscCall(PetscStrcmp(view, "ascii", &text));
+    PetscCall(PetscStrbeginswith(view, "ascii:", &file));
+    MpmCheckInput(text || file || MpmOptionsHelp(), "-mpm_view %.100s: must be alone, ascii or ascii:FILE", view);
+  }
   PetscCall(PetscFree(view));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
