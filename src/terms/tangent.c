@@ -80,7 +80,6 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
     AddElement(known, sum->layout, &at.basis, at.tangent, to->rows, to->element);
     if (to->residual) MpmSumAddFlux(known, sum->layout, &at.basis, at.flux, work->force);
   }
-  if (sum->layout->means) CouplingAddGroup(known, sum, group, &to->coupling);
   if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);
   return PETSC_SUCCESS;
 }
@@ -96,27 +95,28 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionBeginUser;
   (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(CouplingCreate(sum, &to.coupling));
+  PetscCall(MpmCouplingCreate(sum, &to.coupling));
   PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
-    PetscCall(CouplingBegin(sum, &groups, u, &to.coupling, failed));
+    PetscCall(MpmCouplingBegin(sum, &groups, u, &to.coupling, failed));
     if (sum->layout->means && *failed) break;
     for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
       const MpmGroup *group = &space->groups[g];
 
       MPM_DISPATCH(sum->layout, group, ElementGroup, sum, group, u, &work, &to, failed);
+      PetscCall(MpmCouplingAddGroup(sum, group, &to.coupling));
       MpmPatternAddBlock(pattern, space, group, to.element);
     }
     if (sum->layout->means) {
-      CouplingEnd(sum, &groups, &to.coupling);
+      MpmCouplingEnd(sum, &groups, &to.coupling);
       MpmPatternAddPair(pattern, space, &space->groups[groups.box], to.coupling.flux_by_mean, to.coupling.mean_by_u,
                         to.coupling.f_by_u);
     }
   }
   PetscCall(PetscFree2(to.element, to.rows));
-  PetscCall(CouplingDestroy(&to.coupling));
+  PetscCall(MpmCouplingDestroy(&to.coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

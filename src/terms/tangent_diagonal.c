@@ -3,7 +3,8 @@
 */
 #include "terms/point_tangent.h"
 
-static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const Coupling *coupling, PetscReal blocks[])
+static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const MpmCoupling *coupling,
+                                  PetscReal blocks[])
 {
   const MpmGroup *box   = &sum->space->groups[cell->box];
   const PetscInt  bs    = sum->block;
@@ -46,7 +47,6 @@ MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum,
       }
     }
   }
-  if (sum->layout->means) CouplingAddGroup(known, sum, group, &to->coupling);
   return PETSC_SUCCESS;
 }
 
@@ -60,23 +60,24 @@ PetscErrorCode MpmPointsDiagonal(const void *ctx, const MpmSum *sum, const Petsc
   PetscFunctionBeginUser;
   (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(CouplingCreate(sum, &to.coupling));
+  PetscCall(MpmCouplingCreate(sum, &to.coupling));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
-    PetscCall(CouplingBegin(sum, &groups, u, &to.coupling, failed));
+    PetscCall(MpmCouplingBegin(sum, &groups, u, &to.coupling, failed));
     if (sum->layout->means && *failed) break;
     for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
       const MpmGroup *group = &space->groups[g];
 
       MPM_DISPATCH(sum->layout, group, DiagonalGroup, sum, group, u, &work, &to, failed);
+      PetscCall(MpmCouplingAddGroup(sum, group, &to.coupling));
     }
     if (sum->layout->means) {
-      CouplingEnd(sum, &groups, &to.coupling);
+      MpmCouplingEnd(sum, &groups, &to.coupling);
       CouplingAddToDiagonal(sum, &groups, &to.coupling, blocks);
     }
   }
-  PetscCall(CouplingDestroy(&to.coupling));
+  PetscCall(MpmCouplingDestroy(&to.coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
