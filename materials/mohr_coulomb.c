@@ -439,6 +439,38 @@ static double MpmMaterialK0_mohr_coulomb(const double *parameter, const MpmLawTa
   return 1. - sin(parameter[FRICTION] * 3.14159265358979323846 / 180.);
 }
 
-MPM_LAW_ALL(mohr_coulomb, MPM_LAW_PLASTIC, "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
-            parameters, states, MpmMaterialCheck_mohr_coulomb, ElasticStiffness, MpmMaterialEvaluate_mohr_coulomb,
-            MpmMaterialSymmetric_mohr_coulomb, ElasticHistory, MpmMaterialK0_mohr_coulomb)
+/* On Mohr-Coulomb's plane, where flow in the plane dilates by sin(psi) of its shear */
+static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const MpmLawTable *table, const double *state,
+                                                double elastic[3])
+{
+  const double *b = &state[STATE_B], xx = b[0], yy = b[1], xy = b[3];
+  const Lame    lame   = LameFromValues(parameter);
+  const double  lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
+  const double  mean = 0.5 * (xx + yy), radius = hypot(0.5 * (xx - yy), xy);
+  const double  kappa = state[STATE_KAPPA], soft = parameter[SOFTENING_STRAIN];
+  const double  part    = soft <= DBL_MAX ? fmin(kappa / soft, 1.) : 0.;
+  const double  degrees = 3.14159265358979323846 / 180.;
+  const double  c       = parameter[COHESION] + part * (parameter[COHESION_RESIDUAL] - parameter[COHESION]);
+  const double  phi     = degrees * (parameter[FRICTION] + part * (parameter[FRICTION_RESIDUAL] - parameter[FRICTION]));
+  const double  psi     = degrees * (parameter[DILATION] + part * (parameter[DILATION_RESIDUAL] - parameter[DILATION]));
+  double        e[3], trace, high, low;
+
+  (void)table;
+  if (!(psi > 0. && mean > radius)) return 0.;
+  e[0]  = 0.5 * log(mean + radius);
+  e[1]  = 0.5 * log(mean - radius);
+  e[2]  = 0.5 * log(b[2]);
+  trace = lambda * (e[0] + e[1] + e[2]);
+  high  = trace + 2. * mu * fmax(e[0], e[2]);
+  low   = trace + 2. * mu * fmin(e[1], e[2]);
+  if (high - low + (high + low) * sin(phi) - 2. * c * cos(phi) < -1e-6 * (high - low) - Noise(lame)) return 0.;
+  elastic[0] = xx;
+  elastic[1] = yy;
+  elastic[2] = xy;
+  return sin(psi);
+}
+
+MPM_LAW_DILATANT(mohr_coulomb, MPM_LAW_PLASTIC, "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
+                 parameters, states, MpmMaterialCheck_mohr_coulomb, ElasticStiffness, MpmMaterialEvaluate_mohr_coulomb,
+                 MpmMaterialSymmetric_mohr_coulomb, ElasticHistory, MpmMaterialK0_mohr_coulomb,
+                 MpmMaterialDilatancy_mohr_coulomb)

@@ -16,6 +16,17 @@
 
   At small strain m = 1 + tr h with h the increment of the displacement gradient by X, and h_bar = h + ((m_bar - m)/d) I.
 
+  Dilation. Where plastic flow dilates, its volume strain is beta times its shear strain, and the points of a cell, whose shear
+  differs, cannot all have the same volume change: pressures at them drift apart, and a limit load never comes. With
+  `point->dilatancy` (plane strain) the mean is that of what shear leaves over,
+
+    m = det dF exp(-beta g) ,   g = gamma(dF b_n dF^T) - gamma(b_n)
+
+  with b the elastic left Cauchy-Green tensor, gamma half the difference of the logarithms of its principal values in the
+  plane, thus g the plastic shear of a step that goes on flowing, and beta 0 at points that did not yield at the step's start.
+  One condition a cell is left, as without dilation. g does not change when dF is scaled, so all that follows stays as it is;
+  the point's own flux of m is now (tr tau/d) dm/m = (tr tau/d) (dF^{-T} - beta dg).
+
   Sources: de Souza Neto, Peric, Dutko and Owen (1996), doi:10.1016/0020-7683(95)00259-6; for the material point method
   Coombs, Charlton, Cortis and Augarde (2018), doi:10.1016/j.cma.2018.01.010; the variational form is the mean dilatation
   of Simo, Taylor and Pister (1985), doi:10.1016/0045-7825(85)90033-7.
@@ -25,9 +36,68 @@
 #define GRADIENTS (MPM_DIM * MPM_DIM)
 #define INPUTS    (GRADIENTS + 1)
 
+/* Shear strain below which its direction is not told, so that g is smooth where there is none */
+#define LEAST_SHEAR 1e-8
+
+#if MPM_DIM == 2
+/*
+  g and its derivatives, from b_n in the plane, dF and J = det dF with its derivatives. With r the radius of Mohr's circle
+  of b = dF b_n dF^T, sinh(gamma) = r/sqrt(det b), cosh(gamma) = tr b/(2 sqrt(det b)), and
+
+    d gamma = coth(gamma) (2 dF b_n/tr b - cof dF/J)
+*/
+MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cofactor, Scalar J, Tensor *dg)
+{
+  const double mean = 0.5 * (b[0] + b[1]), half = 0.5 * (b[0] - b[1]), least = LEAST_SHEAR * LEAST_SHEAR;
+  const double r_n = sqrt(half * half + b[2] * b[2] + least), root = sqrt(mean * mean - half * half - b[2] * b[2]);
+  Scalar       xx = ScalarConstant(0.), yy = xx, xy = xx, r, sinh, cosh, slope;
+  Tensor       Fb = *dF;
+
+  for (int i = 0; i < 4; i += 2) {
+    Fb.a[i]     = ScalarAdd(ScalarScale(b[0], dF->a[i]), ScalarScale(b[2], dF->a[i + 1]));
+    Fb.a[i + 1] = ScalarAdd(ScalarScale(b[2], dF->a[i]), ScalarScale(b[1], dF->a[i + 1]));
+  }
+  for (int k = 0; k < 2; k++) {
+    xx = ScalarAdd(xx, ScalarMul(Fb.a[k], dF->a[k]));
+    yy = ScalarAdd(yy, ScalarMul(Fb.a[2 + k], dF->a[2 + k]));
+    xy = ScalarAdd(xy, ScalarMul(Fb.a[k], dF->a[2 + k]));
+  }
+  r     = ScalarScale(0.5, ScalarSub(xx, yy));
+  r     = ScalarSqrt(ScalarShift(ScalarAdd(ScalarSquare(r), ScalarSquare(xy)), least));
+  sinh  = ScalarDiv(r, ScalarScale(root, J));
+  cosh  = ScalarSqrt(ScalarShift(ScalarSquare(sinh), 1.));
+  slope = ScalarDiv(cosh, sinh);
+  for (int k = 0; k < GRADIENTS; k++)
+    dg->a[k] =
+      ScalarMul(slope, ScalarSub(ScalarScale(2., ScalarDiv(Fb.a[k], ScalarAdd(xx, yy))), ScalarDiv(cofactor->a[k], J)));
+  return ScalarShift(ScalarLog(ScalarAdd(sinh, cosh)), -log(r_n / root + sqrt(1. + r_n * r_n / (root * root))));
+}
+#endif
+
+/* beta, with g and its derivatives where it is not 0; J = det dF and its derivatives */
+MPM_FN double Dilatancy(const MpmKernelPoint *point, const Tensor *dF, const Tensor *cofactor, Scalar J, Scalar *g,
+                        Tensor *dg)
+{
+#if MPM_DIM == 2
+  double b[3], beta;
+
+  if (!point->dilatancy) return 0.;
+  beta = point->dilatancy(point->parameter, point->table, point->state_n, b);
+  if (beta > 0.) *g = ShearGrowth(b, dF, cofactor, J, dg);
+  return beta;
+#else
+  (void)point, (void)dF, (void)cofactor, (void)J, (void)g, (void)dg;
+  return 0.;
+#endif
+}
+
 /* m, and its change with the point: dm[k] = d m / d input_k */
 MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *dm)
 {
+  Scalar J, g;
+  Tensor dg;
+  double beta;
+
   if (point->traits & MPM_LAW_SMALL_STRAIN) {
     Scalar m = ScalarConstant(1.);
 
@@ -41,8 +111,17 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
     }
     return m;
   }
-  *dm = TensorCofactor(dF);
-  return TensorCofactorDet(dF, dm);
+  *dm  = TensorCofactor(dF);
+  J    = TensorCofactorDet(dF, dm);
+  beta = Dilatancy(point, dF, dm, J, &g, &dg);
+  if (beta > 0.) {
+    const Scalar factor = ScalarExp(ScalarScale(-beta, g));
+
+    for (int k = 0; k < GRADIENTS; k++)
+      dm->a[k] = ScalarMul(factor, ScalarSub(dm->a[k], ScalarMul(J, ScalarScale(beta, dg.a[k]))));
+    return ScalarMul(factor, J);
+  }
+  return J;
 }
 
 /* A change of dF that is to dF_bar what a change of m_bar is: E = dF, or F_n^{-1} at small strain. */
@@ -67,6 +146,19 @@ MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scala
   return TensorScale(MPM_DIM == 2 ? ScalarSqrt(ratio) : ScalarPow(ratio, 1. / MPM_DIM), dF);
 }
 
+/* Adds V_0 (tr tau/d) beta dg to the fluxes. */
+MPM_FN void AddShearFlux(const MpmKernelPoint *point, const Tensor *dF, Scalar pressure, Scalar flux[])
+{
+  const Tensor cofactor = TensorCofactor(dF);
+  Scalar       g;
+  Tensor       dg;
+  const double beta = Dilatancy(point, dF, &cofactor, TensorCofactorDet(dF, &cofactor), &g, &dg);
+
+  if (!(beta > 0.)) return;
+  for (int k = 0; k < GRADIENTS; k++)
+    flux[k] = ScalarAdd(flux[k], ScalarMul(ScalarScale(beta * point->volume0, pressure), dg.a[k]));
+}
+
 /* The fluxes from dF, dF_bar and m_bar. */
 MPM_FN int Fluxes(const MpmKernelPoint *point, const Tensor *dF, const Tensor *dF_bar, Scalar mean, Scalar flux[])
 {
@@ -77,6 +169,7 @@ MPM_FN int Fluxes(const MpmKernelPoint *point, const Tensor *dF, const Tensor *d
   for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&pressure, 1. / MPM_DIM, &tau.a[SymIndex(a, a)]);
   rest = SymShift(&tau, ScalarNeg(pressure));
   SolidFlux(point, &rest, dF, flux);
+  if (point->dilatancy) AddShearFlux(point, dF, pressure, flux);
   if (!(point->traits & MPM_LAW_SMALL_STRAIN)) pressure = ScalarDiv(pressure, mean);
   flux[GRADIENTS] = ScalarScale(point->volume0, pressure);
   SolidKeep(point, &tau, dF_bar);

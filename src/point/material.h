@@ -17,6 +17,7 @@ typedef struct MpmMaterial {
   double      *physics_parameter; /* what the physics takes of this material */
   MpmLawTable *table;             /* by parameter */
   MpmFunction  law[MPM_FORM_COUNT];
+  MpmDilatancy dilatancy;   /* of the law, where F-bar leaves dilation to the points; or NULL */
   PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
   PetscReal    stiffness;   /* at rest, Pa */
   PetscReal    penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */

@@ -21,8 +21,9 @@
 #include "bc/bc.h"
 #include "run/run.h"
 
-/* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn. */
-static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", NULL};
+/* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn, then one more. */
+static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", "dilatant", NULL};
+#define FBAR_DILATANT 9
 
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
 {
@@ -46,15 +47,19 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));
-  PetscCall(MpmOptionsWord(&block, "fbar",
-                           "average the volume change over cells, against locking: auto (where a law flows "
-                           "plastically or nu is above 0.45, unless only one component of the displacement is free), "
-                           "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
-                           "1.37 with)",
-                           fbar_words, MPM_OPTIONAL, &word, NULL));
+  PetscCall(
+    MpmOptionsWord(&block, "fbar",
+                   "average the volume change over cells, against locking: auto (where a law flows "
+                   "plastically or nu is above 0.45, unless only one component of the displacement is free), "
+                   "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
+                   "1.37 with); dilatant: the same, but what shear makes mohr_coulomb dilate is left to each "
+                   "point (plane strain; footing on soil with dilation = friction = 30: 30.0 q/c, 34 with true, "
+                   "38 with false)",
+                   fbar_words, MPM_OPTIONAL, &word, NULL));
   PetscCall(MpmStabilityRead(&model->solver, options));
   model->scene.fbar_auto = (PetscBool)(word == 0);
   model->scene.fbar      = (PetscBool)(word % 2 == 1);
+  model->scene.dilatant  = (PetscBool)(word == FBAR_DILATANT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,6 +137,25 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Points keep the dilation of their own shear, where their law says how much that is. */
+static PetscErrorCode LeaveDilation(const MpmModel model)
+{
+  PetscInt found = 0;
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(model->disc.dim == 2, "-mpm_stabilization_fbar dilatant: available in plane strain only, mpm_dim is %d",
+                (int)model->disc.dim);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    MpmMaterial *material = &model->scene.materials->at[m];
+
+    material->dilatancy = material->info.dilatancy;
+    if (material->dilatancy) found++;
+  }
+  MpmCheckInput(found, "-mpm_stabilization_fbar dilatant: no material is of a law that tells its dilation, such as "
+                       "mohr_coulomb; must be auto, true or false");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStabilizationSettle(MpmModel model)
 {
   const MpmPhysics physics = model->scene.physics;
@@ -147,6 +171,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
   PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
   PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);
   model->scene.physics.name = physics.name;
+  if (model->scene.dilatant) PetscCall(LeaveDilation(model));
   PetscCall(MpmLayoutCreate(&model->scene.physics, model->disc.dim, model->disc.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -164,7 +189,10 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "%g%s%s", (double)model->disc.ghost,
                             model->state.ghost_auto ? " (auto)" : "",
                             sparse ? ", all faces where points are one a cell" : ""));
-  PetscCall(PetscSNPrintf(text, length, "ghost penalty %s; F-bar %s%s%s%s", ghost, model->scene.fbar ? "on" : "off",
+  PetscCall(PetscSNPrintf(text, length, "ghost penalty %s; F-bar %s%s%s%s", ghost,
+                          model->scene.dilatant ? "on, but for dilation"
+                          : model->scene.fbar   ? "on"
+                                                : "off",
                           model->scene.fbar_why ? " (auto: " : "", model->scene.fbar_why ? model->scene.fbar_why : "",
                           model->scene.fbar_why ? ")" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);

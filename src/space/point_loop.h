@@ -174,6 +174,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->traits            = material->info.traits;
   point->law               = material->law;
   point->table             = material->table;
+  point->dilatancy         = material->dilatancy;
   point->state             = NULL;
   point->own               = NULL;
   point->F                 = NULL;

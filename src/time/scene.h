@@ -61,6 +61,7 @@ typedef struct {
   MpmBodyForce   body_force;
   void          *body_force_ctx;
   PetscBool      fbar, fbar_auto;
+  PetscBool      dilatant; /* F-bar leaves dilation by shear to the points */
   const char    *fbar_why; /* what `auto` went by, or NULL */
   PetscInt       stage_count;
   MpmStage      *stages;

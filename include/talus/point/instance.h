@@ -42,8 +42,8 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
   `parameters` and `states` are the file's static tables; a law without history passes MPM_NO_STATE for `states`.
 
-  MPM_LAW_MORE(..., kernel, symmetric, history) has optional functions of MpmLawInfo, too, and MPM_LAW_ALL(..., kernel,
-  symmetric, history, k0) all of them; any may be NULL.
+  MPM_LAW_MORE(..., kernel, symmetric, history) has optional functions of MpmLawInfo, too, MPM_LAW_ALL(..., kernel,
+  symmetric, history, k0) more, and MPM_LAW_DILATANT(..., k0, dilatancy) all of them; any may be NULL.
 */
 #define MPM_LAW(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_) \
   MPM_LAW_MORE(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, NULL, NULL)
@@ -54,6 +54,11 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
 #define MPM_LAW_ALL(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, history_, \
                     k0_) \
+  MPM_LAW_DILATANT(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, history_, \
+                   k0_, NULL)
+
+#define MPM_LAW_DILATANT(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, \
+                         history_, k0_, dilatancy_) \
   MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
@@ -72,6 +77,7 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
     info->symmetric = symmetric_; \
     info->history   = history_; \
     info->k0        = k0_; \
+    info->dilatancy = dilatancy_; \
     info->law       = (MpmFunction)law; \
   }
 

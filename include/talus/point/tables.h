@@ -90,6 +90,14 @@ typedef struct {
 } MpmLawFault;
 
 /*
+  How much a law dilates when it is sheared in plane strain from a state: the volume strain over the shear strain of plastic
+  flow, in logarithmic strains, shear being the difference of the two principal values in the plane. 0 where the state lies
+  inside the yield surface. `elastic` becomes the elastic left Cauchy-Green tensor in the plane, xx, yy, xy.
+*/
+typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table, const double *state,
+                               double elastic[3]);
+
+/*
   A constitutive law as the registry sees it; `law` is of one compiled form.
 
   check      NULL, or 0 where parameters contradict each other, and how they do
@@ -106,6 +114,7 @@ typedef struct {
   k0         NULL, or the ratio of horizontal to vertical stress in ground at rest where the vertical stress is `weight`, Pa,
              positive in compression, by the law's friction and by what it has borne before: (1 - sin phi) OCR^sin phi
              (Jaky; Mayne and Kulhawy 1982). `state` holds the values that the scene gives
+  dilatancy  NULL, or the law's MpmDilatancy, with which F-bar leaves to each point the dilation of its own shear
 */
 typedef struct {
   const char             *name;
@@ -120,7 +129,8 @@ typedef struct {
   int (*symmetric)(const double *parameter, const MpmLawTable *table);
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
-  MpmFunction law;
+  MpmDilatancy dilatancy;
+  MpmFunction  law;
 } MpmLawInfo;
 
 /*
@@ -180,10 +190,11 @@ typedef struct {
   unsigned           traits;   /* of the law, MpmLawTrait */
   const MpmFunction *law;      /* the material's law, by MpmForm */
   const MpmLawTable *table;    /* of the point's material */
-  double            *state;    /* history at the step's end */
-  double            *own;      /* states of the physics' own */
-  double            *F;
-  double            *stress; /* Cauchy, Pa */
+  MpmDilatancy dilatancy; /* of the law, where the mean over the cell is to leave dilation to the points; or NULL */
+  double      *state;     /* history at the step's end */
+  double      *own;       /* states of the physics' own */
+  double      *F;
+  double      *stress; /* Cauchy, Pa */
 } MpmKernelPoint;
 
 /*
