@@ -48,9 +48,9 @@
 */
 MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cofactor, Scalar J, Tensor *dg)
 {
-  const double mean = 0.5 * (b[0] + b[1]), half = 0.5 * (b[0] - b[1]), least = LEAST_SHEAR * LEAST_SHEAR;
-  const double r_n = sqrt(half * half + b[2] * b[2] + least), root = sqrt(mean * mean - half * half - b[2] * b[2]);
-  Scalar       xx = ScalarConstant(0.), yy = xx, xy = xx, r, sinh, cosh, slope;
+  const double mean = 0.5 * (b[0] + b[1]), half = 0.5 * (b[0] - b[1]), square = half * half + b[2] * b[2];
+  const double det = mean * mean - square, least = LEAST_SHEAR * LEAST_SHEAR, sinh_n = sqrt(square / det + least);
+  Scalar       xx = ScalarConstant(0.), yy = xx, xy = xx, sinh2, sine, cosine, slope;
   Tensor       Fb = *dF;
 
   for (int i = 0; i < 4; i += 2) {
@@ -62,15 +62,15 @@ MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cof
     yy = ScalarAdd(yy, ScalarMul(Fb.a[2 + k], dF->a[2 + k]));
     xy = ScalarAdd(xy, ScalarMul(Fb.a[k], dF->a[2 + k]));
   }
-  r     = ScalarScale(0.5, ScalarSub(xx, yy));
-  r     = ScalarSqrt(ScalarShift(ScalarAdd(ScalarSquare(r), ScalarSquare(xy)), least));
-  sinh  = ScalarDiv(r, ScalarScale(root, J));
-  cosh  = ScalarSqrt(ScalarShift(ScalarSquare(sinh), 1.));
-  slope = ScalarDiv(cosh, sinh);
+  sinh2  = ScalarAdd(ScalarSquare(ScalarScale(0.5, ScalarSub(xx, yy))), ScalarSquare(xy));
+  sinh2  = ScalarShift(ScalarDiv(sinh2, ScalarScale(det, ScalarSquare(J))), least);
+  sine   = ScalarSqrt(sinh2);
+  cosine = ScalarSqrt(ScalarShift(sinh2, 1.));
+  slope  = ScalarDiv(cosine, sine);
   for (int k = 0; k < GRADIENTS; k++)
     dg->a[k] =
       ScalarMul(slope, ScalarSub(ScalarScale(2., ScalarDiv(Fb.a[k], ScalarAdd(xx, yy))), ScalarDiv(cofactor->a[k], J)));
-  return ScalarShift(ScalarLog(ScalarAdd(sinh, cosh)), -log(r_n / root + sqrt(1. + r_n * r_n / (root * root))));
+  return ScalarShift(ScalarLog(ScalarAdd(sine, cosine)), -log(sinh_n + sqrt(1. + sinh_n * sinh_n)));
 }
 #endif
 
@@ -94,7 +94,7 @@ MPM_FN double Dilatancy(const MpmKernelPoint *point, const Tensor *dF, const Ten
 /* m, and its change with the point: dm[k] = d m / d input_k */
 MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *dm)
 {
-  Scalar J, g;
+  Scalar J, growth;
   Tensor dg;
   double beta;
 
@@ -113,9 +113,9 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
   }
   *dm  = TensorCofactor(dF);
   J    = TensorCofactorDet(dF, dm);
-  beta = Dilatancy(point, dF, dm, J, &g, &dg);
+  beta = Dilatancy(point, dF, dm, J, &growth, &dg);
   if (beta > 0.) {
-    const Scalar factor = ScalarExp(ScalarScale(-beta, g));
+    const Scalar factor = ScalarExp(ScalarScale(-beta, growth));
 
     for (int k = 0; k < GRADIENTS; k++)
       dm->a[k] = ScalarMul(factor, ScalarSub(dm->a[k], ScalarMul(J, ScalarScale(beta, dg.a[k]))));
