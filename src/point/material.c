@@ -219,6 +219,9 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "dilation")) material->dilation = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "dilation_residual"))
+      material->dilation = PetscMin(material->dilation, material->parameter[i]);
   }
   PetscCall(PetscArraycpy(material->given, material->parameter, material->info.parameter_count));
   PetscCall(CheckParameters(material));
