@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The points of case.yaml, a quarter of a ring with the stress at the start: python3 points.py > out/cavity_points.csv.
+"""The points of a quarter of a ring with the stress at the start: python3 points.py > points.csv, which case.yaml reads.
 
 They lie in a lattice. A point whose square is cut by the wall or the rim has the area that is left of it and stands at its
 centroid, so that areas and first moments are those of the ring and the stress at the start is in balance.
@@ -31,7 +31,8 @@ def main():
     options = parser.parse_args()
     size = RADIUS / (options.cells * options.per_cell)
     count = round(RIM / size)
-    print("x,y,volume,half_length_x,half_length_y,stress_xx,stress_yy,stress_zz,stress_xy,stress_yz,stress_xz")
+    stress = 3 * f",{-PRESSURE:.0f}" + ",0"
+    print("x,y,volume,stress_xx,stress_yy,stress_zz,stress_xy")
     for i in range(count):
         for j in range(count):
             left, bottom = i * size, j * size
@@ -43,9 +44,7 @@ def main():
                 area, place = clipped(left, bottom, size)
             if area < 1e-6 * size**2:
                 continue
-            half = np.sqrt(area) / 2.0
-            print(f"{place[0]:.12g},{place[1]:.12g},{area:.12g},{half:.12g},{half:.12g},"
-                  + ",".join(f"{s:g}" for s in 3 * [-PRESSURE] + 3 * [0.0]))
+            print(f"{place[0]:.10g},{place[1]:.10g},{area:.10g}{stress}")
 
 
 if __name__ == "__main__":

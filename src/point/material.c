@@ -158,6 +158,24 @@ PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TE
   return PETSC_TRUE;
 }
 
+PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *parameter, PetscReal value,
+                                  char why[MPM_FAULT_TEXT])
+{
+  const size_t count = material->info.parameter_count;
+  PetscBool    faulty;
+
+  for (size_t i = 0; i < count; i++) {
+    const double before = material->parameter[i];
+
+    if (material->info.parameters[i].kind >= MPM_WORD || strcmp(material->info.parameters[i].name, parameter)) continue;
+    material->parameter[i] = value;
+    faulty                 = MpmMaterialIsFaulty(material, why);
+    material->parameter[i] = before;
+    return faulty;
+  }
+  return PETSC_FALSE;
+}
+
 /* ---- strength ---- */
 
 PetscBool MpmMaterialHasStrength(const MpmMaterial *material)

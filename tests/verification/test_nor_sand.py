@@ -113,8 +113,8 @@ BAD = (
     ("kappa_of_zero", {"kappa": 0}, "-mpm_material_sand_kappa 0: must be > 0"),
     ("no_hardening", {"h": None}, "-mpm_material_sand_h is missing"),
     ("volume_of_grains", {"specific_volume": 1}, "-mpm_material_sand_specific_volume 1: must be > 1"),
-    ("both", {"preconsolidation": 400e3}, "only one of image_pressure and preconsolidation can be given"),
-    ("neither", {"image_pressure": None}, "one of image_pressure and preconsolidation is missing"),
+    ("both", {"preconsolidation": 400e3}, "only one of image_pressure, preconsolidation, ocr and pop can be given"),
+    ("neither", {"image_pressure": None}, "one of image_pressure (Pa, > 0), preconsolidation (Pa, > 0), ocr (-, >= 1) and pop (Pa, >= 0) is missing"),
     ("foreign", {"friction": 30}, "-mpm_material_sand_friction: unknown option"),
 )
 
