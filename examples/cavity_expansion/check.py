@@ -11,7 +11,7 @@ import common  # noqa: E402
 import reference  # noqa: E402
 from common import Quantity  # noqa: E402
 
-REACH = {"fine": 0.03, "coarse": 0.05}  # relative, of pressures and stresses: cells up to a quarter of the radius, and larger
+REACH = 0.03  # relative, of pressures and stresses, with cells up to half the radius
 RADII = (1.05, 1.1, 1.2)
 START = 100e3  # Pa, of points.py
 SETTINGS = {"mpm_material_sand_E": "13e6", "mpm_material_sand_nu": "0.3", "mpm_material_sand_cohesion": "0",
@@ -63,13 +63,12 @@ def check(results):
     quantities = [common.completed(results), Quantity("yield_excess", yield_excess(results), None, 1e-6)]
     if not common.same_settings(results, SETTINGS):
         return quantities
-    reach = REACH["fine" if cell_size(results) < 0.2501 else "coarse"]
     radius, wall, rim = curves(results)
     table = common.read_table(FOLDER / "reference.csv")
     for place in RADII:
         if place < radius[-1] + 1e-9:
             quantities += [Quantity.near(f"{name}_at_{place:g}", np.interp(place, radius, values),
-                                         np.interp(place, table["radius"], table[name]), relative=reach)
+                                         np.interp(place, table["radius"], table[name]), relative=REACH)
                            for name, values in (("wall", wall), ("rim", rim))]
     difference = results.column("reaction_cavity_x")[-1] / results.column("reaction_cavity_y")[-1]
     quantities.append(Quantity.near("x_over_y", difference, 1.0, absolute=1e-3))
@@ -77,7 +76,7 @@ def check(results):
     exact_place, exact = theory(results)
     for name, values, line in zip(("radial", "round", "along"), found, exact):
         error = np.mean(np.abs(values - np.interp(place, exact_place, line))) / np.mean(np.abs(line))
-        quantities.append(Quantity(f"stress_{name}", error, None, reach))
+        quantities.append(Quantity(f"stress_{name}", error, None, REACH))
     return quantities
 
 
