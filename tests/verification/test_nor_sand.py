@@ -102,6 +102,8 @@ def check_isotropic(test):
 def check_plane_strain(test):
     space = follow(test, SAND, path="biaxial_drained", end=-0.05, steps=50, stress=ISOTROPIC)
     plane = follow(test, SAND, path="biaxial_drained", end=-0.05, steps=50, stress="-200e3,-200e3,-200e3,0", mpm_dim=2)
+    six = follow(test, SAND, path="biaxial_drained", end=-0.05, steps=50, stress=ISOTROPIC, mpm_dim=2)
+    test.check("plane_strain.six_stresses", np.abs(six["stress_yy"] - plane["stress_yy"]).max(), None, 0)
     for name in ("stress_yy", "stress_zz", "q", "eps_v", "image_pressure", "specific_volume"):
         test.check(f"plane_strain.{name}", np.abs(space[name] / plane[name] - 1).max(), None, 1e-9)
 
