@@ -127,9 +127,9 @@ START_TEST(real_ranges)
   UNIT_CALL(MpmOptionsReal(&options, "E", "Pa", "Young's modulus", MPM_RANGE_POSITIVE, MPM_REQUIRED, &value, NULL));
   ck_assert_double_eq(value, 12e6);
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "E", fraction, MPM_REQUIRED, &value, NULL), MPM_ERR_INPUT,
-             "-mpm_a_E 12e6: must lie in [0, 1]");
+             "-mpm_a_E 12e6: must lie in [0, 1] Pa");
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "E", at_most, MPM_REQUIRED, &value, NULL), MPM_ERR_INPUT,
-             "-mpm_a_E 12e6: must be <= 2");
+             "-mpm_a_E 12e6: must be <= 2 Pa");
   Give("-mpm_a_E", "inf");
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "E", MPM_RANGE_ANY, MPM_REQUIRED, &value, NULL), MPM_ERR_INPUT,
              "-mpm_a_E inf: not a number: E (Pa)");
