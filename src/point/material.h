@@ -43,6 +43,9 @@ PetscBool MpmMaterialHasStrength(const MpmMaterial *material);
 /* Are the parameters in force out of range, or against each other? `why` then names one: "dilation 40: must be ...". */
 #define MPM_FAULT_TEXT 512
 PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TEXT]);
+/* The same with another value of the parameter of this name; false where the law has no such number. */
+PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *parameter, PetscReal value,
+                                  char why[MPM_FAULT_TEXT]);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
 /*
