@@ -21,8 +21,9 @@ sys.path[:0] = [str(EXAMPLES), str(ROOT / "scripts")]
 from common import Quantity, read_table  # noqa: E402,F401  (the folder has to be known first; tests use read_table)
 from results import Results  # noqa: E402
 
+# Ranks on one machine need shared memory only; looking for a network's hardware takes Open MPI longer than most runs here.
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "MPLBACKEND": "Agg"}
+               "OMPI_MCA_pml": "ob1", "MPLBACKEND": "Agg"}
 # One rank needs no daemon beside it; each script has a folder of its own for what Open MPI leaves there for the while.
 SESSION = tempfile.TemporaryDirectory(prefix="talus_mpi_")
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_tmpdir_base": SESSION.name}
