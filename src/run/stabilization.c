@@ -51,15 +51,14 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));
-  PetscCall(
-    MpmOptionsWord(&block, "fbar",
-                   "average the volume change over cells, against locking: auto (where a law flows "
-                   "plastically or nu is above 0.45, unless only one component of the displacement is free), "
-                   "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
-                   "1.37 with); dilatant: the same, but what shear makes mohr_coulomb dilate is left to each "
-                   "point (plane strain; footing on soil with dilation = friction = 30: 30.0 q/c, 34 with true, "
-                   "38 with false)",
-                   fbar_words, MPM_OPTIONAL, &word, NULL));
+  PetscCall(MpmOptionsWord(&block, "fbar",
+                           "average the volume change over cells, against locking: auto (where a law flows "
+                           "plastically or nu is above 0.45, unless only one component of the displacement is free), "
+                           "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
+                           "1.37 with); dilatant: the same, but what shear makes mohr_coulomb dilate is left to each "
+                           "point (plane strain; Nc of a footing, dilation = friction = 30 degrees, exact 30.1: 29.0, "
+                           "32.5 and rising with true, 35.1 with false)",
+                           fbar_words, MPM_OPTIONAL, &word, NULL));
   PetscCall(MpmStabilityRead(&model->solver, options));
   model->scene.fbar_auto = (PetscBool)(word == 0);
   model->scene.fbar      = (PetscBool)(word % 2 == 1);
