@@ -90,8 +90,8 @@ def check(results):
     growth = factor[-1] / factor[-1 - len(factor) // 10] - 1.0
     quantities = [common.completed(results), Quantity.near("base_over_loads", base, 1.0, relative=1e-6),
                   Quantity("yield_excess", yield_excess(results), None, 1e-6)]
-    dilatant = results.option("mpm_stabilization_fbar") == "dilatant"
-    if exact(results, name) is None or not dilatant:  # it locks
+    locks = results.option("mpm_stabilization_fbar") in ("plain", "false")
+    if exact(results, name) is None or locks:
         return quantities + [Quantity(name, factor[-1]), Quantity("growth", growth)]
     reach = REACH[name][0 if cell_size(results) <= FINE + 1e-9 else 1]
     return quantities + [Quantity.near(name, factor[-1], exact(results, name), relative=reach),

@@ -237,9 +237,12 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
-    if (!strcmp(material->info.parameters[i].name, "dilation")) material->dilation = material->parameter[i];
-    if (!strcmp(material->info.parameters[i].name, "dilation_residual"))
-      material->dilation = PetscMin(material->dilation, material->parameter[i]);
+    if (!strcmp(material->info.parameters[i].name, "dilation"))
+      material->dilation.least = material->dilation.most = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "dilation_residual")) {
+      material->dilation.least = PetscMin(material->dilation.least, material->parameter[i]);
+      material->dilation.most  = PetscMax(material->dilation.most, material->parameter[i]);
+    }
   }
   PetscCall(PetscArraycpy(material->given, material->parameter, material->info.parameter_count));
   PetscCall(CheckParameters(material));

@@ -20,11 +20,13 @@ typedef struct MpmMaterial {
   MpmFunction  law[MPM_FORM_COUNT];
   MpmDilatancy dilatancy;   /* of the law, where F-bar leaves dilation to the points; or NULL */
   PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
-  PetscReal    dilation;    /* angle, degrees, the residual one where that is less; 0 where the law has none */
-  PetscReal    stiffness;   /* at rest, Pa */
-  PetscReal    penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
-  PetscReal    spacing; /* most cells from point to point on an axis at the start; 0: unknown */
-  PetscInt     state_size;
+  struct {
+    PetscReal least, most; /* of the dilation angle and the residual one, degrees; 0 where the law has none */
+  } dilation;
+  PetscReal stiffness; /* at rest, Pa */
+  PetscReal penalty;   /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+  PetscReal spacing;   /* most cells from point to point on an axis at the start; 0: unknown */
+  PetscInt  state_size;
 } MpmMaterial;
 
 /* Materials, with the names of their blocks. */

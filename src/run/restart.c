@@ -374,7 +374,8 @@ PetscErrorCode MpmRestartApply(MpmModel model)
 {
   MpmRestart      restart    = model->results->checkpoint.restart;
   const PetscBool may_rescue = model->state.ghost_rescue, may_be_indefinite = model->solver.may_be_indefinite;
-  const PetscReal ghost = model->disc.ghost;
+  const PetscBool leaves_dilation = model->state.leaves_dilation;
+  const PetscReal ghost           = model->disc.ghost;
   PetscReal       dt_nominal, start;
 
   PetscFunctionBeginUser;
@@ -384,6 +385,8 @@ PetscErrorCode MpmRestartApply(MpmModel model)
     model->disc.ghost         = ghost;
     model->state.ghost_rescue = may_rescue;
   }
+  if (leaves_dilation && !model->state.leaves_dilation) MpmStepAverageDilation(model);
+  model->state.leaves_dilation    = (PetscBool)(leaves_dilation && model->state.leaves_dilation);
   model->solver.indefinite        = (PetscBool)(model->solver.indefinite && may_be_indefinite);
   model->solver.may_be_indefinite = (PetscBool)(may_be_indefinite && !model->solver.indefinite);
   dt_nominal                      = model->state.dt_nominal;

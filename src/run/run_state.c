@@ -35,6 +35,7 @@ static const struct {
   MODEL("active_dofs_max", INT64, state.active_dofs_max),
   MODEL("ghost", REAL, disc.ghost),
   MODEL("ghost_rescue", BOOL, state.ghost_rescue),
+  MODEL("leaves_dilation", BOOL, state.leaves_dilation),
   MODEL("indefinite", BOOL, solver.indefinite),
   MODEL("jacobians_last", INT, solver.cache.made_count_last),
   RESULTS("output_step", INT, output_step),

@@ -8,11 +8,13 @@
   Lane 1999, doi:10.1680/geot.1999.49.3.387, example 1, 20 cells a height: 1.52 to 1.6 without F-bar, 1.36 with it). So
   `auto` takes F-bar where any law flows or has a Poisson's ratio above 0.45.
 
-  Splines of degree 2 and more have unknowns enough where flow dilates. There F-bar is what resists: a cell's points have
-  their volume in common, which must then grow everywhere as it does where the shear is largest (same slope, dilation =
-  friction, factor at which a point has moved 1 % of the height: 1.44 with F-bar, 1.39 without). So they go without it
-  where every law that flows dilates. Where no more than one component of the displacement is free, as in a column between smooth walls, the volume changes with that component alone,
-  nothing can lock, and the mean over a cell would only cost accuracy.
+  Where flow dilates, one volume change for all points of a cell is too much: each would have to grow as the one that is
+  sheared most. Splines of degree 2 and more have unknowns enough for such flow: they go without F-bar where every law that
+  flows dilates. With linear basis functions, in plane strain, F-bar leaves to the points what shear makes `mohr_coulomb`
+  dilate (physics/solid_fbar.c); should steps fail twice, as in long slides, it averages all from there on.
+
+  Where no more than one component of the displacement is free, as in a column between smooth walls, the volume changes
+  with that component alone, nothing can lock, and the mean over a cell would only cost accuracy.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -25,9 +27,9 @@
 #include "bc/bc.h"
 #include "run/run.h"
 
-/* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn, then one more. */
-static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", "dilatant", NULL};
-#define FBAR_DILATANT 9
+/* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn, and at last one more for true. */
+static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", "plain", NULL};
+#define FBAR_PLAIN 9
 
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
 {
@@ -55,14 +57,14 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                            "average the volume change over cells, against locking: auto (where a law flows "
                            "plastically or nu is above 0.45, unless only one component of the displacement is free), "
                            "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
-                           "1.37 with); dilatant: the same, but what shear makes mohr_coulomb dilate is left to each "
-                           "point (plane strain; Nc of a footing, dilation = friction = 30 degrees, exact 30.1: 29.0, "
-                           "32.5 and rising with true, 35.1 with false)",
+                           "1.37 with). In plane strain the dilation of mohr_coulomb by shear is left to each point; "
+                           "plain averages that, too (Nc of a footing, dilation = friction = 30 degrees, exact 30.1: "
+                           "29.0, 32.5 and rising with plain, 35.1 with false)",
                            fbar_words, MPM_OPTIONAL, &word, NULL));
   PetscCall(MpmStabilityRead(&model->solver, options));
-  model->scene.fbar_auto = (PetscBool)(word == 0);
-  model->scene.fbar      = (PetscBool)(word % 2 == 1);
-  model->scene.dilatant  = (PetscBool)(word == FBAR_DILATANT);
+  model->scene.fbar_auto  = (PetscBool)(word == 0);
+  model->scene.fbar       = (PetscBool)(word % 2 == 1);
+  model->scene.fbar_plain = (PetscBool)(word == FBAR_PLAIN);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,10 +130,9 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count && !locks; m++) {
     const MpmMaterial *material = &model->scene.materials->at[m];
-
-    const PetscBool plastic = (PetscBool)((material->info.traits & MPM_LAW_PLASTIC) != 0);
-    const PetscBool free =
-      (PetscBool)(plastic && material->dilation >= MPM_DILATION_FREE && MpmShapeDegree(model->scene.shape) > 1);
+    const PetscBool    plastic  = (PetscBool)((material->info.traits & MPM_LAW_PLASTIC) != 0);
+    const PetscBool    free     = (PetscBool)(plastic && material->dilation.least >= MPM_DILATION_FREE &&
+                                       MpmShapeDegree(model->scene.shape) > 1);
 
     follows = (PetscBool)(follows || free);
     if ((plastic && !free) || material->nu > MPM_NU_LOCKS) locks = material;
@@ -147,23 +148,11 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points keep the dilation of their own shear, where their law says how much that is. */
-static PetscErrorCode LeaveDilation(const MpmModel model)
+/* Does F-bar leave to the points what shear makes the material dilate? */
+static PetscBool LeavesDilation(const MpmModel model, const MpmMaterial *material)
 {
-  PetscInt found = 0;
-
-  PetscFunctionBeginUser;
-  MpmCheckInput(model->disc.dim == 2, "-mpm_stabilization_fbar dilatant: available in plane strain only, mpm_dim is %d",
-                (int)model->disc.dim);
-  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
-    MpmMaterial *material = &model->scene.materials->at[m];
-
-    material->dilatancy = material->info.dilatancy;
-    if (material->dilatancy) found++;
-  }
-  MpmCheckInput(found, "-mpm_stabilization_fbar dilatant: no material is of a law that tells its dilation, such as "
-                       "mohr_coulomb; must be auto, true or false");
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return (PetscBool)(model->disc.dim == 2 && !model->scene.fbar_plain && material->info.dilatancy &&
+                     material->dilation.most > 0.);
 }
 
 PetscErrorCode MpmStabilizationSettle(MpmModel model)
@@ -181,7 +170,13 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
   PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
   PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);
   model->scene.physics.name = physics.name;
-  if (model->scene.dilatant) PetscCall(LeaveDilation(model));
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    MpmMaterial *material = &model->scene.materials->at[m];
+
+    if (!LeavesDilation(model, material)) continue;
+    material->dilatancy          = material->info.dilatancy;
+    model->state.leaves_dilation = PETSC_TRUE;
+  }
   PetscCall(MpmLayoutCreate(&model->scene.physics, model->disc.dim, model->disc.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -200,9 +195,9 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
                             model->state.ghost_auto ? " (auto)" : "",
                             sparse ? ", all faces where points are one a cell" : ""));
   PetscCall(PetscSNPrintf(text, length, "ghost penalty %s; F-bar %s%s%s%s", ghost,
-                          model->scene.dilatant ? "on, but for dilation"
-                          : model->scene.fbar   ? "on"
-                                                : "off",
+                          model->state.leaves_dilation ? "on but for dilation"
+                          : model->scene.fbar          ? "on"
+                                                       : "off",
                           model->scene.fbar_why ? " (auto: " : "", model->scene.fbar_why ? model->scene.fbar_why : "",
                           model->scene.fbar_why ? ")" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -61,8 +61,8 @@ typedef struct {
   MpmBodyForce   body_force;
   void          *body_force_ctx;
   PetscBool      fbar, fbar_auto;
-  PetscBool      dilatant; /* F-bar leaves dilation by shear to the points */
-  const char    *fbar_why; /* what `auto` went by, or NULL */
+  PetscBool      fbar_plain; /* F-bar averages dilation by shear, too */
+  const char    *fbar_why;   /* what `auto` went by, or NULL */
   PetscInt       stage_count;
   MpmStage      *stages;
 } MpmScene;

@@ -35,6 +35,7 @@ typedef struct {
   PetscReal            load_scale;               /* what a geostatic stage applies of its loads; otherwise 1 */
   PetscBool            reference_output;         /* position0 goes into the next state that is written */
   PetscBool            ghost_auto, ghost_rescue; /* nobody has set the ghost penalty; raise it before giving up */
+  PetscBool            leaves_dilation; /* F-bar leaves dilation to the points, until that costs too many cuts */
   PetscInt64           active_dofs_max;
   MpmSafety            safety;
 } MpmState;

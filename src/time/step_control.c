@@ -4,8 +4,11 @@
 #include "particles/particles.h"
 #include "space/rules.h"
 #include "time/integrator.h"
+#include "point/material.h"
 #include "time/model.h"
 #include "time/time.h"
+
+#define CUTS_WITH_DILATION 1 /* of one step, before F-bar averages dilation, too */
 
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *retryable)
@@ -33,6 +36,12 @@ PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
   PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_ghost %g", why,
                            (double)model->disc.ghost));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmStepAverageDilation(MpmModel model)
+{
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) model->scene.materials->at[m].dilatancy = NULL;
+  model->state.leaves_dilation = PETSC_FALSE;
 }
 
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
@@ -77,6 +86,13 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
     if (!*why) break;
     if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
+    if (model->state.leaves_dilation && (!again || model->state.cuts >= CUTS_WITH_DILATION)) {
+      MpmStepAverageDilation(model);
+      PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_fbar plain", *why));
+      model->state.dt_wanted = model->state.dt_nominal;
+      again                  = PETSC_FALSE;
+      continue;
+    }
     if (!again) {
       if (!model->state.ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);
       PetscCall(MpmStepRaiseGhost(model, *why));

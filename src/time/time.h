@@ -80,6 +80,8 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time);
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* Where a run would give up, once: a firmer ghost penalty from here on. */
 PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why);
+/* F-bar averages dilation, too, from here on: what a run falls back to where steps fail again and again. */
+void MpmStepAverageDilation(MpmModel model);
 /* The end of the step that starts now, and its length. */
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
 /* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */

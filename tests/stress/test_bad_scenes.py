@@ -320,7 +320,6 @@ CASES = [
     ("ramp with two commas", {"mpm_load_push_ramp": "0:0,,1:1"}, "-mpm_load_push_ramp 0:0,,1:1: must be time:factor pairs"),
     ("ghost penalty without a number", {"mpm_stabilization_ghost": ""}, "-mpm_stabilization_ghost : must be auto, off or a factor >= 0"),
     ("ghost penalty with a comma", {"mpm_stabilization_ghost": "1e-4,"}, "-mpm_stabilization_ghost 1e-4,: must be auto, off or"),
-    ("dilation that no law tells", {"mpm_stabilization_fbar": "dilatant"}, "-mpm_stabilization_fbar dilatant: no material is of a law that"),
     ("materials of a stage with a comma", {**STAGES, "mpm_stage_two_materials": "block:soil,"},
      "-mpm_stage_two_materials block:soil,: must be body:material pairs"),
     ("materials of a stage with two commas", {**STAGES, **TOP, "mpm_stage_two_materials": "block:soil,,top:soil"},

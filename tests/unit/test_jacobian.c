@@ -101,10 +101,7 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
     "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi -mpm_shape_edge %s%s%s%s",
     dim == 2 ? scene_2d : scene_3d, dim == 2 ? conditions_2d[held] : conditions_3d[held], law->parameters, shape,
     law->name, edge, held ? " -mpm_stabilization_ghost 0.05" : " -mpm_stabilization_ghost off",
-    fbar ? " -mpm_stabilization_fbar " : " -mpm_stabilization_fbar false",
-    !fbar                                            ? ""
-    : dim == 2 && !strcmp(law->name, "mohr_coulomb") ? "dilatant"
-                                                     : "true"));
+    fbar ? " -mpm_stabilization_fbar " : " -mpm_stabilization_fbar false", fbar ? "true" : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
