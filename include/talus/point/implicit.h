@@ -116,12 +116,12 @@ MPM_FN int ImplicitDerive(const Implicit *implicit, const double value[], Dual x
 }
 
 /*
-  ImplicitBracket - one unknown between lower and upper, with r < 0 below the root and r > 0 above it
+  ImplicitFind - the value of one unknown between lower and upper, with r < 0 below the root and r > 0 above it
 
   Newton's method from `start`, bisection where it leaves the bracket or halves too little. r is not evaluated at the
   bracket's ends: that it changes sign between them is for the law to know.
 */
-MPM_FN int ImplicitBracket(const Implicit *implicit, double lower, double upper, double start, Dual *x)
+MPM_FN int ImplicitFind(const Implicit *implicit, double lower, double upper, double start, double *x)
 {
   double at = fmin(fmax(start, lower), upper), before = 2. * (upper - lower), last = before;
 
@@ -129,22 +129,31 @@ MPM_FN int ImplicitBracket(const Implicit *implicit, double lower, double upper,
     double r, J[9], next, step;
 
     if (ImplicitEvaluate(implicit, &at, &r, J)) return 1;
-    if (r == 0.) return ImplicitDerive(implicit, &at, x);
+    *x = at;
+    if (r == 0.) return 0;
     if (r < 0.) lower = at;
     else upper = at;
     step = -r / J[0];
     next = at + step;
     if (ImplicitIsSmall(implicit, step, at)) {
-      at = fmin(fmax(next, lower), upper);
-      return ImplicitDerive(implicit, &at, x);
+      *x = fmin(fmax(next, lower), upper);
+      return 0;
     }
     if (!(next > lower && next < upper) || fabs(step) > 0.5 * before) next = 0.5 * (lower + upper);
-    if (next == lower || next == upper) return ImplicitDerive(implicit, &at, x); /* neighbouring numbers */
+    if (next == lower || next == upper) return 0; /* neighbouring numbers */
     before = last;
     last   = fabs(next - at);
     at     = next;
   }
   return 1;
+}
+
+/* ImplicitBracket - the same with its derivatives */
+MPM_FN int ImplicitBracket(const Implicit *implicit, double lower, double upper, double start, Dual *x)
+{
+  double value;
+
+  return ImplicitFind(implicit, lower, upper, start, &value) || ImplicitDerive(implicit, &value, x);
 }
 
 /* The largest of |r| */
