@@ -26,8 +26,8 @@
   The flow is associated, but its direction at the step's end changes with p_c, which the step's flow has changed: the
   tangent is symmetric only up to terms of the order of the step.
 
-  History from a stress: the elastic strain that has it and, unless the scene has one, p_c = ocr (p + q^2/(M^2 p)). At rest
-  without a stress a point is under p_ref.
+  History from a stress: the elastic strain that has it and, unless the scene has one, p_c = ocr p_y or p_y + pop, where p_y
+  = p + q^2/(M^2 p) is that of the ellipse through the stress. At rest without a stress a point is under p_ref.
 
   Source: Roscoe and Burland (1968), On the generalized stress-strain behaviour of wet clay, in: Engineering Plasticity,
   Cambridge, 535-609; Borja and Tamagnini (1998), doi:10.1016/S0045-7825(97)00141-2, and Callari, Auricchio and Sacco
@@ -45,6 +45,7 @@ enum {
   REFERENCE_PRESSURE,
   PRESSURE_MIN,
   OCR,
+  POP,
   PRECONSOLIDATION,
   SPECIFIC_VOLUME
 };
@@ -62,14 +63,25 @@ static const MpmParameter parameters[] = {
   {MPM_NUMBER, "pressure_min", "Pa", 1e3, 0, 0., HUGE_VAL, 1,
    "pressure below which elasticity is linear in the volume strain, at most reference_pressure", NULL, 1e3, NULL},
   {MPM_NUMBER, "ocr", "-", HUGE_VAL, 0, 1., HUGE_VAL, 0,
-   "preconsolidation over that with which the initial stress would yield; without it and preconsolidation, 1", NULL, 2.,
-   NULL},
+   "preconsolidation over that with which the initial stress would yield; without it, pop and preconsolidation, 1",
+   NULL, 2., NULL},
+  {MPM_NUMBER, "pop", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 0,
+   "preconsolidation less that with which the initial stress would yield; instead of ocr", NULL, 100e3, NULL},
   {MPM_NUMBER, "preconsolidation", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1,
    "initial size of the yield surface: its largest pressure; instead of ocr", NULL, 200e3, NULL},
   {MPM_NUMBER, "specific_volume", "-", 2., 0, 1., HUGE_VAL, 1, "initial v, 1 + void ratio; nothing depends on it", NULL,
    2., NULL}};
 
 enum { STATE_B = 0, STATE_SIZE = MPM_SYM, STATE_VOLUME };
+
+/* How many parameters say what the preconsolidation is */
+static int SizeCount(const double *parameter)
+{
+  int count = 0;
+
+  for (int k = OCR; k <= PRECONSOLIDATION; ++k) count += parameter[k] <= DBL_MAX;
+  return count;
+}
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
                                           {"preconsolidation", MPM_STATE_SCALAR, 0., "Pa"},
@@ -206,6 +218,7 @@ MPM_FN Real SizeAtStart(const Real *parameter, const Real *state_n)
   if (RealValue(state_n[STATE_SIZE]) > 0.) return state_n[STATE_SIZE];
   if (RealValue(parameter[PRECONSOLIDATION]) <= DBL_MAX) return parameter[PRECONSOLIDATION];
   if (RealValue(parameter[OCR]) <= DBL_MAX) return parameter[OCR] * parameter[REFERENCE_PRESSURE];
+  if (RealValue(parameter[POP]) <= DBL_MAX) return parameter[REFERENCE_PRESSURE] + parameter[POP];
   return parameter[REFERENCE_PRESSURE];
 }
 
@@ -305,14 +318,16 @@ static int MpmMaterialCheck_modified_cam_clay(const double *parameter, const Mpm
   const MpmLawFault linear = {PRESSURE_MIN, 0., parameter[REFERENCE_PRESSURE], 0,
                               "pressure_min must not exceed reference_pressure"};
   const MpmLawFault both   = {OCR, -HUGE_VAL, HUGE_VAL, 0, "preconsolidation is given, too, and one makes the other"};
+  const MpmLawFault excess = {POP, -HUGE_VAL, HUGE_VAL, 0,
+                              "ocr or preconsolidation is given, too, and one makes the other"};
 
   (void)table;
   *fault = above;
   if (!(parameter[KAPPA] < parameter[LAMBDA])) return 0;
   *fault = linear;
   if (!(parameter[PRESSURE_MIN] <= parameter[REFERENCE_PRESSURE])) return 0;
-  *fault = both;
-  return !(parameter[OCR] <= DBL_MAX && parameter[PRECONSOLIDATION] <= DBL_MAX);
+  *fault = parameter[POP] <= DBL_MAX ? excess : both;
+  return SizeCount(parameter) <= 1;
 }
 
 /* Without a preconsolidation there must be a pressure that it follows from. */
@@ -340,25 +355,28 @@ static int MpmMaterialHistory_modified_cam_clay(const double *parameter, const M
     if (!(p > 0.)) return 1;
     state[STATE_SIZE] = (parameter[OCR] <= DBL_MAX ? parameter[OCR] : 1.) *
                         (p + square / (parameter[CRITICAL] * parameter[CRITICAL] * p));
+    if (parameter[POP] <= DBL_MAX) state[STATE_SIZE] += parameter[POP];
   }
   if (!(state[STATE_VOLUME] > 0.)) state[STATE_VOLUME] = parameter[SPECIFIC_VOLUME];
   return 0;
 }
 
 /*
-  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the given size
-  p_c over that which the stress with Jaky's ratio has.
+  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the size p_c,
+  given or larger by `pop`, over that which the stress with Jaky's ratio has.
 */
 static double MpmMaterialK0_modified_cam_clay(const double *parameter, const MpmLawTable *table, const double *state,
                                               double weight)
 {
   const double M = parameter[CRITICAL], sine = 3. * M / (6. + M), jaky = 1. - sine;
   const double p = (1. + 2. * jaky) / 3. * weight, q = (1. - jaky) * weight;
+  const double yields = p > 0. ? p + q * q / (M * M * p) : 0.;
   double       size = state ? state[STATE_SIZE] : 0., ocr = 1.;
 
   (void)table;
   if (!(size > 0.) && parameter[PRECONSOLIDATION] <= DBL_MAX) size = parameter[PRECONSOLIDATION];
-  if (size > 0. && p > 0.) ocr = size / (p + q * q / (M * M * p));
+  if (!(size > 0.) && parameter[POP] <= DBL_MAX) size = yields + parameter[POP];
+  if (size > 0. && p > 0.) ocr = size / yields;
   else if (parameter[OCR] <= DBL_MAX) ocr = parameter[OCR];
   return jaky * pow(fmax(ocr, 1.), sine);
 }

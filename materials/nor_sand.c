@@ -16,7 +16,9 @@
        that the density sets: loose sand hardens and contracts, dense sand dilates, peaks and softens
   v    specific volume (history): it goes with det F
 
-  An image pressure or a specific volume of 0 stands for that of the parameters.
+  An image pressure or a specific volume of 0 stands for that of the parameters. With `ocr` or `pop` the image pressure
+  follows from the initial stress, or from p_ref where there is none: the yield surface meets the axis of pressure at
+  ocr p_y or p_y + pop, where p_y is that of the surface through the stress.
 
   The step: v, p_i and dg are those of its end, all unknown at once. With y = ln(p/-p_ref) and L = ln(p/p_i) as unknowns
   f = 0 gives dg = e_s,trial - q/(3 G), so that the stress is on the yield surface to rounding, and
@@ -51,6 +53,8 @@ enum {
   SPECIFIC_VOLUME,
   IMAGE_PRESSURE,
   PRECONSOLIDATION,
+  OCR,
+  POP,
   REFERENCE_PRESSURE
 };
 
@@ -67,10 +71,15 @@ static const MpmParameter parameters[] = {
   {MPM_NUMBER, "h", "-", 0., 1, 0., HUGE_VAL, 1, "hardening: how fast the image pressure goes to its limit", NULL, 100.,
    NULL},
   {MPM_NUMBER, "specific_volume", "-", 0., 1, 1., HUGE_VAL, 1, "1 + void ratio at the start", NULL, 1.8, NULL},
-  {MPM_NUMBER, "image_pressure", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1, "at the start; or preconsolidation", NULL, 100e3,
-   NULL},
+  {MPM_NUMBER, "image_pressure", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1, "at the start; or preconsolidation, ocr or pop",
+   NULL, 100e3, NULL},
   {MPM_NUMBER, "preconsolidation", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1,
    "pressure at which isotropic compression yields at the start; instead of image_pressure", NULL, 215e3, NULL},
+  {MPM_NUMBER, "ocr", "-", HUGE_VAL, 0, 1., HUGE_VAL, 0,
+   "preconsolidation over that with which the initial stress would yield; instead of image_pressure", NULL, 2., NULL},
+  {MPM_NUMBER, "pop", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 0,
+   "preconsolidation less that with which the initial stress would yield; instead of image_pressure", NULL, 100e3,
+   NULL},
   {MPM_NUMBER, "reference_pressure", "Pa", 0., 1, 0., HUGE_VAL, 1, "pressure at which elastic strain is zero", NULL,
    100e3, NULL}};
 
@@ -437,8 +446,12 @@ MPM_FN int IsOutside(const Step *step, double volume, double shear)
 /* The image pressure that the parameters give a point at rest */
 MPM_FN Real ImageAtRest(const Real *parameter)
 {
+  Real size = parameter[PRECONSOLIDATION];
+
   if (RealValue(parameter[IMAGE_PRESSURE]) <= DBL_MAX) return parameter[IMAGE_PRESSURE];
-  return parameter[PRECONSOLIDATION] * RealExp(-DualReal(TipRatio(parameter)));
+  if (RealValue(parameter[OCR]) <= DBL_MAX) size = parameter[OCR] * parameter[REFERENCE_PRESSURE];
+  if (RealValue(parameter[POP]) <= DBL_MAX) size = parameter[REFERENCE_PRESSURE] + parameter[POP];
+  return size * RealExp(-DualReal(TipRatio(parameter)));
 }
 
 /* What the local problem needs of the point */
@@ -545,35 +558,93 @@ static double MpmMaterialStiffness_nor_sand(const double *parameter, const MpmLa
          4. / 3. * parameter[SHEAR];
 }
 
-/* Elastic strain of a pressure and a deviator; image pressure and specific volume, unless they are given, of the parameters */
+/* The pressure at the tip of the yield surface through a stress of pressure p > 0 and ratio eta = q/p */
+static double TipPressure(const double *parameter, double p, double eta)
+{
+  Real real[REFERENCE_PRESSURE + 1];
+
+  for (int k = 0; k <= REFERENCE_PRESSURE; ++k) real[k] = parameter[k];
+  return p * exp(DualValue(TipRatio(real)) - DualValue(RatioOnSurface(real, DualConstant(eta))));
+}
+
+static double TipLog(const double *parameter)
+{
+  const double u = parameter[CURVATURE] / (1. - parameter[CURVATURE]);
+
+  return DualValue(LogFunction(DualConstant(u)));
+}
+
+/*
+  Elastic strain of a pressure and a deviator; image pressure, where ocr or pop says it, by the stress, otherwise, like the
+  specific volume, of the parameters
+*/
 static int MpmMaterialHistory_nor_sand(const double *parameter, const MpmLawTable *table, const double *stress,
                                        double *state)
 {
   const double p      = (stress[0] + stress[1] + stress[2]) / 3.;
   const double volume = -parameter[KAPPA] * log(-p / parameter[REFERENCE_PRESSURE]);
-  Sym          e, b;
+  const double ocr    = parameter[OCR] <= DBL_MAX ? parameter[OCR] : 1.,
+               pop    = parameter[POP] <= DBL_MAX ? parameter[POP] : 0.;
+  double square       = 0.; /* q^2 */
+  Sym    e, b;
 
   (void)table;
   if (!(p < 0.)) return 1;
-  for (int i = 0; i < MPM_SYM; ++i)
-    e.a[i] = ScalarConstant((stress[i] - (i < 3 ? p : 0.)) / (2. * parameter[SHEAR]) + (i < 3 ? volume / 3. : 0.));
+  for (int i = 0; i < MPM_SYM; ++i) {
+    const double s = stress[i] - (i < 3 ? p : 0.);
+
+    square += (i < 3 ? 1.5 : 3.) * s * s;
+    e.a[i] = ScalarConstant(s / (2. * parameter[SHEAR]) + (i < 3 ? volume / 3. : 0.));
+  }
   if (ElasticLeftCauchyGreen(&e, &b)) return 1;
   SymValues(&state[STATE_B], &b);
+  if (!(state[STATE_IMAGE] > 0.) && (parameter[OCR] <= DBL_MAX || parameter[POP] <= DBL_MAX)) {
+    state[STATE_IMAGE] = (ocr * TipPressure(parameter, -p, -sqrt(square) / p) + pop) * exp(-TipLog(parameter));
+    if (!(state[STATE_IMAGE] > 0. && state[STATE_IMAGE] <= DBL_MAX)) return 1; /* beyond the strength of any */
+  }
   return 0;
+}
+
+/*
+  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the pressure at
+  the yield surface's tip, given or larger by `pop`, over that of the surface through the stress with Jaky's ratio.
+*/
+static double MpmMaterialK0_nor_sand(const double *parameter, const MpmLawTable *table, const double *state,
+                                     double weight)
+{
+  const double sine = 3. * parameter[CRITICAL_RATIO] / (6. + parameter[CRITICAL_RATIO]), jaky = 1. - sine;
+  const double p = (1. + 2. * jaky) / 3. * weight, eta = 3. * sine / (1. + 2. * jaky);
+  const double yields = p > 0. ? TipPressure(parameter, p, eta) : 0., tip = exp(TipLog(parameter));
+  double       size = state ? tip * state[STATE_IMAGE] : 0., ocr = 1.;
+
+  (void)table;
+  if (!(size > 0.) && parameter[IMAGE_PRESSURE] <= DBL_MAX) size = tip * parameter[IMAGE_PRESSURE];
+  if (!(size > 0.) && parameter[PRECONSOLIDATION] <= DBL_MAX) size = parameter[PRECONSOLIDATION];
+  if (!(size > 0.) && parameter[POP] <= DBL_MAX) size = yields + parameter[POP];
+  if (size > 0. && p > 0.) ocr = size / yields;
+  else if (parameter[OCR] <= DBL_MAX) ocr = parameter[OCR];
+  return jaky * pow(fmax(ocr, 1.), sine);
 }
 
 static int MpmMaterialCheck_nor_sand(const double *parameter, const MpmLawTable *table, MpmLawFault *fault)
 {
-  const int         image = parameter[IMAGE_PRESSURE] <= DBL_MAX, cap = parameter[PRECONSOLIDATION] <= DBL_MAX;
-  const MpmLawFault both    = {PRECONSOLIDATION, -HUGE_VAL, HUGE_VAL, 0,
-                               "only one of image_pressure and preconsolidation can be given"};
-  const MpmLawFault neither = {-1, 0., 0., 0, "one of image_pressure and preconsolidation is missing (Pa, > 0)"};
+  const MpmLawFault neither = {
+    -1, 0., 0., 0,
+    "one of image_pressure (Pa, > 0), preconsolidation (Pa, > 0), ocr (-, >= 1) and pop (Pa, >= 0) is missing"};
+  MpmLawFault both  = {-1, -HUGE_VAL, HUGE_VAL, 0,
+                       "only one of image_pressure, preconsolidation, ocr and pop can be given"};
+  int         count = 0;
 
   (void)table;
-  *fault = image ? both : neither;
-  return image != cap;
+  for (int k = IMAGE_PRESSURE; k <= POP; ++k) {
+    if (!(parameter[k] <= DBL_MAX)) continue;
+    both.parameter = k;
+    ++count;
+  }
+  *fault = count ? both : neither;
+  return count == 1;
 }
 
-MPM_LAW_MORE(nor_sand, MPM_LAW_PLASTIC, "Nor-Sand, critical state plasticity of sand", parameters, states,
-             MpmMaterialCheck_nor_sand, MpmMaterialStiffness_nor_sand, MpmMaterialEvaluate_nor_sand, NULL,
-             MpmMaterialHistory_nor_sand)
+MPM_LAW_ALL(nor_sand, MPM_LAW_PLASTIC, "Nor-Sand, critical state plasticity of sand", parameters, states,
+            MpmMaterialCheck_nor_sand, MpmMaterialStiffness_nor_sand, MpmMaterialEvaluate_nor_sand, NULL,
+            MpmMaterialHistory_nor_sand, MpmMaterialK0_nor_sand)

@@ -21,11 +21,11 @@ sys.path[:0] = [str(EXAMPLES), str(ROOT / "scripts")]
 from common import Quantity, read_table  # noqa: E402,F401  (the folder has to be known first; tests use read_table)
 from results import Results  # noqa: E402
 
+# Ranks on one machine need shared memory only; looking for a network's hardware takes Open MPI longer than most runs here.
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "MPLBACKEND": "Agg"}
-# One rank needs no daemon beside it; each script has a folder of its own for what Open MPI leaves there for the while.
+               "OMPI_MCA_pml": "ob1", "MPLBACKEND": "Agg"}
+# One rank needs no daemon beside it; each run has a folder of its own for what Open MPI leaves there for the while.
 SESSION = tempfile.TemporaryDirectory(prefix="talus_mpi_")
-ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_tmpdir_base": SESSION.name}
 TIME_LIMIT = 600.0  # s, for one run
 
 
@@ -34,9 +34,14 @@ def example(name):
     return EXAMPLES / name / "case.yaml"
 
 
+def alone():
+    """The environment of a run on one rank without mpiexec."""
+    return {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_tmpdir_base": tempfile.mkdtemp(dir=SESSION.name)}
+
+
 def call(command, folder):
     """Runs a command in a folder; the completed process, with its output as text."""
-    environment = ENVIRONMENT if command[0] == "mpiexec" else {**ENVIRONMENT, **ALONE}
+    environment = ENVIRONMENT if command[0] == "mpiexec" else {**ENVIRONMENT, **alone()}
     return subprocess.run([str(word) for word in command], cwd=folder, env=environment, capture_output=True, text=True,
                           timeout=TIME_LIMIT, check=False)
 

@@ -35,6 +35,9 @@ typedef struct {
 #define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
 void      MpmRangeText(MpmRange range, char text[MPM_RANGE_TEXT]);
 PetscBool MpmRangeHolds(MpmRange range, PetscReal value);
+/* What a refusal says of a range's text: "must lie in [0, 30] degrees", "must be > 0" */
+#define MPM_MUST_TEXT (MPM_RANGE_TEXT + 48)
+void MpmMustText(const char range[], const char unit[], char text[MPM_MUST_TEXT]);
 
 typedef enum { MPM_OPTIONAL, MPM_REQUIRED } MpmNeed;
 

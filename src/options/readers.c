@@ -187,14 +187,22 @@ static void IntRangeText(PetscInt lower, PetscInt upper, char text[MPM_RANGE_TEX
   else if (upper < PETSC_INT_MAX) snprintf(text, MPM_RANGE_TEXT, "<= %lld", high);
 }
 
-/* "must lie in (-1, 0.5)", "each must be > 0" */
+void MpmMustText(const char range[], const char unit[], char text[MPM_MUST_TEXT])
+{
+  const PetscBool named = (PetscBool)(unit && unit[0] && strcmp(unit, "-"));
+
+  snprintf(text, MPM_MUST_TEXT, "must %s %s%s%s", strncmp(range, "in ", 3) ? "be" : "lie", range, named ? " " : "",
+           named ? unit : "");
+}
+
+/* "must lie in (-1, 0.5)", "each must be > 0 Pa" */
 static PetscErrorCode ItemRefuseRange(const Item *item, const ItemSpec *spec, PetscInt count, const char range[])
 {
-  char text[MPM_RANGE_TEXT + 16];
+  char must[MPM_MUST_TEXT], text[MPM_MUST_TEXT + 8];
 
   PetscFunctionBegin;
-  snprintf(text, sizeof(text), "%smust %s %s", count == 1 ? "" : "each ", strncmp(range, "in ", 3) == 0 ? "lie" : "be",
-           range);
+  MpmMustText(range, spec->unit, must);
+  snprintf(text, sizeof(text), "%s%s", count == 1 ? "" : "each ", must);
   PetscCall(ItemRefuse(item, spec, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,7 +4,8 @@
     initial_specific_volume: "0:1.55,10:1.62"      height:value, straight between; or one number
 
   Heights are coordinates up gravity's axis. The pairs must reach from the lowest point to the highest; two at one height make
-  a jump, where the later one counts.
+  a jump, where the later one counts. Where the law has a parameter of the variable's name, the values stand in its place:
+  they must be in its range and agree with the other parameters.
 */
 #include "options/options.h"
 #include "point/material.h"
@@ -69,6 +70,21 @@ static PetscErrorCode ReadProfile(const MpmOptions *block, const MpmStateVariabl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The values in the place of the law's parameter of the same name */
+static PetscErrorCode CheckValues(const MpmMaterial *material, const char *name, const Profile *profile)
+{
+  char why[MPM_FAULT_TEXT], value[MPM_NUMBER_TEXT];
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < profile->count; k++) {
+    if (!MpmMaterialIsFaultyWith(material, name, profile->value[k], why)) continue;
+    MpmRealText(profile->value[k], value);
+    MpmCheckInput(PETSC_FALSE, "%s: the value %s does not suit material %s: %s", profile->option, value, material->name,
+                  why);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodyInitialCreate(const MpmOptions *block, const MpmMaterial *material, MpmBodyInitial *initial)
 {
   const MpmLawInfo *info = &material->info;
@@ -78,8 +94,10 @@ PetscErrorCode MpmBodyInitialCreate(const MpmOptions *block, const MpmMaterial *
   (*initial)->material = material;
   PetscCall(PetscCalloc1((PetscInt)info->state_count + 1, &(*initial)->profile));
   for (size_t v = 0; v < info->state_count; v++)
-    if (info->states[v].kind == MPM_STATE_SCALAR)
+    if (info->states[v].kind == MPM_STATE_SCALAR) {
       PetscCall(ReadProfile(block, &info->states[v], &(*initial)->profile[v]));
+      PetscCall(CheckValues(material, info->states[v].name, &(*initial)->profile[v]));
+    }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -111,7 +111,7 @@ static MpmParameter WithDefault(const MpmMaterial *material, size_t k)
 static void FaultText(const MpmMaterial *material, const MpmLawFault *fault, char why[MPM_FAULT_TEXT])
 {
   const MpmParameter *parameter = &material->info.parameters[fault->parameter];
-  char                range[MPM_RANGE_TEXT], value[MPM_NUMBER_TEXT];
+  char                range[MPM_RANGE_TEXT], value[MPM_NUMBER_TEXT], must[MPM_MUST_TEXT];
 
   MpmRangeText((MpmRange){fault->lower, fault->upper, (PetscBool)(fault->open != 0)}, range);
   MpmRealText(material->parameter[fault->parameter], value);
@@ -119,8 +119,8 @@ static void FaultText(const MpmMaterial *material, const MpmLawFault *fault, cha
     snprintf(why, MPM_FAULT_TEXT, "%s %s: %s", parameter->name, value, fault->why ? fault->why : "contradicts another");
     return;
   }
-  snprintf(why, MPM_FAULT_TEXT, "%s %s: must %s %s %s%s%s", parameter->name, value,
-           strncmp(range, "in ", 3) ? "be" : "lie", range, parameter->unit, fault->why ? ": " : "",
+  MpmMustText(range, parameter->unit, must);
+  snprintf(why, MPM_FAULT_TEXT, "%s %s: %s%s%s", parameter->name, value, must, fault->why ? ": " : "",
            fault->why ? fault->why : "");
 }
 
@@ -156,6 +156,24 @@ PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TE
   if (fault.parameter >= 0) FaultText(material, &fault, why);
   else snprintf(why, MPM_FAULT_TEXT, "%s", fault.why);
   return PETSC_TRUE;
+}
+
+PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *parameter, PetscReal value,
+                                  char why[MPM_FAULT_TEXT])
+{
+  const size_t count = material->info.parameter_count;
+  PetscBool    faulty;
+
+  for (size_t i = 0; i < count; i++) {
+    const double before = material->parameter[i];
+
+    if (material->info.parameters[i].kind >= MPM_WORD || strcmp(material->info.parameters[i].name, parameter)) continue;
+    material->parameter[i] = value;
+    faulty                 = MpmMaterialIsFaulty(material, why);
+    material->parameter[i] = before;
+    return faulty;
+  }
+  return PETSC_FALSE;
 }
 
 /* ---- strength ---- */
@@ -219,6 +237,9 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "dilation")) material->dilation = material->parameter[i];
+    if (!strcmp(material->info.parameters[i].name, "dilation_residual"))
+      material->dilation = PetscMin(material->dilation, material->parameter[i]);
   }
   PetscCall(PetscArraycpy(material->given, material->parameter, material->info.parameter_count));
   PetscCall(CheckParameters(material));

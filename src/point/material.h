@@ -6,7 +6,8 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
-#define MPM_NU_LOCKS 0.45 /* Poisson's ratio above which material is nearly incompressible */
+#define MPM_NU_LOCKS      0.45 /* Poisson's ratio above which material is nearly incompressible */
+#define MPM_DILATION_FREE 2.5  /* dilation angle, degrees, from which splines follow plastic flow without F-bar */
 
 /* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
 typedef struct MpmMaterial {
@@ -18,6 +19,7 @@ typedef struct MpmMaterial {
   MpmLawTable *table;             /* by parameter */
   MpmFunction  law[MPM_FORM_COUNT];
   PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
+  PetscReal    dilation;    /* angle, degrees, the residual one where that is less; 0 where the law has none */
   PetscReal    stiffness;   /* at rest, Pa */
   PetscReal    penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
   PetscReal    spacing; /* most cells from point to point on an axis at the start; 0: unknown */
@@ -41,6 +43,9 @@ PetscBool MpmMaterialHasStrength(const MpmMaterial *material);
 /* Are the parameters in force out of range, or against each other? `why` then names one: "dilation 40: must be ...". */
 #define MPM_FAULT_TEXT 512
 PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TEXT]);
+/* The same with another value of the parameter of this name; false where the law has no such number. */
+PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *parameter, PetscReal value,
+                                  char why[MPM_FAULT_TEXT]);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
 /*

@@ -28,6 +28,26 @@ static const char *const component[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
 
 /* ---- reading ---- */
 
+/* In plane strain yz and xz may be left out, and are 0. */
+static PetscErrorCode ReadStress(MpmLaboratory *laboratory, const MpmOptions *block)
+{
+  const MpmOptions silent = {block->comm, block->prefix, NULL};
+  const char      *help   = laboratory->dim == 2
+                              ? "at the start, in the measure below: xx, yy, zz, xy (, yz, xz: 0); tension positive"
+                              : "at the start, in the measure below: xx, yy, zz, xy, yz, xz; tension positive";
+  PetscInt         size   = MpmSymSize(laboratory->dim), count;
+  PetscReal       *values;
+
+  PetscFunctionBeginUser;
+  if (size < MPM_SPACE_SYM && !MpmOptionsHelp()) {
+    PetscCall(MpmOptionsRealList(&silent, "stress", "Pa", help, MPM_OPTIONAL, &count, &values));
+    if (count == MPM_SPACE_SYM && values[4] == 0. && values[5] == 0.) size = MPM_SPACE_SYM;
+    PetscCall(PetscFree(values));
+  }
+  PetscCall(MpmOptionsReals(block, "stress", "Pa", help, MPM_RANGE_ANY, MPM_OPTIONAL, size, laboratory->start, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadPoint(MpmLaboratory *laboratory, const MpmOptions *options, PetscInt count,
                                 const char *const materials[])
 {
@@ -38,12 +58,7 @@ static PetscErrorCode ReadPoint(MpmLaboratory *laboratory, const MpmOptions *opt
   laboratory->material = count ? 0 : -1;
   PetscCall(
     MpmOptionsWord(&block, "material", "one of -mpm_materials", materials, MPM_REQUIRED, &laboratory->material, NULL));
-  PetscCall(MpmOptionsReals(&block, "stress", "Pa",
-                            laboratory->dim == 2
-                              ? "at the start, in the measure below: xx, yy, zz, xy; tension positive"
-                              : "at the start, in the measure below: xx, yy, zz, xy, yz, xz; tension "
-                                "positive",
-                            MPM_RANGE_ANY, MPM_OPTIONAL, MpmSymSize(laboratory->dim), laboratory->start, NULL));
+  PetscCall(ReadStress(laboratory, &block));
   PetscCall(MpmOptionsWord(&block, "measure", "the stress that is prescribed and reported", MpmStressMeasures,
                            MPM_OPTIONAL, &measure, NULL));
   PetscCall(MpmOptionsWord(&block, "strain", "the strain that is prescribed and reported: ln V or sym F - I",

@@ -44,6 +44,8 @@ static const struct {
   MODEL("reference_output", BOOL, state.reference_output),
   MODEL("reduction_height", REAL, state.safety.height),
   MODEL("factor_of_safety", REAL, state.safety.factor),
+  MODEL("reduction_moved", REAL, state.safety.moved),
+  MODEL("reduction_last", REAL, state.safety.reduced),
 #undef MODEL
 #undef RESULTS
 };

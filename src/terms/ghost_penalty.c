@@ -23,7 +23,7 @@
   A face is a group of nodes without points: numbering and sparsity treat it like one.
 
   Sources: Burman (2010), doi:10.1016/j.crma.2010.10.006; for the material point method Coombs (2023),
-  doi:10.1016/j.cma.2022.115736.
+  doi:10.1002/nme.7332.
 */
 #include "point/material.h"
 #include "grid/grid.h"

@@ -28,7 +28,7 @@ typedef struct {
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
 typedef struct {
   MpmRamp   ramp;
-  PetscReal limit; /* way of a point, in heights of the material, that tells the factor of safety */
+  PetscReal limit; /* way of a point, in heights of the slope, that tells the factor of safety */
 } MpmReduction;
 
 /*

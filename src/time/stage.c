@@ -438,7 +438,7 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
   } else if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   else PetscCall(MpmRampCreate(block, "reduction", NULL, &stage->reduction.ramp));
   PetscCall(MpmOptionsReal(block, "reduction_limit", "-",
-                           "how far a point has moved in the stage, in heights of the material, where the reduction is "
+                           "how far a point has moved in the stage, in heights of the slope, where the reduction is "
                            "taken as the factor of safety",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &stage->reduction.limit, NULL));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);

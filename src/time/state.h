@@ -5,9 +5,12 @@
 #include "base/base.h"
 #include "base/types.h"
 
-/* Where strength is reduced: the material's height as the stage began, m, and the factor of safety; 0: not known yet. */
+/* Where strength is reduced. */
 typedef struct {
-  PetscReal height, factor;
+  PetscReal height;  /* of the slope as the stage began, m */
+  PetscReal factor;  /* of safety; 0: not known yet */
+  PetscReal moved;   /* the longest way of a point from the stage's beginning to the last step's end, m */
+  PetscReal reduced; /* the reduction there */
 } MpmSafety;
 
 /* What moves on: points, time, and how steps go. */

@@ -10,12 +10,14 @@
   Parameters belong to the time of a step's end. Apply() sets them when a step is tried, and again for the step's start
   when it is rolled back. In stages without a reduction F is 1.
 
-  The factor of safety is F at the end of the first step of the run after which a point has moved `reduction_limit` times
-  the material's height since its stage began. Where the points stood then travels with them and stands in checkpoints.
+  The factor of safety is F when the first point has moved `reduction_limit` times the slope's height since its stage
+  began: between the ends of two steps, in proportion to the longest ways. Where the points stood as the stage began
+  travels with them and stands in checkpoints.
 
   Order of calls: Begin() once its bodies are there, Observe() after each of its steps.
 */
 #include "geometry/geometry.h"
+#include "grid/grid.h"
 #include "point/material.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -52,27 +54,55 @@ void MpmReductionApply(MpmModel model, PetscReal time)
 
 /* ---- the factor of safety ---- */
 
-/* How high the material stands against gravity. */
-static PetscErrorCode FindHeight(MpmModel model, const MpmPoints *points, PetscReal *height)
+/* The highest and the lowest place of the material against gravity, and its highest place in each column of cells. */
+static PetscErrorCode FindTops(MpmModel model, const MpmPoints *points, PetscReal reach[2], PetscReal top[])
 {
-  const PetscInt dim      = model->disc.dim;
-  PetscReal      reach[2] = {PETSC_NINFINITY, PETSC_NINFINITY}, U[MPM_MAX_DIM];
-  PetscInt       axis, up;
+  const PetscInt *cells = model->disc.grid->cells, dim = model->disc.dim;
+  PetscReal       U[MPM_MAX_DIM];
+  PetscInt        axis, up, cell[MPM_MAX_DIM] = {0, 0, 0};
 
   PetscFunctionBeginUser;
   MpmLoadsGetVertical(model->scene.loads, dim, &axis, &up);
   for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal y = points->x[p * dim + axis];
-    PetscReal       half;
+    const PetscReal y = points->x[p * dim + axis] * (PetscReal)up;
+    PetscReal       half, *highest;
 
     PetscCheck(!model->scene.stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     half     = points->half_length[p * dim + axis] * U[axis];
-    reach[0] = PetscMax(reach[0], half + y);
+    reach[0] = PetscMax(reach[0], y + half);
     reach[1] = PetscMax(reach[1], half - y);
+    MpmGridFindCell(model->disc.grid, &points->x[p * dim], cell);
+    cell[axis] = 0;
+    highest    = &top[(cell[2] * (axis == 1 ? 1 : cells[1]) + cell[1]) * (axis == 0 ? 1 : cells[0]) + cell[0]];
+    *highest   = PetscMax(*highest, y + half);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The height of the slope: from the lowest to the highest ground, of all columns of cells that hold material. Where the
+  ground is level, to a fifth of the material's height, that height instead.
+*/
+static PetscErrorCode FindHeight(MpmModel model, const MpmPoints *points, PetscReal *height)
+{
+  const PetscInt *cells    = model->disc.grid->cells;
+  PetscReal       reach[2] = {PETSC_NINFINITY, PETSC_NINFINITY}, lowest = PETSC_INFINITY, *top;
+  PetscInt        axis, up, count;
+
+  PetscFunctionBeginUser;
+  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &axis, &up);
+  count = cells[0] * cells[1] * cells[2] / cells[axis];
+  PetscCall(PetscMalloc1(count, &top));
+  for (PetscInt c = 0; c < count; c++) top[c] = PETSC_NINFINITY;
+  PetscCall(FindTops(model, points, reach, top));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, 2, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, top, (PetscMPIInt)count, MPIU_REAL, MPIU_MAX, model->comm));
+  for (PetscInt c = 0; c < count; c++)
+    if (top[c] > PETSC_NINFINITY) lowest = PetscMin(lowest, top[c]);
+  PetscCall(PetscFree(top));
   *height = reach[0] + reach[1];
+  if (reach[0] - lowest > 0.2 * *height) *height = reach[0] - lowest;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,28 +135,46 @@ PetscErrorCode MpmReductionBegin(MpmModel model)
   PetscCall(FindHeight(model, &points, &model->state.safety.height));
   PetscCall(EachAxis(model, &points, NULL));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  model->state.safety.moved   = 0.;
+  model->state.safety.reduced = MpmReductionFactor(model, model->state.time_start);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The longest way of a point since the stage began. */
+static PetscErrorCode FindMoved(MpmModel model, PetscReal *longest)
+{
+  PetscReal *moved;
+  MpmPoints  points;
+
+  PetscFunctionBeginUser;
+  *longest = 0.;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscCalloc1(points.count, &moved));
+  PetscCall(EachAxis(model, &points, moved));
+  for (PetscInt p = 0; p < points.count; p++) *longest = PetscMax(*longest, PetscSqrtReal(moved[p]));
+  PetscCall(PetscFree(moved));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, longest, 1, MPIU_REAL, MPIU_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmReductionObserve(MpmModel model)
 {
   const MpmReduction *reduction = &model->scene.stages[model->state.stage].reduction;
-  PetscReal           largest   = 0., *moved;
-  MpmPoints           points;
+  const MpmSafety     before    = model->state.safety;
+  MpmSafety          *safety    = &model->state.safety;
+  const PetscReal     limit     = reduction->limit * before.height;
 
   PetscFunctionBeginUser;
-  if (!reduction->ramp || model->state.safety.factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscCalloc1(points.count, &moved));
-  PetscCall(EachAxis(model, &points, moved));
-  for (PetscInt p = 0; p < points.count; p++) largest = PetscMax(largest, PetscSqrtReal(moved[p]));
-  PetscCall(PetscFree(moved));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_REAL, MPIU_MAX, model->comm));
-  if (largest < reduction->limit * model->state.safety.height) PetscFunctionReturn(PETSC_SUCCESS);
-  model->state.safety.factor = MpmReductionFactor(model, model->state.time);
+  if (!reduction->ramp || before.factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindMoved(model, &safety->moved));
+  safety->reduced = MpmReductionFactor(model, model->state.time);
+  if (safety->moved < limit) PetscFunctionReturn(PETSC_SUCCESS);
+  safety->factor = safety->reduced;
+  if (safety->moved > before.moved)
+    safety->factor =
+      before.reduced + (safety->reduced - before.reduced) * (limit - before.moved) / (safety->moved - before.moved);
   PetscCall(MpmMonitorNote(&model->monitor, "factor of safety %.4g: a point has moved %.3g m, %g of the height",
-                           (double)model->state.safety.factor, (double)largest,
-                           (double)(largest / model->state.safety.height)));
+                           (double)safety->factor, (double)limit, (double)reduction->limit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -25,15 +25,17 @@ static double *Size(Point *point)
   return &point->state[LawState(point->law, "preconsolidation")];
 }
 
-/* The clay of the constants above; neither ocr nor preconsolidation is given */
+/* The clay of the constants above; neither ocr, pop nor preconsolidation is given */
 static Point Clay(void)
 {
   const struct {
     const char *name;
     double      value;
-  } values[] = {{"kappa", KAPPA},       {"lambda", LAMBDA},           {"M", M_CRITICAL}, {"G", G_SHEAR},
-                {"pressure_min", 1.},   {"reference_pressure", 250.}, {"ocr", HUGE_VAL}, {"preconsolidation", HUGE_VAL},
-                {"specific_volume", 2.}};
+  } values[] = {{"kappa", KAPPA},        {"lambda", LAMBDA},
+                {"M", M_CRITICAL},       {"G", G_SHEAR},
+                {"pressure_min", 1.},    {"reference_pressure", 250.},
+                {"ocr", HUGE_VAL},       {"preconsolidation", HUGE_VAL},
+                {"specific_volume", 2.}, {"pop", HUGE_VAL}};
   Point point;
 
   RandomSeed(0);
@@ -231,6 +233,11 @@ START_TEST(test_history)
   Expect("p_c of the scene", *Size(&point), 1.5 * before, 1e-10);
 
   point = Clay();
+  PointSet(&point, "pop", 25.);
+  ck_assert_int_eq(SetStress(&point, -80., -200., -90.), 0);
+  Expect("p_c", *Size(&point), before + 25., 1e-10);
+
+  point = Clay();
   ck_assert_int_ne(SetStress(&point, 0., 0., 0.), 0);
   ck_assert_int_ne(SetStress(&point, 1., 2., 3.), 0);
   PointSet(&point, "preconsolidation", 30.);
@@ -240,6 +247,34 @@ START_TEST(test_history)
   Invariants(tau, &p, &q);
   Expect("f", q * q / (M_CRITICAL * M_CRITICAL) + p * (p - *Size(&point)), 0., 1e-8);
   ck_assert_double_gt(*Size(&point), 30.);
+}
+END_TEST
+
+/* The ratio of ground at rest: Jaky's, by the overconsolidation that ocr, pop or a preconsolidation makes */
+START_TEST(test_ratio_at_rest)
+{
+  const double sine = 3. * M_CRITICAL / (6. + M_CRITICAL), weight = 90.;
+  const double p = weight * (3. - 2. * sine) / 3., q = sine * weight;
+  const double size = p + q * q / (M_CRITICAL * M_CRITICAL * p);
+  const struct {
+    const char *name;
+    double      value, ocr;
+  } cases[] = {{"ocr", 1., 1.},
+               {"ocr", 3., 3.},
+               {"pop", 0., 1.},
+               {"pop", 40., 1. + 40. / size},
+               {"preconsolidation", 2. * size, 2.},
+               {"preconsolidation", 0.5 * size, 1.}};
+  MpmLawTable table[MAX_PARAMETERS];
+
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+    Point point = Clay();
+
+    PointSet(&point, cases[k].name, cases[k].value);
+    PointInput(&point, NULL, table);
+    Expect("ratio", point.law->info[PLAIN].k0(point.parameter, table, point.state, weight),
+           (1. - sine) * pow(cases[k].ocr, sine), 1e-14);
+  }
 }
 END_TEST
 
@@ -324,7 +359,7 @@ TCase *CamClayCase(void)
 {
   TCase             *tcase   = tcase_create("Modified Cam-Clay");
   const TTest *const tests[] = {test_undrained, test_critical_state, test_isochoric_flow, test_linear_elasticity,
-                                test_history,   test_step,           test_asymmetry};
+                                test_history,   test_step,           test_asymmetry,      test_ratio_at_rest};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   if (DIM == 3) tcase_add_test(tcase, test_isotropic_lines); /* needs a strain across the plane */

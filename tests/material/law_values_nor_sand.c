@@ -26,6 +26,8 @@ static Point NorSand(double N, double v, double image)
                 {"specific_volume", v},
                 {"image_pressure", image},
                 {"preconsolidation", HUGE_VAL},
+                {"ocr", HUGE_VAL},
+                {"pop", HUGE_VAL},
                 {"reference_pressure", 100e3}};
   Point point;
 
@@ -370,6 +372,51 @@ START_TEST(test_nor_sand_check)
 }
 END_TEST
 
+/*
+  Image pressure from a stress: with ocr = 1 or pop = 0 the stress is on the yield surface; ocr multiplies the surface's size
+  and pop adds to that at its tip. The ratio of ground at rest goes with the same overconsolidation.
+*/
+START_TEST(test_nor_sand_overconsolidation)
+{
+  const double stress[SYM] = {-80e3, -200e3, -90e3}, pop = 70e3, sine = 3. * 1.2 / 7.2;
+  const double N = _i ? 0.4 : 0., tip = Tip(N), eta_jaky = 3. * sine / (3. - 2. * sine);
+  double       p, q, image[2];
+  MpmLawTable  table[MAX_PARAMETERS];
+
+  Invariants(stress, &p, &q);
+  for (int excess = 0; excess < 2; ++excess) {
+    const char *name                                                              = excess ? "pop" : "ocr";
+    Point       point                                                             = NorSand(N, 1.7, HUGE_VAL);
+    int (*history)(const double *, const MpmLawTable *, const double *, double *) = point.law->info[PLAIN].history;
+
+    PointInput(&point, NULL, table);
+    for (int larger = 0; larger < 2; ++larger) {
+      PointReset(&point);
+      PointSet(&point, name, excess ? larger * pop : 1. + larger);
+      ck_assert_int_eq(history(point.parameter, table, stress, point.state), 0);
+      image[larger] = Image(&point);
+    }
+    ck_assert_double_eq_tol((q + StressRatio(&point, p, -image[0]) * p) / q, 0., 1e-13);
+    ck_assert_double_eq_tol(image[1] / (excess ? image[0] + pop / tip : 2. * image[0]), 1., 1e-14);
+    if (N > 0.) { /* q/p above M/N, which no surface has */
+      const double steep[SYM] = {20e3, -900e3, 20e3};
+
+      PointReset(&point);
+      ck_assert_int_ne(history(point.parameter, table, steep, point.state), 0);
+    }
+    /* at rest under 90 kPa: the size through Jaky's stress is `size` */
+    {
+      const double weight = 90e3, pressure = weight * (3. - 2. * sine) / 3.;
+      const double ratio = N > 0. ? pow((1. - eta_jaky * N / 1.2) / (1. - N), (1. - N) / N) : exp(1. - eta_jaky / 1.2);
+      const double size = tip * pressure / ratio, ocr = excess ? 1. + pop / size : 2.;
+
+      ck_assert_double_eq_tol(point.law->info[PLAIN].k0(point.parameter, table, NULL, weight),
+                              (1. - sine) * pow(ocr, sine), 1e-13);
+    }
+  }
+}
+END_TEST
+
 TCase *NorSandCase(void)
 {
   TCase *tcase = tcase_create("Nor-Sand");
@@ -382,6 +429,7 @@ TCase *NorSandCase(void)
   tcase_add_test(tcase, test_nor_sand_small_N);
   tcase_add_test(tcase, test_nor_sand_continuity);
   tcase_add_test(tcase, test_nor_sand_taylor);
+  tcase_add_loop_test(tcase, test_nor_sand_overconsolidation, 0, 2);
   tcase_add_test(tcase, test_nor_sand_check);
   return tcase;
 }

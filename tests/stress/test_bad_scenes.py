@@ -4,6 +4,7 @@
 The table holds the change that spoils a good scene (None removes an option) and what the line must contain. Some cases
 run on 2 ranks too, where the line must still appear once.
 """
+import concurrent.futures
 import sys
 from pathlib import Path
 
@@ -50,6 +51,12 @@ OGDEN = {"mpm_material_soil_type": "ogden", "mpm_material_soil_E": None, "mpm_ma
 J2 = {"mpm_material_soil_type": "j2", "mpm_material_soil_yield_stress": "1e4"}
 PRAGER = {"mpm_material_soil_type": "drucker_prager", "mpm_material_soil_friction": "30",
           "mpm_material_soil_dilation": "0", "mpm_material_soil_cohesion": "1e3"}
+CLAY = {"mpm_material_soil_type": "modified_cam_clay", "mpm_material_soil_E": None, "mpm_material_soil_nu": None,
+        "mpm_material_soil_kappa": "0.02", "mpm_material_soil_lambda": "0.1", "mpm_material_soil_M": "1.2",
+        "mpm_material_soil_G": "4e6"}
+SAND = {**CLAY, "mpm_material_soil_type": "nor_sand", "mpm_material_soil_lambda": "0.02", "mpm_material_soil_v_c0": "1.9",
+        "mpm_material_soil_h": "100", "mpm_material_soil_specific_volume": "1.7", "mpm_material_soil_image_pressure": "1e5",
+        "mpm_material_soil_reference_pressure": "1e5"}
 NO_BOX = {"mpm_body_block_lower": None, "mpm_body_block_upper": None}
 NORMAL = {"mpm_bc_base_components": None, "mpm_bc_base_normal": "1,2"}
 PLANE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "plane", "mpm_boundary_wall_point": "2,0",
@@ -118,7 +125,7 @@ CASES = [
     ("cohesion negative", {**PRAGER, "mpm_material_soil_cohesion": "-1"}, "-mpm_material_soil_cohesion"),
     ("unknown fit", {**PRAGER, "mpm_material_soil_fit": "tight"}, "-mpm_material_soil_fit"),
     ("Mohr-Coulomb's friction of a right angle", {**COULOMB, "mpm_material_soil_friction": "90"},
-     "-mpm_material_soil_friction 90: must lie in [0, 89]"),
+     "-mpm_material_soil_friction 90: must lie in [0, 89] degrees"),
     ("dilation above friction", {**COULOMB, "mpm_material_soil_dilation": "31"},
      "-mpm_material_soil_dilation 31: must lie in [0, 30] degrees"),
     ("tension beyond the apex", {**COULOMB, "mpm_material_soil_tension": "1733"},
@@ -139,10 +146,45 @@ CASES = [
     ("neither nu nor a bulk modulus", {**OGDEN, "mpm_material_soil_nu": None},
      "-mpm_material_soil_nu 0.5: must lie in (-1, 0.5)"),
     ("nu and a bulk modulus", {**OGDEN, "mpm_material_soil_bulk_modulus": "1e8"},
-     "-mpm_material_soil_nu 0.4: must lie in [0.5, 0.5] -: bulk_modulus is given"),
+     "-mpm_material_soil_nu 0.4: must lie in [0.5, 0.5]: bulk_modulus is given"),
     ("unknown volumetric", {"mpm_material_soil_type": "neo_hookean", "mpm_material_soil_volumetric": "cubic"},
      "-mpm_material_soil_volumetric"),
     ("foreign parameter", {**COULOMB, "mpm_material_soil_yield_stress": "1e3"}, "-mpm_material_soil_yield_stress"),
+    ("Drucker-Prager's dilation above friction", {**PRAGER, "mpm_material_soil_dilation": "31"},
+     "-mpm_material_soil_dilation 31: must lie in [0, 30] degrees"),
+    ("kappa of lambda", {**CLAY, "mpm_material_soil_kappa": "0.1"},
+     "-mpm_material_soil_kappa 0.1: must lie in (0, 0.1): kappa must be less than lambda"),
+    ("kappa above lambda", {**CLAY, "mpm_material_soil_kappa": "0.2"},
+     "-mpm_material_soil_kappa 0.2: must lie in (0, 0.1): kappa must be less than lambda"),
+    ("overconsolidation below one", {**CLAY, "mpm_material_soil_ocr": "0.9"}, "-mpm_material_soil_ocr 0.9: must be >= 1"),
+    ("negative excess of preconsolidation", {**CLAY, "mpm_material_soil_pop": "-1"}, "-mpm_material_soil_pop -1: must be >= 0 Pa"),
+    ("ocr and a preconsolidation", {**CLAY, "mpm_material_soil_ocr": "2", "mpm_material_soil_preconsolidation": "2e5"},
+     "-mpm_material_soil_ocr 2: preconsolidation is given, too"),
+    ("ocr and pop", {**CLAY, "mpm_material_soil_ocr": "2", "mpm_material_soil_pop": "5e4"},
+     "-mpm_material_soil_pop 50000: ocr or preconsolidation is given, too"),
+    ("pop and a preconsolidation", {**CLAY, "mpm_material_soil_pop": "5e4", "mpm_material_soil_preconsolidation": "2e5"},
+     "-mpm_material_soil_pop 50000: ocr or preconsolidation is given, too"),
+    ("ocr and a body's preconsolidation", {**CLAY, "mpm_material_soil_ocr": "2",
+                                           "mpm_body_block_initial_preconsolidation": "0:3e5,2:2e5"},
+     "-mpm_body_block_initial_preconsolidation: the value 300000 does not suit material soil: ocr 2: preconsolidation is given"),
+    ("pop and a body's preconsolidation", {**CLAY, "mpm_material_soil_pop": "0",
+                                           "mpm_body_block_initial_preconsolidation": "2e5"},
+     "-mpm_body_block_initial_preconsolidation: the value 200000 does not suit material soil: pop 0: ocr or preconsolidation"),
+    ("body's preconsolidation of zero", {**CLAY, "mpm_body_block_initial_preconsolidation": "0"},
+     "-mpm_body_block_initial_preconsolidation: the value 0 does not suit material soil: preconsolidation 0: must be > 0 Pa"),
+    ("body's specific volume below one", {**SAND, "mpm_body_block_initial_specific_volume": "0:0.9,2:1.6"},
+     "-mpm_body_block_initial_specific_volume: the value 0.9 does not suit material soil: specific_volume 0.9: must be > 1"),
+    ("profile that misses points", {**CLAY, "mpm_body_block_initial_preconsolidation": "1:2e5,2:1e5"},
+     "-mpm_body_block_initial_preconsolidation: heights reach from 1 to 2 m, and there is a point at 0.75 m"),
+    ("N of one", {**SAND, "mpm_material_soil_N": "1"}, "-mpm_material_soil_N 1: must lie in [0, 0.95]"),
+    ("Nor-Sand's ocr and image pressure", {**SAND, "mpm_material_soil_ocr": "2"},
+     "-mpm_material_soil_ocr 2: only one of image_pressure, preconsolidation, ocr and pop can be given"),
+    ("Nor-Sand's pop and a body's image pressure", {**SAND, "mpm_material_soil_image_pressure": None,
+                                                    "mpm_material_soil_pop": "1e4",
+                                                    "mpm_body_block_initial_image_pressure": "1e5"},
+     "-mpm_body_block_initial_image_pressure: the value 100000 does not suit material soil: pop 10000: only one of"),
+    ("Nor-Sand without an image pressure", {**SAND, "mpm_material_soil_image_pressure": None},
+     "-mpm_material_soil: one of image_pressure (Pa, > 0), preconsolidation (Pa, > 0), ocr (-, >= 1) and pop (Pa, >= 0)"),
     # grid
     ("no cells", {"mpm_grid_cells": None}, "-mpm_grid_cells"),
     ("zero cells", {"mpm_grid_cells": "0,4"}, "-mpm_grid_cells"),
@@ -462,43 +504,53 @@ def faults(run, expected, ranks):
         yield "wrote " + ", ".join(extra)
 
 
-def refuse(test, name, folder, expected, ranks):
-    run = Run(test.program, folder / "scene.yaml", ranks, {}, folder)
-    found = list(faults(run, expected, ranks))
-    label = name.replace(" ", "_") + ("" if ranks == 1 else f"_on_{ranks}_ranks")
-    test.check(label, len(found), None, 0)
-    if found:
-        print(f"    {'; '.join(found)}: {run.errors.strip()[:400]}")
+class Refusals:
+    """Runs of spoilt scenes, several at a time: most of a refused run's time goes by while MPI starts and ends."""
 
+    def __init__(self, test):
+        self.test, self.pool, self.waiting = test, concurrent.futures.ThreadPoolExecutor(4), []
+
+    def add(self, name, expected, options=None, **files):
+        """A case on one rank or, if TWO_RANKS has it, on both numbers; files by their stems, None: not there."""
+        for count in (1, 2) if name in TWO_RANKS else (1,):
+            folder = self.test.folder()
+            if options is not None:
+                write_scene(folder, changed(options))
+            for stem, text in files.items():
+                if text is not None:
+                    (folder / SUFFIXES[stem]).write_text(text, encoding="utf-8")
+            run = self.pool.submit(Run, self.test.program, folder / "scene.yaml", count, {}, folder)
+            self.waiting.append((name, expected, count, run))
+
+    def finish(self):
+        for name, expected, count, future in self.waiting:
+            run = future.result()
+            found = list(faults(run, expected, count))
+            label = name.replace(" ", "_") + ("" if count == 1 else f"_on_{count}_ranks")
+            self.test.check(label, len(found), None, 0)
+            if found:
+                print(f"    {'; '.join(found)}: {run.errors.strip()[:400]}")
+        self.pool.shutdown()
+
+
+SUFFIXES = {"scene": "scene.yaml", "points": "points.csv"}
 
 with Test() as test:
     place = test.folder()
     good = Run(test.program, write_scene(place, GOOD), 1, {}, place)
     test.check("the_good_scene", good.status, 0, 0)
+    refusals = Refusals(test)
     for case, change, contains in CASES:
-        for count in (1, 2) if case in TWO_RANKS else (1,):
-            place = test.folder()
-            write_scene(place, changed(change))
-            refuse(test, case, place, contains, count)
+        refusals.add(case, contains, change)
     for case, text, contains in FILES:
-        for count in (1, 2) if case in TWO_RANKS else (1,):
-            place = test.folder()
-            if text is not None:
-                (place / "scene.yaml").write_text(text, encoding="utf-8")
-            refuse(test, case, place, contains, count)
+        refusals.add(case, contains, scene=text)
     lines = write_scene(place, GOOD).read_text(encoding="utf-8")
     for case, head, tail, contains in TWICE:
-        for count in (1, 2) if case in TWO_RANKS else (1,):
-            place = test.folder()
-            (place / "scene.yaml").write_text(head + lines + tail, encoding="utf-8")
-            refuse(test, case, place, contains, count)
+        refusals.add(case, contains, scene=head + lines + tail)
+    for case, text, contains in POINTS:
+        refusals.add(case, contains, FROM_FILE, points=text)
+    refusals.finish()
     for case, head, tail in ONCE:
         (place / "scene.yaml").write_text(head + lines + tail, encoding="utf-8")
         once = Run(test.program, place / "scene.yaml", 1, {"mpm_dim": 2}, place)  # the command line overrides
         test.check(case.replace(" ", "_"), once.status, 0, 0)
-    for case, text, contains in POINTS:
-        for count in (1, 2) if case in TWO_RANKS else (1,):
-            place = test.folder()
-            write_scene(place, changed(FROM_FILE))
-            (place / "points.csv").write_text(text, encoding="utf-8")
-            refuse(test, case, place, contains, count)

@@ -121,15 +121,15 @@ START_TEST(real_ranges)
              MPM_ERR_INPUT, "-mpm_a_E is missing: Young's modulus (Pa), > 0");
   Give("-mpm_a_E", "0");
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "Young's modulus", MPM_RANGE_POSITIVE, MPM_REQUIRED, &value, NULL),
-             MPM_ERR_INPUT, "-mpm_a_E 0: must be > 0");
+             MPM_ERR_INPUT, "-mpm_a_E 0: must be > 0 Pa");
   UNIT_CALL(MpmOptionsReal(&options, "E", "Pa", "Young's modulus", MPM_RANGE_NON_NEGATIVE, MPM_REQUIRED, &value, NULL));
   Give("-mpm_a_E", "12e6");
   UNIT_CALL(MpmOptionsReal(&options, "E", "Pa", "Young's modulus", MPM_RANGE_POSITIVE, MPM_REQUIRED, &value, NULL));
   ck_assert_double_eq(value, 12e6);
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "E", fraction, MPM_REQUIRED, &value, NULL), MPM_ERR_INPUT,
-             "-mpm_a_E 12e6: must lie in [0, 1]");
+             "-mpm_a_E 12e6: must lie in [0, 1] Pa");
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "E", at_most, MPM_REQUIRED, &value, NULL), MPM_ERR_INPUT,
-             "-mpm_a_E 12e6: must be <= 2");
+             "-mpm_a_E 12e6: must be <= 2 Pa");
   Give("-mpm_a_E", "inf");
   UNIT_FAILS(MpmOptionsReal(&options, "E", "Pa", "E", MPM_RANGE_ANY, MPM_REQUIRED, &value, NULL), MPM_ERR_INPUT,
              "-mpm_a_E inf: not a number: E (Pa)");
@@ -233,7 +233,7 @@ START_TEST(lists)
   ck_assert_double_eq(values[0], 0.);
   ck_assert_double_eq(values[1], 9.5);
   UNIT_FAILS(MpmOptionsReals(&options, "lower", "m", "corner", MPM_RANGE_POSITIVE, MPM_OPTIONAL, 2, values, &set),
-             MPM_ERR_INPUT, "-mpm_a_lower 0 , 9.5 : each must be > 0");
+             MPM_ERR_INPUT, "-mpm_a_lower 0 , 9.5 : each must be > 0 m");
   Give("-mpm_a_lower", "1");
   UNIT_FAILS(MpmOptionsReals(&options, "lower", "m", "corner", MPM_RANGE_ANY, MPM_OPTIONAL, 2, values, &set),
              MPM_ERR_INPUT, "-mpm_a_lower 1: must have 2 values, has 1: corner (m), 2 values");

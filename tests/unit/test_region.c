@@ -142,7 +142,7 @@ START_TEST(sphere)
   OUT(1.3, 2.3, 3.3);
   Destroy(&region);
   BLOCK("region", "sphere", "center", "1,2", "radius", "0");
-  Refuse(2, "-mpm_a_radius 0: must be > 0");
+  Refuse(2, "-mpm_a_radius 0: must be > 0 m");
   BLOCK("region", "sphere", "radius", "1");
   Refuse(2, "-mpm_a_center is missing: centre (m), 2 values");
 }

@@ -102,6 +102,8 @@ def check_isotropic(test):
 def check_plane_strain(test):
     space = follow(test, SAND, path="biaxial_drained", end=-0.05, steps=50, stress=ISOTROPIC)
     plane = follow(test, SAND, path="biaxial_drained", end=-0.05, steps=50, stress="-200e3,-200e3,-200e3,0", mpm_dim=2)
+    six = follow(test, SAND, path="biaxial_drained", end=-0.05, steps=50, stress=ISOTROPIC, mpm_dim=2)
+    test.check("plane_strain.six_stresses", np.abs(six["stress_yy"] - plane["stress_yy"]).max(), None, 0)
     for name in ("stress_yy", "stress_zz", "q", "eps_v", "image_pressure", "specific_volume"):
         test.check(f"plane_strain.{name}", np.abs(space[name] / plane[name] - 1).max(), None, 1e-9)
 
@@ -113,8 +115,8 @@ BAD = (
     ("kappa_of_zero", {"kappa": 0}, "-mpm_material_sand_kappa 0: must be > 0"),
     ("no_hardening", {"h": None}, "-mpm_material_sand_h is missing"),
     ("volume_of_grains", {"specific_volume": 1}, "-mpm_material_sand_specific_volume 1: must be > 1"),
-    ("both", {"preconsolidation": 400e3}, "only one of image_pressure and preconsolidation can be given"),
-    ("neither", {"image_pressure": None}, "one of image_pressure and preconsolidation is missing"),
+    ("both", {"preconsolidation": 400e3}, "only one of image_pressure, preconsolidation, ocr and pop can be given"),
+    ("neither", {"image_pressure": None}, "one of image_pressure (Pa, > 0), preconsolidation (Pa, > 0), ocr (-, >= 1) and pop (Pa, >= 0) is missing"),
     ("foreign", {"friction": 30}, "-mpm_material_sand_friction: unknown option"),
 )
 

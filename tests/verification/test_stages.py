@@ -100,22 +100,41 @@ def ratios(test, shape, text, soil, rock, **options):
     test.check(f"{label}.error", np.abs(state["stress"][:, 0] / state["stress"][:, 1] - wanted).max(), None, 1e-9)
 
 
-def clay(test, k0):
-    """Cam-Clay's ratio by its overconsolidation; its preconsolidation follows from the stress."""
-    scene = test.folder() / "clay.yaml"
+SINE = 3 * 1.2 / (6 + 1.2)  # of the friction that M = 1.2 has in triaxial compression
+CLAY = "type: modified_cam_clay, kappa: 0.02, lambda: 0.1, M: 1.2, G: 4e6, density: 2000"
+SAND = ("type: nor_sand, kappa: 0.01, lambda: 0.02, M: 1.2, N: 0.3, G: 20e6, v_c0: 1.9, h: 100, specific_volume: 1.7, "
+        "reference_pressure: 100e3, density: 2000")
+
+
+def clay_size(pressure, shear):
+    """Preconsolidation of the ellipse through a stress."""
+    return pressure + shear**2 / (1.44 * pressure)
+
+
+def sand_size(pressure, shear):
+    """Image pressure of Nor-Sand's yield surface through a stress."""
+    return pressure * ((1 - 0.3 * shear / pressure / 1.2) / 0.7) ** (-0.7 / 0.3)
+
+
+def overconsolidated(test, label, law_text, state_name, size, ocr=None, pop=None):
+    """Ground whose preconsolidation follows from the stress, and the ratio k0 from that: it rests."""
+    scene = test.folder() / "ground.yaml"
     lines = (FOLDER / "level.yaml").read_text(encoding="utf-8").splitlines()
-    law_of_clay = "{type: modified_cam_clay, kappa: 0.02, lambda: 0.1, M: 1.2, G: 4e6, ocr: 2, density: 2000}"
-    scene.write_text("\n".join(f"  material_soil: {law_of_clay}" if "material_soil:" in line else line for line in lines),
+    scene.write_text("\n".join(f"  material_soil: {{{law_text}}}" if "material_soil:" in line else line for line in lines),
                      encoding="utf-8")
-    run = test.run(scene, mpm_quiet=None, mpm_stage_rest_geostatic_k0="soil:ocr,rock:0.8")
-    at_rest(test, "clay", run, "level")
+    run = test.run(scene, mpm_quiet=None, mpm_stage_rest_geostatic_k0="soil:ocr,rock:0.8",
+                   **({"mpm_material_soil_ocr": ocr} if ocr else {"mpm_material_soil_pop": pop}))
+    at_rest(test, label, run, "level")
     state = run.results.state("last")
     ground = state["material"] == 0
     stress = state["stress"][ground] * np.linalg.det(state["F"][ground].reshape(-1, 3, 3))[:, None]
-    test.check("clay.k0_error", np.abs(stress[:, 0] / stress[:, 1] / k0 - 1.0).max(), None, 1e-6)
-    pressure, shear = -stress[:, :3].mean(axis=1), stress[:, 0] - stress[:, 1]
-    size = 2.0 * (pressure + shear**2 / (1.44 * pressure))
-    test.check("clay.preconsolidation", np.abs(state["preconsolidation"][ground] / size - 1.0).max(), None, 1e-6)
+    tip = 1.0 if size is clay_size else 0.7 ** (-0.7 / 0.3)  # preconsolidation over the state variable
+    weight, jaky = -stress[:, 1], 1 - SINE
+    grown = ocr or 1 + pop / (tip * size(weight * (1 + 2 * jaky) / 3, weight * SINE))
+    test.check(f"{label}.k0_error", np.abs(stress[:, 0] / stress[:, 1] / (jaky * grown**SINE) - 1.0).max(), None, 1e-9)
+    expected = size(-stress[:, :3].mean(axis=1), np.abs(stress[:, 0] - stress[:, 1]))
+    expected = expected * ocr if ocr else expected + pop / tip
+    test.check(f"{label}.{state_name}", np.abs(state[state_name][ground] / expected - 1.0).max(), None, 1e-9)
 
 
 def gaps(test, shape, k0):
@@ -308,8 +327,9 @@ with Test() as test:
     ratios(test, "bspline2", "bed:0.3,ground:0.5", 0.5, 0.3, mpm_body_bed_material="soil")
     # Jaky: 1 - sin(30 degrees); with F-bar points under the surface would yield as layers are balanced
     ratios(test, "gimp_bspline2", "soil:ocr,rock:0.25", 0.5, 0.25, mpm_stabilization_fbar="false", **law("mohr_coulomb"))
-    sine = 3 * 1.2 / (6 + 1.2)
-    clay(test, (1 - sine) * 2**sine)
+    for label, law_text, name, size in (("clay", CLAY, "preconsolidation", clay_size), ("sand", SAND, "image_pressure", sand_size)):
+        overconsolidated(test, label + "_ocr", law_text, name, size, ocr=2.0)
+        overconsolidated(test, label + "_pop", law_text, name, size, pop=60e3)
     ratios(test, "gimp", "ground:ocr,bed:ocr", 0.5, 0.5, mpm_body_bed_material="soil", **law("drucker_prager"))
     level(test, "level3d", "hencky", "gimp")
     level(test, "level3d", "drucker_prager", "linear")

@@ -250,7 +250,7 @@ BAD = (
     ("end_that_flattens", {"strain": "engineering", "end": -1}, None, "-mpm_point_end -1: must be > -1"),
     ("end_with_a_unit", {"path": "isotropic", "end": "1 kPa"}, None, "pressure at the end, > 0 in compression (Pa)"),
     ("four_stresses", {"stress": "-1,-1,-1,0"}, None, "-mpm_point_stress -1,-1,-1,0: must have 6 values, has 4"),
-    ("six_stresses_in_2D", {"mpm_dim": 2, "stress": "1,1,1,0,0,0"}, None, "must have 4 values, has 6"),
+    ("six_stresses_in_2D", {"mpm_dim": 2, "stress": "1,1,1,0,1,0"}, None, "must have 4 values, has 6"),
     ("stress_beyond_strength", {"stress": "-1e6,0,0,0,0,0"}, None, "-mpm_point_stress: material soil cannot bear it"),
     ("no_material", {"material": None}, None, "-mpm_point_material is missing"),
     ("material_not_there", {"material": "clay"}, None, "-mpm_point_material clay: must be one of soil"),
