@@ -1,8 +1,8 @@
 """Newton and linear iterations of a slope in 3D, associated and not, against the cell size.
 
 A slope of 2:1 between a rough wall and a plane of symmetry, Mohr-Coulomb with a dilation angle of 0 and of the friction
-angle: at rest under its weight, then with its strength divided by 1.1 and by 1.2. Cells of 2.5, 1.25 and 0.625 m: 1 500,
-8 700 and 59 000 unknowns. What counts are the solves of the second stage, whose points yield.
+angle: at rest under its weight, then with its strength divided by 1.1 and by 1.2. Cells of 1.25, 0.83 and 0.625 m: 8 700,
+26 000 and 59 000 unknowns. What counts are the solves of the second stage, whose points yield.
 """
 import csv
 
@@ -15,7 +15,8 @@ FRICTION, COARSE, STAGE = 20, 2.5, 2  # degrees, m: of the scene; the stage that
 
 def add_arguments(parser):
     parser.set_defaults(ranks=1)
-    parser.add_argument("--refine", type=int, nargs="+", metavar="N", help="parts of 2.5 m a cell's side is (1 2 4)")
+    parser.add_argument("--refine", type=int, nargs="+", metavar="N",
+                        help="parts that 2.5 m is cut into for cells (2 3 4; quick 1 2)")
     parser.add_argument("--dilation", type=float, nargs="+", metavar="DEG", help="dilation angles (0 20)")
     parser.add_argument("--solver", default="amg", metavar="NAME", help="preset (amg)")
     parser.add_argument("--limit", type=float, metavar="S", help="a run that takes longer is ended (1800; quick 120)")
@@ -70,7 +71,7 @@ def run(arguments):
         "dilation", "h", "solver", "ranks", "unknowns", "newton", "linear", "iterations_per_solve", "growth",
         "newton_in_all", "linear_in_all", "solve", "total", "status"])
     for dilation in dilations:
-        for refine in arguments.refine or ((1, 2) if arguments.quick else (1, 2, 4)):
+        for refine in arguments.refine or ((1, 2) if arguments.quick else (2, 3, 4)):
             measure(arguments, dilation, refine, table)
     draw(arguments, table, dilations)
     return 0
