@@ -64,9 +64,9 @@ MPM_FN Cone ConeFromAngle(Real degrees, Real fit)
   Cone       cone;
 
   if (RealValue(fit) < 1.5) {
-    const Real scale = 6. / (sqrt(3.) * (3. + (RealValue(fit) < 0.5 ? -RealSin(angle) : RealSin(angle))));
+    const Real sine = RealSin(angle), scale = 6. / (sqrt(3.) * (3. + (RealValue(fit) < 0.5 ? -sine : sine)));
 
-    cone.eta = scale * RealSin(angle);
+    cone.eta = scale * sine;
     cone.xi  = scale * RealCos(angle);
   } else {
     cone.xi  = 3. / RealSqrt(9. + 12. * RealTan(angle) * RealTan(angle));
@@ -75,39 +75,43 @@ MPM_FN Cone ConeFromAngle(Real degrees, Real fit)
   return cone;
 }
 
-/* The yield condition in elastic strains, |dev e| + slope tr(e) - size <= 0, and tr(e) gained per |dev e| lost in
-   plastic flow */
+/* The yield condition in elastic strains, |dev e| + slope tr(e) - size <= 0 */
 typedef struct {
   Real slope; /* sqrt(2) eta K/(2 mu) */
   Real size;  /* sqrt(2) xi c/(2 mu) */
-  Real flow;  /* sqrt(2) eta_bar */
 } StrainCone;
 
 MPM_FN StrainCone StrainConeFromParameters(const Real *parameter, Lame lame)
 {
   const Cone yield = ConeFromAngle(parameter[FRICTION], parameter[FIT]);
-  const Cone flow  = ConeFromAngle(parameter[DILATION], parameter[FIT]);
   const Real bulk  = lame.lambda + 2. / 3. * lame.mu;
   StrainCone cone;
 
   cone.slope = yield.eta * bulk / (sqrt(2.) * lame.mu);
   cone.size  = yield.xi * parameter[COHESION] / (sqrt(2.) * lame.mu);
-  cone.flow  = sqrt(2.) * flow.eta;
   return cone;
+}
+
+/* tr(e) gained per |dev e| lost in plastic flow: sqrt(2) eta_bar */
+MPM_FN Real FlowFromParameters(const Real *parameter)
+{
+  return sqrt(2.) * ConeFromAngle(parameter[DILATION], parameter[FIT]).eta;
 }
 
 typedef enum { ELASTIC, ON_CONE, AT_APEX } Regime;
 
 /* Takes a trial strain to the yield surface if it is outside. */
-MPM_FN Regime ReturnMap(const StrainCone *cone, Sym *e)
+MPM_FN Regime ReturnMap(const Real *parameter, const StrainCone *cone, Sym *e)
 {
-  const Sym    dev         = SymDev(e);
-  const Scalar trace       = SymTrace(e);
-  const double norm        = SymNormValue(&dev);
-  const double excess      = norm + RealValue(cone->slope) * ScalarValue(trace) - RealValue(cone->size);
-  const Real   denominator = 1. + cone->slope * cone->flow;
+  const Sym    dev    = SymDev(e);
+  const Scalar trace  = SymTrace(e);
+  const double norm   = SymNormValue(&dev);
+  const double excess = norm + RealValue(cone->slope) * ScalarValue(trace) - RealValue(cone->size);
+  Real         flow, denominator;
 
   if (!(excess > ELASTIC_STRAIN_NOISE)) return ELASTIC;
+  flow        = FlowFromParameters(parameter);
+  denominator = 1. + cone->slope * flow;
   if (norm * RealValue(denominator) >= excess) {
     /* excess > 0 makes the norm positive here */
     const Scalar length  = SymNorm(&dev);
@@ -115,7 +119,7 @@ MPM_FN Regime ReturnMap(const StrainCone *cone, Sym *e)
     const Scalar dg      = ScalarScale(1. / denominator, outside);
 
     *e = SymAxpy(ScalarNeg(ScalarDiv(dg, length)), &dev, e);
-    *e = SymShift(e, ScalarScale(-cone->flow / 3., dg));
+    *e = SymShift(e, ScalarScale(-flow / 3., dg));
     return ON_CONE;
   }
   /* Only a cone with a slope has an apex: with slope 0 the norm is at least the excess. */
@@ -138,7 +142,7 @@ MPM_FN int MpmMaterialEvaluate_drucker_prager(const MpmLawPoint *point, const Te
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
   if (!RealVanishes(v_n)) e = SymShift(&e, ScalarConstant(v_n / 3.));
   trace_trial = ScalarReal(SymTrace(&e));
-  regime      = ReturnMap(&cone, &e);
+  regime      = ReturnMap(parameter, &cone, &e);
   *tau        = ElasticStress(lame, &e);
   if (point->state) {
     const int keep = regime == AT_APEX && RealValue(parameter[VOLUME_CORRECTION]) > 0.5;

@@ -97,11 +97,12 @@ MPM_FN Real StrainAtMinimum(const Real *parameter)
 
 MPM_FN Dual Pressure(const Real *parameter, Dual strain)
 {
-  const Real flexibility = -1. / parameter[KAPPA], end = StrainAtMinimum(parameter);
+  const Real flexibility = -1. / parameter[KAPPA];
+  const Dual p           = DualScale(parameter[REFERENCE_PRESSURE], DualExp(DualScale(flexibility, strain)));
 
-  if (DualValue(strain) <= RealValue(end))
-    return DualScale(parameter[REFERENCE_PRESSURE], DualExp(DualScale(flexibility, strain)));
-  return DualScale(parameter[PRESSURE_MIN], DualShift(DualScale(flexibility, DualShift(strain, -end)), 1.));
+  if (DualValue(p) >= RealValue(parameter[PRESSURE_MIN])) return p;
+  strain = DualShift(strain, -StrainAtMinimum(parameter));
+  return DualScale(parameter[PRESSURE_MIN], DualShift(DualScale(flexibility, strain), 1.));
 }
 
 MPM_FN double PressureValue(const Real *parameter, double strain)
@@ -180,27 +181,29 @@ MPM_FN void FindStart(const Real *parameter, const Trial *trial, double x[2])
   const double axis =
     (log(RealValue(parameter[REFERENCE_PRESSURE]) / trial->size) - trial->strain / trial->kappa) / slope;
   const int wet   = 2. * PressureValue(parameter, trial->strain) > trial->size;
-  double    outer = 0., inner = axis + log(2.) / slope, at; /* R < 0 and R > 0 */
+  double    outer = 0., inner = axis + log(2.) / slope; /* R < 0 and R > 0 */
+  double    at, last, before;                           /* v, and the last two steps of it */
   Guess     guess;
 
   if (wet && axis > 0. && axis <= linear) outer = axis;
   if (!wet && linear < 0. && 2. * p_min >= trial->size * exp(linear / trial->hardening)) inner = linear;
-  at = outer;
+  at   = outer;
+  last = before = 2. * fabs(inner - outer);
   for (int iteration = 0; iteration < 60; ++iteration) {
-    const double range = fabs(inner - outer);
-    double       next;
-    int          beyond; /* critical state */
+    double next;
+    int    beyond; /* critical state */
 
     guess  = GuessAt(parameter, trial, at);
     beyond = wet ? guess.normal <= 0. : guess.normal >= 0.;
     if (guess.R > 0. || beyond) inner = at;
     else outer = at;
     next = at - guess.R / guess.slope;
-    if (beyond || !(next > fmin(inner, outer) && next < fmax(inner, outer)) ||
-        (iteration % 3 == 2 && fabs(inner - outer) > 0.5 * range))
+    if (beyond || !(next > fmin(inner, outer) && next < fmax(inner, outer)) || fabs(next - at) > 0.5 * before)
       next = 0.5 * (inner + outer);
     if (fabs(next - at) <= 1e-3 * fmin(fabs(at), trial->kappa) || next == inner || next == outer) break;
-    at = next;
+    before = last;
+    last   = fabs(next - at);
+    at     = next;
   }
   x[0] = at;
   x[1] = fabs(guess.normal) > 0.5 * guess.size ? trial->shear * at / (trial->M2 * guess.normal)

@@ -330,19 +330,20 @@ MPM_FN int Growth(const void *problem, const Dual input[], const Dual x[], Dual 
 /* Return of trial stresses outside the yield surface, with the growth of kappa */
 MPM_FN int ReturnSoftening(const MpmLawPoint *point, const Dual trial[3], Dual *x, Dual t[3])
 {
-  const double left = RealValue(point->parameter[SOFTENING_STRAIN]) - RealValue(point->state_n[STATE_KAPPA]);
+  const double   left   = RealValue(point->parameter[SOFTENING_STRAIN]) - RealValue(point->state_n[STATE_KAPPA]);
+  const Implicit growth = {Growth, point, trial, 3, 1, left};
+  double         grown, slope;
 
   *x = DualConstant(left > 0. && left <= DBL_MAX ? left : 0.);
   if (ReturnWith(point, trial, x, t)) return 1; /* with the residual strength, or one that does not change */
-  if (left > 0. && left <= DBL_MAX && DualValue(*x) < left) {
-    const Implicit growth = {Growth, point, trial, 3, 1, left};
-    Dual           unused;
-
-    if (ImplicitBracket(&growth, 0., left, DualValue(*x), x)) return 1;
-    unused = *x;
-    return ReturnWith(point, trial, &unused, t);
-  }
-  return 0;
+  if (!(left > 0. && left <= DBL_MAX && DualValue(*x) < left)) return 0;
+  if (ImplicitFind(&growth, 0., left, DualValue(*x), &grown)) return 1;
+  *x = DualSeed(grown, 3); /* a direction that the stresses have not taken */
+  if (ReturnWith(point, trial, x, t)) return 1;
+  slope = DualDirection(*x, 3);
+  *x    = DualChain(*x, grown, 1. / (1. - slope)); /* of x - grown(trial, x) = 0 */
+  for (int a = 0; a < 3; ++a) DualAddDirections(&t[a], DualDirection(t[a], 3), x);
+  return fabs(1. - slope) < DBL_MIN;
 }
 
 /* ---- the law ---- */

@@ -96,26 +96,35 @@ static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STAT
 #define START_CUTS        50   /* bisections that find a start of the local problem where Newton finds none */
 #define NEAR_TIP          0.01 /* eta/M below which the local problem has e_s as an unknown */
 #define SERIES            0.05 /* below it the functions of N are summed as series */
-#define SERIES_TERMS      13
 
 /* ---- functions that are smooth at N = 0 ---- */
+
+/* sum_k coefficient[k] x^k, k < count, and its derivative */
+MPM_FN void Polynomial(const double coefficient[], int count, double x, double *f, double *slope)
+{
+  *f     = coefficient[count - 1];
+  *slope = 0.;
+  for (int k = count - 2; k >= 0; --k) {
+    *slope = *slope * x + *f;
+    *f     = *f * x + coefficient[k];
+  }
+}
 
 /* expm1(u)/u */
 MPM_FN Dual GrowthFunction(Dual u)
 {
-  const double x = DualValue(u);
-  double       f = 0., slope = 0.;
+  const double a[] = {1.,        1. / 2.,    1. / 6.,     1. / 24.,     1. / 120.,
+                      1. / 720., 1. / 5040., 1. / 40320., 1. / 362880., 1. / 3628800.};
+  const double x   = DualValue(u);
+  double       f, slope;
 
   if (fabs(x) < SERIES) {
-    /* f = 1 + x/2 (1 + x/3 (1 + ...)) and its derivative */
-    for (int k = SERIES_TERMS; k >= 2; --k) {
-      slope = (1. + f + x * slope) / k;
-      f     = x / k * (1. + f);
-    }
-    f += 1.;
+    Polynomial(a, (int)MPM_ROWS(a), x, &f, &slope);
   } else {
-    f     = expm1(x) / x;
-    slope = (exp(x) - f) / x;
+    const double growth = expm1(x);
+
+    f     = growth / x;
+    slope = (growth + 1. - f) / x;
   }
   return DualChain(u, f, slope);
 }
@@ -123,15 +132,13 @@ MPM_FN Dual GrowthFunction(Dual u)
 /* log1p(u)/u */
 MPM_FN Dual LogFunction(Dual u)
 {
-  const double x = DualValue(u);
-  double       f = 0., slope = 0.;
+  const double a[] = {1.,       -1. / 2., 1. / 3.,   -1. / 4., 1. / 5.,   -1. / 6., 1. / 7.,
+                      -1. / 8., 1. / 9.,  -1. / 10., 1. / 11., -1. / 12., 1. / 13., -1. / 14.};
+  const double x   = DualValue(u);
+  double       f, slope;
 
   if (fabs(x) < SERIES) {
-    /* f = sum_k (-x)^k/(k + 1) */
-    for (int k = SERIES_TERMS; k >= 0; --k) {
-      slope = -f - x * slope;
-      f     = 1. / (k + 1) - x * f;
-    }
+    Polynomial(a, (int)MPM_ROWS(a), x, &f, &slope);
   } else {
     f     = log1p(x) / x;
     slope = (1. / (1. + x) - f) / x;
@@ -139,15 +146,14 @@ MPM_FN Dual LogFunction(Dual u)
   return DualChain(u, f, slope);
 }
 
-/* ln(1 + exp a) */
-MPM_FN Dual SoftPlus(Dual a)
-{
-  const double x = DualValue(a), small = exp(-fabs(x)), value = (x > 0. ? x : 0.) + log1p(small);
-
-  return DualChain(a, value, (x > 0. ? 1. : small) / (1. + small));
-}
-
 /* ---- the model, in y = ln(p/-p_ref) and L = ln(p/p_i) ---- */
+
+/* What a step is about */
+typedef struct {
+  const MpmLawPoint *point;
+  Real               log_image; /* ln(p_i/-p_ref) at the step's start */
+  Real               line;      /* psi_i - v - lambda ln(p_i/p_ref) */
+} Step;
 
 /* df/dp */
 MPM_FN Dual Dilatancy(const Real *parameter, Dual L)
@@ -158,9 +164,10 @@ MPM_FN Dual Dilatancy(const Real *parameter, Dual L)
                    DualMul(L, GrowthFunction(DualScale(parameter[CURVATURE] / rest, L))));
 }
 
-MPM_FN Dual StressRatio(const Real *parameter, Dual L)
+/* eta of df/dp */
+MPM_FN Dual StressRatio(const Real *parameter, Dual dilatancy)
 {
-  return DualShift(DualScale(1. - parameter[CURVATURE], Dilatancy(parameter, L)), parameter[CRITICAL_RATIO]);
+  return DualShift(DualScale(1. - parameter[CURVATURE], dilatancy), parameter[CRITICAL_RATIO]);
 }
 
 /* L where eta = 0: where the yield surface meets the axis of pressure */
@@ -170,13 +177,12 @@ MPM_FN Dual TipRatio(const Real *parameter)
 }
 
 /* ln(p_l/p) */
-MPM_FN Dual LimitRatio(const Real *parameter, Dual v, Dual log_image)
+MPM_FN Dual LimitRatio(const Step *step, Dual v, Dual log_image)
 {
-  const Real N      = parameter[CURVATURE];
-  const Real line   = RealLog(parameter[REFERENCE_PRESSURE] / CRITICAL_PRESSURE) * parameter[LAMBDA] - parameter[V_C0];
-  const Dual psi    = DualShift(DualAdd(v, DualScale(parameter[LAMBDA], log_image)), line);
-  const Dual s      = DualScale(LIMIT_SLOPE / (parameter[BETA] * parameter[CRITICAL_RATIO]), psi);
-  const Dual scaled = DualScale(N, s);
+  const Real *parameter = step->point->parameter, N = parameter[CURVATURE];
+  const Dual  psi    = DualShift(DualAdd(v, DualScale(parameter[LAMBDA], log_image)), step->line);
+  const Dual  s      = DualScale(LIMIT_SLOPE / (parameter[BETA] * parameter[CRITICAL_RATIO]), psi);
+  const Dual  scaled = DualScale(N, s);
 
   if (1. + DualValue(scaled) > POLE_MARGIN) return DualScale(N - 1., DualMul(s, LogFunction(scaled)));
   {
@@ -187,39 +193,34 @@ MPM_FN Dual LimitRatio(const Real *parameter, Dual v, Dual log_image)
   }
 }
 
-/* What a step is about */
-typedef struct {
-  const MpmLawPoint *point;
-  Real               log_image; /* ln(p_i/-p_ref) at the step's start */
-} Step;
-
 /* Inputs: e_v and e_s of the trial state, v at the step's end */
 enum { IN_VOLUME, IN_SHEAR, IN_V, INPUTS };
 
-/* ln(p_i,n/p_i + h dg p_l/p_i) - ln(1 + h dg) */
+/* ln(p_i,n/p_i + h dg p_l/p_i) - ln(1 + h dg) = ln(p_i,n/p_i) + ln(1 + h dg/(1 + h dg) (p_l/p_i,n - 1)) */
 MPM_FN Dual HardeningResidual(const Step *step, Dual v, Dual dg, Dual y, Dual L)
 {
-  const Real *parameter = step->point->parameter;
-  const Dual  grown = DualScale(parameter[HARDENING], dg), z = DualSub(y, L);
-  const Dual  before = DualShift(DualNeg(z), step->log_image);
-  const Dual  drawn  = DualAdd(DualAdd(DualLog(grown), L), LimitRatio(parameter, v, z));
+  const Dual grown = DualScale(step->point->parameter[HARDENING], dg), z = DualSub(y, L);
+  const Dual before = DualShift(DualNeg(z), step->log_image);
+  const Dual drawn  = DualSub(DualAdd(L, LimitRatio(step, v, z)), before); /* ln(p_l/p_i,n) */
+  const Dual weight = DualDiv(grown, DualShift(grown, 1.));
 
-  return DualSub(DualAdd(before, SoftPlus(DualSub(drawn, before))), DualLog1p(grown));
+  if (DualValue(drawn) > LARGEST_LOG) return DualAdd(before, DualAdd(drawn, DualLog(weight)));
+  return DualAdd(before, DualLog1p(DualMul(weight, DualExpm1(drawn))));
 }
 
 /* y that the elastic volume strain has after plastic flow dg */
-MPM_FN Dual LogPressure(const Real *parameter, Dual volume, Dual dg, Dual L)
+MPM_FN Dual LogPressure(const Real *parameter, Dual volume, Dual dg, Dual dilatancy)
 {
-  const Dual plastic = DualScale(parameter[BETA], DualMul(dg, Dilatancy(parameter, L)));
+  const Dual plastic = DualScale(parameter[BETA], DualMul(dg, dilatancy));
 
   return DualScale(1. / parameter[KAPPA], DualSub(plastic, volume));
 }
 
 /* e_s of a stress on the yield surface */
-MPM_FN Dual ShearOnSurface(const Real *parameter, Dual y, Dual L)
+MPM_FN Dual ShearOnSurface(const Real *parameter, Dual y, Dual dilatancy)
 {
   return DualScale(parameter[REFERENCE_PRESSURE] / (3. * parameter[SHEAR]),
-                   DualMul(StressRatio(parameter, L), DualExp(y)));
+                   DualMul(StressRatio(parameter, dilatancy), DualExp(y)));
 }
 
 /* L of a stress ratio eta, the inverse of StressRatio() */
@@ -231,21 +232,29 @@ MPM_FN Dual RatioOnSurface(const Real *parameter, Dual eta)
   return DualSub(TipRatio(parameter), DualScale(1. - parameter[CURVATURE], down));
 }
 
-MPM_FN int SurfaceResidual(const Step *step, const Dual input[], Dual dg, Dual y, Dual L, Dual r[2])
+/* What both pairs of unknowns come to */
+typedef struct {
+  Dual y, L, dilatancy, dg;
+} Guess;
+
+MPM_FN int SurfaceResidual(const Step *step, const Dual input[], const Guess *guess, Dual r[2])
 {
-  if (!(DualValue(dg) > 0.)) return 1;
-  r[0] = DualSub(y, LogPressure(step->point->parameter, input[IN_VOLUME], dg, L));
-  r[1] = HardeningResidual(step, input[IN_V], dg, y, L);
+  const Real *parameter = step->point->parameter;
+
+  if (!(DualValue(guess->dg) > 0.)) return 1;
+  r[0] = DualSub(guess->y, LogPressure(parameter, input[IN_VOLUME], guess->dg, guess->dilatancy));
+  r[1] = HardeningResidual(step, input[IN_V], guess->dg, guess->y, guess->L);
   return 0;
 }
 
 /* Unknowns y and L */
 MPM_FN int ByRatio(const void *problem, const Dual input[], const Dual x[], Dual r[])
 {
-  const Step *step = (const Step *)problem;
-  const Dual  dg   = DualSub(input[IN_SHEAR], ShearOnSurface(step->point->parameter, x[0], x[1]));
+  const Step *step  = (const Step *)problem;
+  Guess       guess = {x[0], x[1], Dilatancy(step->point->parameter, x[1]), input[IN_SHEAR]};
 
-  return SurfaceResidual(step, input, dg, x[0], x[1], r);
+  guess.dg = DualSub(guess.dg, ShearOnSurface(step->point->parameter, guess.y, guess.dilatancy));
+  return SurfaceResidual(step, input, &guess, r);
 }
 
 /* L of y and e_s */
@@ -259,30 +268,35 @@ MPM_FN Dual RatioOfShear(const Real *parameter, Dual y, Dual shear)
 /* Unknowns y and e_s: where p is so large that L does not tell e_s */
 MPM_FN int ByShear(const void *problem, const Dual input[], const Dual x[], Dual r[])
 {
-  const Step *step = (const Step *)problem;
-  const Dual  L    = RatioOfShear(step->point->parameter, x[0], x[1]);
+  const Step *step  = (const Step *)problem;
+  Guess       guess = {x[0], RatioOfShear(step->point->parameter, x[0], x[1]), x[1], DualSub(input[IN_SHEAR], x[1])};
 
-  return SurfaceResidual(step, input, DualSub(input[IN_SHEAR], x[1]), x[0], L, r);
+  guess.dilatancy = Dilatancy(step->point->parameter, guess.L);
+  return SurfaceResidual(step, input, &guess, r);
+}
+
+/* r at a dg and L, y being what the first residual makes it */
+MPM_FN Dual FlowResidual(const Step *step, const Dual input[], Dual dg, Dual L)
+{
+  const Real *parameter = step->point->parameter;
+  const Dual  y         = LogPressure(parameter, input[IN_VOLUME], dg, Dilatancy(parameter, L));
+
+  return HardeningResidual(step, input[IN_V], dg, y, L);
 }
 
 /* Unknown dg, at the tip */
 MPM_FN int AtTip(const void *problem, const Dual input[], const Dual x[], Dual r[])
 {
   const Step *step = (const Step *)problem;
-  const Dual  L    = TipRatio(step->point->parameter);
 
-  r[0] = HardeningResidual(step, input[IN_V], x[0], LogPressure(step->point->parameter, input[IN_VOLUME], x[0], L), L);
+  r[0] = FlowResidual(step, input, x[0], TipRatio(step->point->parameter));
   return 0;
 }
 
 /* Unknown L at a dg, the last input here */
 MPM_FN int AtFlow(const void *problem, const Dual input[], const Dual x[], Dual r[])
 {
-  const Step *step = (const Step *)problem;
-  const Dual  dg   = input[INPUTS];
-
-  r[0] =
-    HardeningResidual(step, input[IN_V], dg, LogPressure(step->point->parameter, input[IN_VOLUME], dg, x[0]), x[0]);
+  r[0] = FlowResidual((const Step *)problem, input, input[INPUTS], x[0]);
   return 0;
 }
 
@@ -327,15 +341,17 @@ MPM_FN int SolveFlow(const Step *step, const Dual input[], double dg, double x[2
     lower -= 2. * (tip - lower);
   }
   if (ImplicitBracket(&implicit, lower, tip, fmin(x[1], tip), &L)) return 0;
-  x[0] = DualValue(LogPressure(parameter, input[IN_VOLUME], DualConstant(dg), L));
+  r    = Dilatancy(parameter, L);
+  x[0] = DualValue(LogPressure(parameter, input[IN_VOLUME], DualConstant(dg), r));
   x[1] = DualValue(L);
   return log(3. * RealValue(parameter[SHEAR]) * (DualValue(input[IN_SHEAR]) - dg)) <
-         log(DualValue(StressRatio(parameter, L)) * RealValue(parameter[REFERENCE_PRESSURE])) + x[0];
+         log(DualValue(StressRatio(parameter, r)) * RealValue(parameter[REFERENCE_PRESSURE])) + x[0];
 }
 
-/* The end of a step off the tip */
+/* The end of a step */
 typedef struct {
-  Dual y, L, shear; /* e_s */
+  Dual   y, L, shear; /* e_s */
+  double ratio;       /* eta */
 } End;
 
 /*
@@ -364,12 +380,14 @@ MPM_FN int SolveFrom(const Step *step, const Dual input[], const double start[2]
 {
   const Real    *parameter = step->point->parameter;
   const Implicit implicit  = {by_shear ? ByShear : ByRatio, step, input, INPUTS, 2, 1.};
-  Dual           x[2];
+  Dual           x[2], dilatancy;
 
   if (ImplicitSystem(&implicit, start, x)) return 1;
   end->y     = x[0];
   end->L     = by_shear ? RatioOfShear(parameter, x[0], x[1]) : x[1];
-  end->shear = by_shear ? x[1] : ShearOnSurface(parameter, x[0], x[1]);
+  dilatancy  = Dilatancy(parameter, end->L);
+  end->shear = by_shear ? x[1] : ShearOnSurface(parameter, x[0], dilatancy);
+  end->ratio = DualValue(StressRatio(parameter, dilatancy));
   return !(DualValue(end->shear) >= 0. && DualValue(end->shear) <= DualValue(input[IN_SHEAR]));
 }
 
@@ -386,31 +404,40 @@ MPM_FN int Solve(const Step *step, const Dual input[], End *end)
 
   trial[0] = -DualValue(input[IN_VOLUME]) / RealValue(parameter[KAPPA]);
   trial[1] = trial[0] - RealValue(step->log_image);
-  if (!SolveFrom(step, input, trial, 0, end) &&
-      DualValue(StressRatio(parameter, end->L)) > NEAR_TIP * RealValue(parameter[CRITICAL_RATIO]))
-    return 0;
+  if (!SolveFrom(step, input, trial, 0, end) && end->ratio > NEAR_TIP * RealValue(parameter[CRITICAL_RATIO])) return 0;
   if (TipExcess(step, input, DualValue(input[IN_SHEAR])) > 0.) {
     FindStart(step, input, trial[1], start, &by_shear);
     return SolveFrom(step, input, start, by_shear, end);
   }
   if (SolveTip(step, input, &dg)) return 1;
   end->L     = TipRatio(parameter);
-  end->y     = LogPressure(parameter, input[IN_VOLUME], dg, end->L);
+  end->y     = LogPressure(parameter, input[IN_VOLUME], dg, Dilatancy(parameter, end->L));
   end->shear = DualConstant(0.);
   return 0;
 }
 
 /* ---- the law ---- */
 
+/*
+  Whether a trial state is surely inside, without logarithms: P = -p, q and -p_i. The surface is convex; below p_i it is
+  above critical state, q = M P, and beyond above the chord to its tip, which is at e p_i where N = 0 and no nearer than
+  (e - (e - 1) N) p_i otherwise.
+*/
+MPM_FN int IsSurelyInside(const Real *parameter, double P, double q, double image)
+{
+  const double reach = 1.718 * (1. - RealValue(parameter[CURVATURE])), beyond = P / image - 1.;
+
+  return q <= (1. - 1e-9) * RealValue(parameter[CRITICAL_RATIO]) * (beyond <= 0. ? P : image * (1. - beyond / reach));
+}
+
 /* Excess of f over zero that rounding does not explain, at a trial state */
 MPM_FN int IsOutside(const Step *step, double volume, double shear)
 {
   const Real  *parameter = step->point->parameter;
   const double y = -volume / RealValue(parameter[KAPPA]), stiff = RealValue(parameter[SHEAR]);
-  const Dual   L     = DualShift(DualConstant(y), -RealValue(step->log_image));
-  const double slope = DualValue(Dilatancy(parameter, L)), M = RealValue(parameter[CRITICAL_RATIO]);
-  const double eta = M + (1. - RealValue(parameter[CURVATURE])) * slope;
-  const double P   = RealValue(parameter[REFERENCE_PRESSURE]) * exp(fmin(y, LARGEST_LOG));
+  const Dual   L = DualShift(DualConstant(y), -RealValue(step->log_image)), dilatancy = Dilatancy(parameter, L);
+  const double slope = DualValue(dilatancy), eta = DualValue(StressRatio(parameter, dilatancy));
+  const double P = RealValue(parameter[REFERENCE_PRESSURE]) * exp(fmin(y, LARGEST_LOG));
 
   return 3. * stiff * shear - eta * P >
          ELASTIC_STRAIN_NOISE * (3. * stiff + fabs(slope) * P / RealValue(parameter[KAPPA]));
@@ -419,13 +446,22 @@ MPM_FN int IsOutside(const Step *step, double volume, double shear)
 /* The image pressure that the parameters give a point at rest */
 MPM_FN Real ImageAtRest(const Real *parameter)
 {
-  const Dual tip  = TipRatio(parameter);
-  Real       size = parameter[PRECONSOLIDATION];
+  Real size = parameter[PRECONSOLIDATION];
 
   if (RealValue(parameter[IMAGE_PRESSURE]) <= DBL_MAX) return parameter[IMAGE_PRESSURE];
   if (RealValue(parameter[OCR]) <= DBL_MAX) size = parameter[OCR] * parameter[REFERENCE_PRESSURE];
   if (RealValue(parameter[POP]) <= DBL_MAX) size = parameter[REFERENCE_PRESSURE] + parameter[POP];
-  return size * RealExp(-DualReal(tip));
+  return size * RealExp(-DualReal(TipRatio(parameter)));
+}
+
+/* What the local problem needs of the point */
+MPM_FN Step StepCreate(const MpmLawPoint *point, Real image)
+{
+  const Real *parameter = point->parameter, reference = parameter[REFERENCE_PRESSURE];
+  const Step  step = {point, RealLog(image / reference),
+                      RealLog(reference / CRITICAL_PRESSURE) * parameter[LAMBDA] - parameter[V_C0]};
+
+  return step;
 }
 
 /*
@@ -452,43 +488,54 @@ MPM_FN Scalar SpecificVolume(const MpmLawPoint *point, const Tensor *dF)
 {
   const Real v = point->state_n[STATE_VOLUME];
 
-  return ScalarScale(RealValue(v) > 0. ? v : point->parameter[SPECIFIC_VOLUME], TensorDet(dF));
+  return ScalarScale(RealValue(v) > 0. ? v : point->parameter[SPECIFIC_VOLUME], TensorDetByCofactors(dF));
+}
+
+/* Whether a trial strain yields; if so, `step` is ready for it. */
+MPM_FN int Yields(const MpmLawPoint *point, Real image, const Sym *e, Step *step)
+{
+  const Real  *parameter = point->parameter;
+  const double volume = ScalarValue(SymTrace(e)), shear = sqrt(2. / 3.) * SymDevNormValue(e);
+  const double P = RealValue(parameter[REFERENCE_PRESSURE]) * exp(-volume / RealValue(parameter[KAPPA]));
+
+  if (IsSurelyInside(parameter, P, 3. * RealValue(parameter[SHEAR]) * shear, RealValue(image))) return 0;
+  *step = StepCreate(point, image);
+  return IsOutside(step, volume, shear);
 }
 
 MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const Real *parameter = point->parameter;
-  const Real  reference = parameter[REFERENCE_PRESSURE];
-  const Real image = RealValue(point->state_n[STATE_IMAGE]) > 0. ? point->state_n[STATE_IMAGE] : ImageAtRest(parameter);
-  const Step step  = {point, RealLog(image / reference)};
-  Real       image_end = image;
-  Sym        b         = SymPush(dF, &point->state_n[STATE_B]);
-  Scalar     volume, y;
-  Sym        e, dev;
-  int        plastic;
+  const Real *parameter = point->parameter, stiff = 2. * parameter[SHEAR];
+  const Real  image_n = point->state_n[STATE_IMAGE], given = RealValue(image_n) > 0. ? image_n : ImageAtRest(parameter);
+  Real        image = given;
+  Sym         b     = SymPush(dF, &point->state_n[STATE_B]), e;
+  Scalar      y, p;
+  Step        step;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
-  dev     = SymDev(&e);
-  volume  = SymTrace(&e);
-  y       = ScalarScale(-1. / parameter[KAPPA], volume);
-  plastic = IsOutside(&step, ScalarValue(volume), sqrt(2. / 3.) * SymNormValue(&dev));
-  if (plastic) {
-    Scalar part;
+  y = ScalarScale(-1. / parameter[KAPPA], SymTrace(&e));
+  p = ScalarScale(-stiff / 3., SymTrace(&e)); /* what takes the deviator from the strain */
+  if (Yields(point, given, &e, &step)) {
+    const Scalar volume = SymTrace(&e);
+    Scalar       part;
 
-    if (Yield(&step, volume, &dev, SpecificVolume(point, dF), &part, &y, &image_end)) return 1;
-    dev       = SymScale(part, &dev);
-    image_end = reference * RealExp(image_end);
+    e = SymDev(&e);
+    if (Yield(&step, volume, &e, SpecificVolume(point, dF), &part, &y, &image)) return 1;
+    e     = SymScale(part, &e);
+    p     = ScalarConstant(0.);
+    image = parameter[REFERENCE_PRESSURE] * RealExp(image);
+    if (point->state) {
+      const Sym end = SymShift(&e, ScalarScale(-parameter[KAPPA] / 3., y));
+
+      if (ElasticLeftCauchyGreen(&end, &b)) return 1;
+    }
   }
   if (!(fabs(ScalarValue(y)) < LARGEST_LOG)) return 1;
-  *tau = SymScaleBy(2. * parameter[SHEAR], &dev);
-  *tau = SymShift(tau, ScalarScale(-reference, ScalarExp(y)));
+  *tau = SymScaleBy(stiff, &e);
+  *tau = SymShift(tau, ScalarSub(p, ScalarScale(parameter[REFERENCE_PRESSURE], ScalarExp(y))));
   if (point->state) {
-    if (plastic) {
-      e = SymShift(&dev, ScalarScale(-parameter[KAPPA] / 3., y));
-      if (ElasticLeftCauchyGreen(&e, &b)) return 1;
-    }
     SymStore(&point->state[STATE_B], &b);
-    point->state[STATE_IMAGE]  = image_end;
+    point->state[STATE_IMAGE]  = image;
     point->state[STATE_VOLUME] = ScalarReal(SpecificVolume(point, dF));
   }
   return 0;

@@ -48,39 +48,33 @@ MPM_FN Real BulkModulus(Real given, Real nu, Real mu)
   return RealValue(given) <= DBL_MAX ? given : 2. * mu * (1. + nu) / (3. * (1. - 2. * nu));
 }
 
-/* exp(x) - 1 without cancellation at small x */
-MPM_FN Dual PowerLessOne(Dual x)
-{
-  const double f = expm1(DualValue(x));
-
-  return DualChain(x, f, f + 1.);
-}
-
 MPM_FN int MpmMaterialEvaluate_ogden(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Real   bulk = BulkModulus(point->parameter[BULK_MODULUS], point->parameter[NU], ShearModulus(point));
   const Tensor F    = TensorMulArray(dF, point->F_n);
   const Sym    b    = SymLeftCauchyGreen(&F);
-  const Scalar J    = TensorDet(&F);
   SymPrincipal principal;
-  Dual         twice[3], y[3], mean; /* 2 ln lambda */
+  Dual         dev[3], y[3], mean; /* 2 ln lb */
+  Scalar       J, volume;
 
   if (!ElasticIsRegular(point, dF) || SymPrincipalCreate(&b, &principal) || !(principal.value[2] > 0.)) return 1;
+  for (int a = 0; a < 3; a++) dev[a] = DualLog(DualSeed(principal.value[a], a));
+  mean = DualScale(1. / 3., DualAdd(DualAdd(dev[0], dev[1]), dev[2]));
   for (int a = 0; a < 3; a++) {
-    twice[a] = DualLog(DualSeed(principal.value[a], a));
-    y[a]     = DualConstant(0.);
+    dev[a] = DualSub(dev[a], mean);
+    y[a]   = DualConstant(0.);
   }
-  mean = DualScale(1. / 3., DualAdd(DualAdd(twice[0], twice[1]), twice[2]));
   for (long i = 0; i < TableCount(point, TERMS); i++) {
     const Real half = 0.5 * TableEntry(point, TERMS, 2 * i), mu = TableEntry(point, TERMS, 2 * i + 1);
-    Dual       power[3], third;
 
-    for (int a = 0; a < 3; a++) power[a] = PowerLessOne(DualScale(half, DualSub(twice[a], mean)));
-    third = DualScale(1. / 3., DualAdd(DualAdd(power[0], power[1]), power[2]));
-    for (int a = 0; a < 3; a++) y[a] = DualAdd(y[a], DualScale(mu, DualSub(power[a], third)));
+    for (int a = 0; a < 3; a++) y[a] = DualAdd(y[a], DualScale(mu, DualExpm1(DualScale(half, dev[a]))));
   }
-  *tau = SymIsotropic(&b, &principal, y);
-  *tau = SymShift(tau, ScalarScale(0.5 * bulk, ScalarShift(ScalarSquare(J), -1.)));
+  mean = DualScale(1. / 3., DualAdd(DualAdd(y[0], y[1]), y[2]));
+  for (int a = 0; a < 3; a++) y[a] = DualSub(y[a], mean);
+  *tau   = SymIsotropic(&b, &principal, y);
+  J      = TensorDetByCofactors(&F);
+  volume = ScalarScale(0.5 * bulk, ScalarShift(ScalarSquare(J), -1.));
+  for (int i = 0; i < 3; i++) tau->a[i] = ScalarAdd(tau->a[i], volume);
   return 0;
 }
 

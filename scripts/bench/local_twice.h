@@ -16,6 +16,17 @@ MPM_FN void LocalUse(int unknowns, const Dual x[])
   }
 }
 
+MPM_FN int LocalFind(const Implicit *implicit, double lower, double upper, double start, double *x)
+{
+  double first;
+  Dual   use;
+
+  if (ImplicitFind(implicit, lower, upper, start, &first)) return 1;
+  use = DualConstant(first);
+  LocalUse(1, &use);
+  return ImplicitFind(implicit, lower, upper, start, x);
+}
+
 MPM_FN int LocalBracket(const Implicit *implicit, double lower, double upper, double start, Dual *x)
 {
   Dual first;
@@ -34,5 +45,6 @@ MPM_FN int LocalSystem(const Implicit *implicit, const double start[], Dual x[])
   return ImplicitSystem(implicit, start, x);
 }
 
+#define ImplicitFind    LocalFind
 #define ImplicitBracket LocalBracket
 #define ImplicitSystem  LocalSystem

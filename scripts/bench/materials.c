@@ -1,10 +1,11 @@
 /*
   Nanoseconds a point of every registered law, through the solid's kernel.
 
-    bench_materials [-bench_rounds 3] [-bench_sample 2e-3] [-bench_dims 2,3]
+    bench_materials [-bench_rounds 3] [-bench_sample 2e-3] [-bench_dims 2,3] [-bench_laws j2,ogden]
 
   rounds  times that each case is measured; the cases take turns
   sample  s: a case is repeated for so long each time
+  laws    these alone
 
   Lines on the terminal, for a program to read: law parameters dim state form nanoseconds; and "local" with the laws whose
   local problem is solved twice, in the program that was built so.
@@ -216,8 +217,10 @@ static void Draw(Case *one, PetscBool plastic)
 {
   static const double sizes[2][4] = {{1e-4, 1e-5, 1e-6, 1e-7}, {3e-3, 1e-2, 3e-2, 1e-3}};
   const PetscInt      dim         = one->dim;
+  MpmLawFault         fault;
 
   one->kind = plastic ? "plastic" : "elastic";
+  if (one->info.check && !one->info.check(one->parameter, one->table, &fault)) return; /* it is no material */
   for (int k = 0; k < 4 && one->increments < ENOUGH; k++) {
     one->increments = 0;
     for (int draw = 0; draw < DRAWS && one->increments < INCREMENTS; draw++) {
@@ -266,6 +269,28 @@ static PetscErrorCode Measure(const Case *one, MpmForm form, PetscReal sample, d
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Leaves out what -bench_laws, where it is given, does not name. */
+static PetscErrorCode Select(PetscInt count, Case cases[])
+{
+  char    **laws;
+  PetscInt  law_count = LAW_COUNT;
+  PetscBool given;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(law_count, &laws));
+  PetscCall(PetscOptionsGetStringArray(NULL, NULL, "-bench_laws", laws, &law_count, &given));
+  for (PetscInt k = 0; k < count && given; k++) {
+    PetscBool wanted = PETSC_FALSE;
+
+    for (PetscInt law = 0; law < law_count; law++)
+      if (!strcmp(laws[law], cases[k].info.name)) wanted = PETSC_TRUE;
+    if (!wanted) cases[k].increments = 0;
+  }
+  for (PetscInt law = 0; law < (given ? law_count : 0); law++) PetscCall(PetscFree(laws[law]));
+  PetscCall(PetscFree(laws));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   MpmPhysics solid;
@@ -292,6 +317,7 @@ int main(int argc, char **argv)
       }
     }
   }
+  PetscCall(Select(count, cases));
 #if defined(BENCH_LOCAL_LAWS)
   PetscCall(PetscPrintf(PETSC_COMM_SELF, "local " BENCH_LOCAL_LAWS "\n"));
 #endif

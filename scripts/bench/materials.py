@@ -8,6 +8,7 @@ An elastic law is compared with elastic j2.
 bench_materials_twice is the same program with laws that solve their local problem (implicit.h) twice, in 3D: what that
 takes longer is the local problem's share.
 """
+import math
 import statistics
 from collections import defaultdict
 from pathlib import Path
@@ -22,20 +23,23 @@ LEAST_SHARE = 0.03  # less than that is noise
 
 def add_arguments(parser):
     parser.set_defaults(ranks=1)
-    parser.add_argument("--rounds", type=int, metavar="N", help="times that a run measures each case (5; quick 2)")
+    parser.add_argument("--rounds", type=int, metavar="N", help="times that a run measures each case, of which the least counts (10; quick 2)")
     parser.add_argument("--sample", type=float, metavar="S", help="seconds of each time (1e-3; quick 2e-4)")
     parser.add_argument("--helper", metavar="PROGRAM", help="the program bench_materials (beside --program)")
 
 
 def measure(program, arguments, dims):
-    """[(keys, nanoseconds)] of one run, and the laws that solve their local problem twice."""
+    """Nanoseconds by keys, the least of a run's rounds, and the laws that solve their local problem twice."""
     options = {"bench_rounds": arguments.rounds, "bench_sample": arguments.sample, "bench_dims": dims}
     status, output, errors = execute([program] + words_of(options))
     if status != 0:
         raise BenchmarkError(f"{program}: exit status {status}\n{errors.strip()}")
     lines = [line.split() for line in output.splitlines()]
     local = [law for words in lines if words[0] == "local" for law in words[1:]]
-    return [(tuple(words[:-1]), float(words[-1])) for words in lines if len(words) == len(KEYS) + 1], local
+    least = {}
+    for *keys, nanoseconds in (words for words in lines if len(words) == len(KEYS) + 1):
+        least[tuple(keys)] = min(float(nanoseconds), least.get(tuple(keys), math.inf))
+    return least, local
 
 
 def medians(arguments):
@@ -47,8 +51,8 @@ def medians(arguments):
     samples, local = [defaultdict(list), defaultdict(list)], []
     for _ in range(arguments.repeat):
         for (program, dims), mine in zip(programs, samples):
-            rows, local = measure(program, arguments, dims)
-            for keys, nanoseconds in rows:
+            least, local = measure(program, arguments, dims)
+            for keys, nanoseconds in least.items():
                 mine[keys].append(nanoseconds)
     once, twice = ({keys: statistics.median(values) for keys, values in mine.items()} for mine in samples)
     return once, twice, local
@@ -82,7 +86,7 @@ def draw(arguments, table):
 def run(arguments):
     quick = arguments.quick
     arguments.repeat = arguments.repeat or (1 if quick else 5)
-    arguments.rounds = arguments.rounds or (2 if quick else 5)
+    arguments.rounds = arguments.rounds or (2 if quick else 10)
     arguments.sample = arguments.sample or (2e-4 if quick else 1e-3)
     arguments.helper = arguments.helper or str(Path(arguments.program).parent / "bench_materials")
     check_program(arguments.helper)

@@ -231,17 +231,18 @@ MPM_FN Scalar ScalarSquare(Scalar a)
 /* ---- numbers with directions of the law's own choosing ---- */
 
 /*
-  Dual: three directions in every form, for what a law computes from at most three numbers of its own, its inputs:
-  principal values, invariants. The inputs are seeded, DualSeed(ScalarValue(input), k); ScalarFromDual() makes a result a
+  Dual: four directions in every form, for what a law computes from at most four numbers of its own, its inputs:
+  principal values, invariants, unknowns. The inputs are seeded, DualSeed(ScalarValue(input), k); ScalarFromDual() makes a result a
   function of the inputs as Scalars, by the chain rule. That is cheaper than to carry all directions of dF along, gives
   the derivatives by the inputs as numbers, and the same values in all forms.
 
-  Parameters and history come in as Reals. In the instance that differentiates by them a fourth direction is theirs.
+  Parameters and history come in as Reals. In the instance that differentiates by them a fifth direction is theirs.
 */
+#define MPM_DUAL_INPUTS 4
 #if defined(MPM_SENSITIVITY)
-#define MPM_DUAL_DIRECTIONS 4
+#define MPM_DUAL_DIRECTIONS (MPM_DUAL_INPUTS + 1)
 #else
-#define MPM_DUAL_DIRECTIONS 3
+#define MPM_DUAL_DIRECTIONS MPM_DUAL_INPUTS
 #endif
 #define NUMBER            Dual
 #define NUMBER_DIRECTIONS MPM_DUAL_DIRECTIONS
@@ -254,7 +255,7 @@ MPM_FN Scalar ScalarSquare(Scalar a)
 MPM_FN Real DualReal(Dual a)
 {
 #if defined(MPM_SENSITIVITY)
-  return RealAlong(DualValue(a), DualDirection(a, 3));
+  return RealAlong(DualValue(a), DualDirection(a, MPM_DUAL_INPUTS));
 #else
   return DualValue(a);
 #endif

@@ -45,6 +45,14 @@ MPM_FN NUMBER NUMBER_(Log1p)(NUMBER a)
   return NUMBER_(Chain)(a, log1p(NUMBER_(Value)(a)), 1. / (1. + NUMBER_(Value)(a)));
 }
 
+/* exp(a) - 1 without cancellation at small a */
+MPM_FN NUMBER NUMBER_(Expm1)(NUMBER a)
+{
+  const double f = expm1(NUMBER_(Value)(a));
+
+  return NUMBER_(Chain)(a, f, f + 1.);
+}
+
 MPM_FN NUMBER NUMBER_(Exp)(NUMBER a)
 {
   const double f = exp(NUMBER_(Value)(a));

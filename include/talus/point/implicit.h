@@ -5,8 +5,8 @@
 
   r is written once, in Dual numbers (dual.h), as an ImplicitResidual: inputs and unknowns in, as many residuals as
   unknowns out; non-zero where it cannot be evaluated. `problem` is what else it needs: the point with its parameters and
-  history, or a struct of the law's. Inputs are Duals with directions of the law's choosing, principal values or
-  invariants, seeded.
+  history, or a struct of the law's. Inputs are Duals with directions 0, 1, .. of the law's choosing, principal values or
+  invariants, seeded; they carry no more directions than there are inputs.
 
   Newton's method finds the values of x in plain doubles, the unknowns taking the directions of the inputs; parameters are
   constants. The derivatives follow by one step from there, x - J^{-1} r with r in the inputs' directions: it leaves the
@@ -76,30 +76,52 @@ MPM_FN int ImplicitStep(int n, const double J[9], const double r[], double step[
   return !(fabs(det) >= DBL_MIN);
 }
 
+/*
+  r at x with the derivatives that the inputs carry, and J. Where there are directions enough the unknowns take the next
+  ones, `first` and on, and one evaluation gives both; otherwise `first` is negative.
+*/
+MPM_FN int ImplicitDifferentiate(const Implicit *implicit, const double value[], Dual r[], double J[9], int *first)
+{
+  const int n = implicit->unknowns, fits = implicit->inputs + n <= MPM_DUAL_INPUTS;
+  double    plain[IMPLICIT_UNKNOWNS];
+  Dual      x[IMPLICIT_UNKNOWNS] = {DualConstant(0.)};
+
+  *first = fits ? implicit->inputs : -1;
+  for (int i = 0; i < n; ++i) x[i] = fits ? DualSeed(value[i], *first + i) : DualConstant(value[i]);
+  if (!fits && ImplicitEvaluate(implicit, value, plain, J)) return 1;
+  if (implicit->residual(implicit->problem, implicit->input, x, r)) return 1;
+  for (int k = 0; k < 9 && fits; ++k) J[k] = k % 4 == 0 ? 1. : 0.;
+  for (int i = 0; i < n && fits; ++i)
+    for (int j = 0; j < n; ++j) J[3 * i + j] = DualDirection(r[i], *first + j);
+  return 0;
+}
+
 /* The values x with their derivatives by what the inputs carry, parameters and history */
 MPM_FN int ImplicitDerive(const Implicit *implicit, const double value[], Dual x[])
 {
   const int n = implicit->unknowns;
-  double    plain[IMPLICIT_UNKNOWNS], J[9], cofactor[9], det;
-  Dual      constant[IMPLICIT_UNKNOWNS], r[IMPLICIT_UNKNOWNS];
+  double    J[9], cofactor[9], det;
+  int       first;
+  Dual      r[IMPLICIT_UNKNOWNS];
 
-  for (int i = 0; i < n; ++i) constant[i] = x[i] = DualConstant(value[i]);
+  for (int i = 0; i < n; ++i) x[i] = DualConstant(value[i]);
   if (MPM_DIRECTIONS == 0) return 0;
-  if (ImplicitEvaluate(implicit, value, plain, J)) return 1;
-  if (implicit->residual(implicit->problem, implicit->input, constant, r)) return 1;
+  if (ImplicitDifferentiate(implicit, value, r, J, &first)) return 1;
   det = MpmCofactors(3, J, cofactor);
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < n; ++i) {
+    if (first >= 0) x[i] = DualSeed(value[i], first + i); /* what is then added takes that direction away again */
     for (int j = 0; j < n; ++j) DualAddDirections(&x[i], -cofactor[3 * j + i] / det, &r[j]);
+  }
   return !(fabs(det) >= DBL_MIN);
 }
 
 /*
-  ImplicitBracket - one unknown between lower and upper, with r < 0 below the root and r > 0 above it
+  ImplicitFind - the value of one unknown between lower and upper, with r < 0 below the root and r > 0 above it
 
   Newton's method from `start`, bisection where it leaves the bracket or halves too little. r is not evaluated at the
   bracket's ends: that it changes sign between them is for the law to know.
 */
-MPM_FN int ImplicitBracket(const Implicit *implicit, double lower, double upper, double start, Dual *x)
+MPM_FN int ImplicitFind(const Implicit *implicit, double lower, double upper, double start, double *x)
 {
   double at = fmin(fmax(start, lower), upper), before = 2. * (upper - lower), last = before;
 
@@ -107,22 +129,31 @@ MPM_FN int ImplicitBracket(const Implicit *implicit, double lower, double upper,
     double r, J[9], next, step;
 
     if (ImplicitEvaluate(implicit, &at, &r, J)) return 1;
-    if (r == 0.) return ImplicitDerive(implicit, &at, x);
+    *x = at;
+    if (r == 0.) return 0;
     if (r < 0.) lower = at;
     else upper = at;
     step = -r / J[0];
     next = at + step;
     if (ImplicitIsSmall(implicit, step, at)) {
-      at = fmin(fmax(next, lower), upper);
-      return ImplicitDerive(implicit, &at, x);
+      *x = fmin(fmax(next, lower), upper);
+      return 0;
     }
     if (!(next > lower && next < upper) || fabs(step) > 0.5 * before) next = 0.5 * (lower + upper);
-    if (next == lower || next == upper) return ImplicitDerive(implicit, &at, x); /* neighbouring numbers */
+    if (next == lower || next == upper) return 0; /* neighbouring numbers */
     before = last;
     last   = fabs(next - at);
     at     = next;
   }
   return 1;
+}
+
+/* ImplicitBracket - the same with its derivatives */
+MPM_FN int ImplicitBracket(const Implicit *implicit, double lower, double upper, double start, Dual *x)
+{
+  double value;
+
+  return ImplicitFind(implicit, lower, upper, start, &value) || ImplicitDerive(implicit, &value, x);
 }
 
 /* The largest of |r| */

@@ -161,6 +161,22 @@ MPM_FN Scalar TensorDet(const Tensor *A)
   return TensorCofactorDet(A, &cofactor);
 }
 
+/* The same to rounding, with the derivative by A from plain cofactors: cheaper the more directions there are */
+MPM_FN Scalar TensorDetByCofactors(const Tensor *A)
+{
+#if defined(MPM_SENSITIVITY)
+  return TensorDet(A);
+#else
+  double values[MPM_DIM * MPM_DIM], cofactor[MPM_DIM * MPM_DIM];
+  Scalar det;
+
+  TensorStore(values, A);
+  det = ScalarConstant(MpmCofactors(MPM_DIM, values, cofactor));
+  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) ScalarAddDirections(&det, cofactor[i], &A->a[i]);
+  return det;
+#endif
+}
+
 /* The value alone of det A: what a test for det F > 0 needs */
 MPM_FN double TensorDetValue(const Tensor *A)
 {
@@ -307,6 +323,20 @@ MPM_FN double SymNormValue(const Sym *A)
   double sum = 0.;
 
   for (int i = 0; i < MPM_SYM; ++i) sum += (i < 3 ? 1. : 2.) * ScalarValue(A->a[i]) * ScalarValue(A->a[i]);
+  return sqrt(sum);
+}
+
+/* The same of the deviator of A */
+MPM_FN double SymDevNormValue(const Sym *A)
+{
+  const double mean = (ScalarValue(A->a[0]) + ScalarValue(A->a[1]) + ScalarValue(A->a[2])) / 3.;
+  double       sum  = 0.;
+
+  for (int i = 0; i < MPM_SYM; ++i) {
+    const double value = ScalarValue(A->a[i]) - (i < 3 ? mean : 0.);
+
+    sum += (i < 3 ? 1. : 2.) * value * value;
+  }
   return sqrt(sum);
 }
 
