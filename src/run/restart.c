@@ -373,20 +373,20 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
 PetscErrorCode MpmRestartApply(MpmModel model)
 {
   MpmRestart      restart    = model->results->checkpoint.restart;
-  const PetscBool may_rescue = model->state.ghost_rescue, may_be_indefinite = model->solver.may_be_indefinite;
-  const PetscBool leaves_dilation = model->state.leaves_dilation;
+  const PetscBool may_rescue = model->state.rescue.ghost, may_be_indefinite = model->solver.may_be_indefinite;
+  const PetscBool leaves_dilation = model->state.rescue.dilation;
   const PetscReal ghost           = model->disc.ghost;
   PetscReal       dt_nominal, start;
 
   PetscFunctionBeginUser;
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmScalarsRestore(&restart->scalars, model));
-  if (!may_rescue || model->state.ghost_rescue || model->disc.ghost != MPM_GHOST_RESCUE) {
+  if (!may_rescue || model->state.rescue.ghost || model->disc.ghost != MPM_GHOST_RESCUE) {
     model->disc.ghost         = ghost;
-    model->state.ghost_rescue = may_rescue;
+    model->state.rescue.ghost = may_rescue;
   }
-  if (leaves_dilation && !model->state.leaves_dilation) MpmStepAverageDilation(model);
-  model->state.leaves_dilation    = (PetscBool)(leaves_dilation && model->state.leaves_dilation);
+  if (leaves_dilation && !model->state.rescue.dilation) MpmStepAverageDilation(model);
+  model->state.rescue.dilation    = (PetscBool)(leaves_dilation && model->state.rescue.dilation);
   model->solver.indefinite        = (PetscBool)(model->solver.indefinite && may_be_indefinite);
   model->solver.may_be_indefinite = (PetscBool)(may_be_indefinite && !model->solver.indefinite);
   dt_nominal                      = model->state.dt_nominal;

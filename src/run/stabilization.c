@@ -46,7 +46,7 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                            "its length, gimp, h = L/160: 1.5e-3 without, 7.7e-5 with auto)",
                            "auto", MPM_OPTIONAL, &ghost));
   model->state.ghost_auto   = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
-  model->state.ghost_rescue = model->state.ghost_auto;
+  model->state.rescue.ghost = model->state.ghost_auto;
   model->disc.ghost         = model->state.ghost_auto ? MPM_GHOST_FACTOR : 0.;
   if (!model->state.ghost_auto && strcmp(ghost, "off")) {
     MpmCheckInput(MpmParseReal(ghost, &model->disc.ghost) && model->disc.ghost >= 0.,
@@ -131,8 +131,8 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   for (PetscInt m = 0; m < model->scene.materials->count && !locks; m++) {
     const MpmMaterial *material = &model->scene.materials->at[m];
     const PetscBool    plastic  = (PetscBool)((material->info.traits & MPM_LAW_PLASTIC) != 0);
-    const PetscBool    free     = (PetscBool)(plastic && material->dilation.least >= MPM_DILATION_FREE &&
-                                       MpmShapeDegree(model->scene.shape) > 1);
+    const PetscBool    free =
+      (PetscBool)(plastic && material->dilation.least >= MPM_DILATION_FREE && MpmShapeDegree(model->scene.shape) > 1);
 
     follows = (PetscBool)(follows || free);
     if ((plastic && !free) || material->nu > MPM_NU_LOCKS) locks = material;
@@ -175,7 +175,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
 
     if (!LeavesDilation(model, material)) continue;
     material->dilatancy          = material->info.dilatancy;
-    model->state.leaves_dilation = PETSC_TRUE;
+    model->state.rescue.dilation = PETSC_TRUE;
   }
   PetscCall(MpmLayoutCreate(&model->scene.physics, model->disc.dim, model->disc.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -195,7 +195,7 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
                             model->state.ghost_auto ? " (auto)" : "",
                             sparse ? ", all faces where points are one a cell" : ""));
   PetscCall(PetscSNPrintf(text, length, "ghost penalty %s; F-bar %s%s%s%s", ghost,
-                          model->state.leaves_dilation ? "on but for dilation"
+                          model->state.rescue.dilation ? "on but for dilation"
                           : model->scene.fbar          ? "on"
                                                        : "off",
                           model->scene.fbar_why ? " (auto: " : "", model->scene.fbar_why ? model->scene.fbar_why : "",

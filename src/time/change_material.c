@@ -5,6 +5,8 @@
   step's return does the rest (strength reduction). Otherwise the Cauchy stress is kept: F and history of the new law
   that give it are searched (stress_inversion.c); history variables that both laws know by name are carried over. Volume and
   domain stay, mass goes with the density.
+
+  Beside it, what a run falls back to for all materials where steps fail.
 */
 #include "point/material.h"
 #include "point/stress_inversion.h"
@@ -117,4 +119,12 @@ PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage)
                              " points is outside the new yield surface and was moved to it",
                              stage->name, count[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- dilation ---- */
+
+void MpmStepAverageDilation(MpmModel model)
+{
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) model->scene.materials->at[m].dilatancy = NULL;
+  model->state.rescue.dilation = PETSC_FALSE;
 }

@@ -135,7 +135,7 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
   PetscFunctionBeginUser;
   *grow *= 0.5;
   *again = (PetscBool)(part < 1. && *grow * duration >= model->state.dt_min);
-  if (!*again && model->state.ghost_rescue) {
+  if (!*again && model->state.rescue.ghost) {
     PetscCall(MpmStepRaiseGhost(model, why));
     *grow  = PetscMin(model->state.dt_nominal / duration, 1.);
     *again = PETSC_TRUE;
@@ -221,7 +221,7 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
   /* what the penalty holds back in one iteration is left for the next ones */
-  if (model->state.ghost_rescue) model->disc.ghost = model->solver.factorises ? 0. : MPM_GHOST_REST;
+  if (model->state.rescue.ghost) model->disc.ghost = model->solver.factorises ? 0. : MPM_GHOST_REST;
   PetscCall(FindEquilibrium(model, &rest, &solved, why));
   if (model->disc.ghost < ghost) model->disc.ghost = ghost;
   if (!*why) {

@@ -13,6 +13,12 @@ typedef struct {
   PetscReal reduced; /* the reduction there */
 } MpmSafety;
 
+/* What is left to try where steps fail again and again. */
+typedef struct {
+  PetscBool ghost;    /* a firmer ghost penalty */
+  PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
+} MpmRescue;
+
 /* What moves on: points, time, and how steps go. */
 typedef struct {
   const MpmIntegrator *integrator;
@@ -32,10 +38,10 @@ typedef struct {
   MpmWall             *walls;
   PetscReal            time_start; /* of the stage under way; time_end is its end */
   PetscReal            run_end;
-  PetscReal            load_scale;               /* what a geostatic stage applies of its loads; otherwise 1 */
-  PetscBool            reference_output;         /* position0 goes into the next state that is written */
-  PetscBool            ghost_auto, ghost_rescue; /* nobody has set the ghost penalty; raise it before giving up */
-  PetscBool            leaves_dilation; /* F-bar leaves dilation to the points, until that costs too many cuts */
+  PetscReal            load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
+  PetscBool            reference_output; /* position0 goes into the next state that is written */
+  PetscBool            ghost_auto;       /* nobody has set the ghost penalty */
+  MpmRescue            rescue;
   PetscInt64           active_dofs_max;
   MpmSafety            safety;
 } MpmState;

@@ -4,7 +4,6 @@
 #include "particles/particles.h"
 #include "space/rules.h"
 #include "time/integrator.h"
-#include "point/material.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -32,16 +31,10 @@ PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
 {
   PetscFunctionBeginUser;
   model->disc.ghost         = MPM_GHOST_RESCUE;
-  model->state.ghost_rescue = PETSC_FALSE;
+  model->state.rescue.ghost = PETSC_FALSE;
   PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_ghost %g", why,
                            (double)model->disc.ghost));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmStepAverageDilation(MpmModel model)
-{
-  for (PetscInt m = 0; m < model->scene.materials->count; m++) model->scene.materials->at[m].dilatancy = NULL;
-  model->state.leaves_dilation = PETSC_FALSE;
 }
 
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
@@ -86,7 +79,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
     if (!*why) break;
     if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
-    if (model->state.leaves_dilation && (!again || model->state.cuts >= CUTS_WITH_DILATION)) {
+    if (model->state.rescue.dilation && (!again || model->state.cuts >= CUTS_WITH_DILATION)) {
       MpmStepAverageDilation(model);
       PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_fbar plain", *why));
       model->state.dt_wanted = model->state.dt_nominal;
@@ -94,7 +87,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
       continue;
     }
     if (!again) {
-      if (!model->state.ghost_rescue) PetscFunctionReturn(PETSC_SUCCESS);
+      if (!model->state.rescue.ghost) PetscFunctionReturn(PETSC_SUCCESS);
       PetscCall(MpmStepRaiseGhost(model, *why));
       model->state.dt_wanted = model->state.dt_nominal;
       continue;
