@@ -11,7 +11,7 @@
   Where flow dilates, one volume change for all points of a cell is too much: each would have to grow as the one that is
   sheared most. Splines of degree 2 and more have unknowns enough for such flow: they go without F-bar where every law that
   flows dilates. With linear basis functions, in plane strain, F-bar leaves to the points what shear makes `mohr_coulomb`
-  dilate (physics/solid_fbar.c); should steps fail twice, as in long slides, it averages all from there on.
+  dilate (physics/solid_fbar.c); where steps fail, as in long slides, it averages all from there on.
 
   Where no more than one component of the displacement is free, as in a column between smooth walls, the volume changes
   with that component alone, nothing can lock, and the mean over a cell would only cost accuracy.

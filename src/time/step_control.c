@@ -61,6 +61,25 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
   return model->solver.newton <= 6 ? PetscMin(wanted * model->state.growth, model->state.dt_max) : wanted;
 }
 
+static PetscErrorCode AverageDilation(MpmModel model, const char *why)
+{
+  PetscFunctionBeginUser;
+  MpmStepAverageDilation(model);
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_fbar plain", why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Was the step cut, and did Newton's method need more than half of the iterations that it may take even so? */
+static PetscErrorCode HasStruggled(MpmModel model, PetscBool *struggled)
+{
+  PetscInt most;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetTolerances(model->solver.snes, NULL, NULL, NULL, &most, NULL));
+  *struggled = (PetscBool)(model->state.cuts && 2 * model->solver.newton > most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   PetscReal      next;
@@ -80,8 +99,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
     if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
     if (model->state.rescue.dilation && (!again || model->state.cuts >= CUTS_WITH_DILATION)) {
-      MpmStepAverageDilation(model);
-      PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_fbar plain", *why));
+      PetscCall(AverageDilation(model, *why));
       model->state.dt_wanted = model->state.dt_nominal;
       again                  = PETSC_FALSE;
       continue;
@@ -100,6 +118,10 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.time = next;
   model->state.step++;
   PetscCall(MpmReductionObserve(model));
+  if (model->state.rescue.dilation) {
+    PetscCall(HasStruggled(model, &again));
+    if (again) PetscCall(AverageDilation(model, "a short step was hard, too"));
+  }
   model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
