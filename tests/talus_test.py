@@ -46,6 +46,15 @@ def call(command, folder):
                           timeout=TIME_LIMIT, check=False)
 
 
+def must(test, name, command, folder):
+    """Runs a command that must succeed; its output."""
+    process = call(command, folder)
+    test.check(name, process.returncode, 0, 0)
+    if process.returncode:
+        print(process.stdout[-3000:], process.stderr[-3000:])
+    return process.stdout
+
+
 class Run:
     """A run that has ended: exit status, output, the files that it left."""
 

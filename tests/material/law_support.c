@@ -411,3 +411,19 @@ void Solve(int n, double *A, double *b)
     b[i] /= A[i * n + i];
   }
 }
+
+double TaylorRemainder(const Point *point, const double *dF, const double *V, double h)
+{
+  double tau[SYM], dtau[SYM * DIM2], moved[DIM2], after[SYM], largest = 0.;
+
+  if (PointEvaluate(point, ALL_DIRECTIONS, dF, tau, dtau)) return NAN;
+  for (int i = 0; i < DIM2; ++i) moved[i] = dF[i] + h * V[i];
+  if (PointEvaluate(point, PLAIN, moved, after, NULL)) return NAN;
+  for (int i = 0; i < SYM; ++i) {
+    double linear = tau[i];
+
+    for (int k = 0; k < DIM2; ++k) linear += h * dtau[i * DIM2 + k] * V[k];
+    largest = fmax(largest, fabs(after[i] - linear));
+  }
+  return largest;
+}

@@ -260,23 +260,6 @@ END_TEST
 
 /* ---- Taylor's remainder ---- */
 
-/* |tau(dF + h V) - tau(dF) - h dtau V| */
-static double Remainder(const Point *point, const double *dF, const double *V, double h)
-{
-  double tau[SYM], dtau[SYM * DIM2], moved[DIM2], after[SYM], largest = 0.;
-
-  ck_assert_int_eq(PointEvaluate(point, ALL_DIRECTIONS, dF, tau, dtau), 0);
-  for (int i = 0; i < DIM2; ++i) moved[i] = dF[i] + h * V[i];
-  ck_assert_int_eq(PointEvaluate(point, PLAIN, moved, after, NULL), 0);
-  for (int i = 0; i < SYM; ++i) {
-    double linear = tau[i];
-
-    for (int k = 0; k < DIM2; ++k) linear += h * dtau[i * DIM2 + k] * V[k];
-    largest = fmax(largest, fabs(after[i] - linear));
-  }
-  return largest;
-}
-
 /* Order 2 in every region, also where trial values coincide exactly or nearly; with softening too */
 START_TEST(test_mohr_coulomb_taylor)
 {
@@ -324,8 +307,8 @@ START_TEST(test_mohr_coulomb_taylor)
       PointSetPrincipal(&point, trials[k]);
       SymRotate(R, point.state, point.state);
       for (int i = 0; i < DIM2; ++i) V[i] = RandomUniform(-1., 1.);
-      r[0] = Remainder(&point, I, V, h);
-      r[1] = Remainder(&point, I, V, 0.5 * h);
+      r[0] = TaylorRemainder(&point, I, V, h);
+      r[1] = TaylorRemainder(&point, I, V, 0.5 * h);
       /* down to what rounding makes of the stress */
       ck_assert_msg(r[1] <= 2e-15 * size || log2(r[0] / r[1]) > 1.95, "trial %d%s: remainders %g and %g", k,
                     soft ? ", softening" : "", r[0], r[1]);

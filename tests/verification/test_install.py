@@ -11,21 +11,12 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ENVIRONMENT, ROOT, Test, call  # noqa: E402
+from talus_test import ENVIRONMENT, ROOT, Test, call, must  # noqa: E402
 
 SOURCES = ROOT / "tests" / "installed"
 FORMS = ("coloring", "dense", "matfree", "matfree_without_tangents")
 PLUGIN_FAULTS = {"nowhere.so": "-mpm_plugin nowhere.so: cannot be loaded",
                  "tied.c": "-mpm_plugin tied.c: cannot be loaded"}
-
-
-def must(test, name, command, folder):
-    """Runs a command that must succeed; its output."""
-    process = call(command, folder)
-    test.check(name, process.returncode, 0, 0)
-    if process.returncode:
-        print(process.stdout[-3000:], process.stderr[-3000:])
-    return process.stdout
 
 
 def install(test, build, prefix):

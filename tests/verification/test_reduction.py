@@ -95,7 +95,7 @@ def restarts(test, whole):
             own = run.results.column(column)
             test.check(f"restart_{count}.{column}", difference(whole.results.column(column)[-own.size:], own), None, 1e-6)
         test.near(f"restart_{count}.factor_of_safety", run.results.summary["factor_of_safety"],
-                  whole.results.summary["factor_of_safety"], relative=1e-6)
+                  whole.results.summary["factor_of_safety"], relative=1e-12)
 
 
 with Test() as test:

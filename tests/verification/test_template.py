@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ENVIRONMENT, ROOT, Results, Test, call  # noqa: E402
+from talus_test import ENVIRONMENT, ROOT, Results, Test, must  # noqa: E402
 
 TEMPLATE, NAME = "linear_elastic", "my_law"
 FOLDERS = ("cmake", "examples", "include", "materials", "options", "physics", "scripts", "src")
@@ -48,15 +48,6 @@ def write_scene(folder, dim, law):
                                  cells=",".join("3" * dim), base=",".join(["1", "0", "1"][:dim]),
                                  axes=",".join("xyz"[:dim]), gravity=",".join(["0", "-9.81", "0"][:dim])))
     return path
-
-
-def must(test, name, command, folder):
-    """Runs a command that must succeed; its output."""
-    process = call(command, folder)
-    test.check(name, process.returncode, 0, 0)
-    if process.returncode:
-        print(process.stdout[-3000:], process.stderr[-3000:])
-    return process.stdout
 
 
 def write_law(path):
