@@ -111,6 +111,18 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How far a surface that turns comes towards a place, at most: as far as the place would be taken from it. */
+static PetscReal TurnMargin(const MpmContacts *contacts, PetscInt b, PetscInt dim, const PetscReal x[])
+{
+  const MpmPose *before = &contacts->before[b], *after = &contacts->after[b];
+  PetscReal      y[MPM_MAX_DIM], square                = 0.;
+
+  if (!before->turned && !after->turned) return 0.;
+  MpmPoseCarry(dim, after, before, x, y);
+  for (PetscInt a = 0; a < dim; a++) square += PetscSqr(y[a] - x[a]);
+  return PetscSqrtReal(square);
+}
+
 /* Is the point a contact candidate of this step, and where does its face stand? */
 static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                PetscReal margin, MpmContact *contact, PetscBool *candidate)
@@ -127,6 +139,7 @@ static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rule
   MpmBoundaryDistance(boundary, &contacts->before[b], &points->x[p * dim], &surface);
   for (PetscInt k = 0; k < dim * dim; k++) most += F[k] * F[k]; /* no stretch is larger */
   for (PetscInt a = 0; a < dim; a++) length += half[a] * half[a];
+  margin += TurnMargin(contacts, b, dim, &points->x[p * dim]);
   if (!boundary->bilateral && surface.distance > margin + PetscSqrtReal(most * length))
     PetscFunctionReturn(PETSC_SUCCESS);
   if (!MpmRegionContains(boundary->region, &points->x0[p * dim])) PetscFunctionReturn(PETSC_SUCCESS);
@@ -157,7 +170,7 @@ static PetscErrorCode List(MpmContacts *contacts, PetscInt b, const MpmRules *ru
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < space->dim; a++) {
     margin = PetscMax(margin, 2. * rules->grid->h[a]);
-    margin += PetscAbsReal(after->motion[a] - before->motion[a]);
+    margin += PetscAbsReal(after->translation[a] - before->translation[a]);
   }
   margin += PetscAbsReal(after->growth - before->growth);
   for (PetscInt g = 0; g < space->group_count; g++) {
@@ -294,23 +307,40 @@ typedef struct {
   PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM];          /* minus the force's derivative */
 } Answer;
 
+/* Takes the boundary's own displacement at a face off a vector. */
+static void Relative(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, PetscReal vector[])
+{
+  const MpmPose *before = &contacts->before[contact->boundary], *after = &contacts->after[contact->boundary];
+  PetscReal      carried[MPM_MAX_DIM];
+
+  if (before->turned || after->turned) {
+    MpmPoseCarry(dim, before, after, contact->face, carried);
+    for (PetscInt a = 0; a < dim; a++) vector[a] -= carried[a] - contact->face[a];
+  } else
+    for (PetscInt a = 0; a < dim; a++) vector[a] = vector[a] - after->translation[a] + before->translation[a];
+}
+
 static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, const PetscReal u[],
                      Answer *answer)
 {
   const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
-  const MpmPose     *before = &contacts->before[contact->boundary], *after = &contacts->after[contact->boundary];
-  PetscReal          at[MPM_MAX_DIM], along                                = 0.;
+  PetscReal          at[MPM_MAX_DIM], relative[MPM_MAX_DIM], along = 0.;
   MpmSurface         surface;
 
   for (PetscInt a = 0; a < dim; a++) at[a] = contact->face[a] + u[a];
-  MpmBoundaryDistance(boundary, after, at, &surface);
+  MpmBoundaryDistance(boundary, &contacts->after[contact->boundary], at, &surface);
   *answer       = (Answer){.active = (PetscBool)(boundary->bilateral || surface.distance <= contacts->touch)};
   answer->depth = boundary->bilateral ? PetscAbsReal(surface.distance) : PetscMax(0., -surface.distance);
   if (!answer->active) return;
-  for (PetscInt a = 0; a < dim; a++) along += contact->normal[a] * (u[a] - after->motion[a] + before->motion[a]);
   for (PetscInt a = 0; a < dim; a++) {
-    if (boundary->stick)
-      answer->slip[a] = contact->slip[a] + u[a] - after->motion[a] + before->motion[a] - along * contact->normal[a];
+    relative[a] = u[a];
+    if (boundary->stick) answer->slip[a] = contact->slip[a] + u[a];
+  }
+  Relative(contacts, contact, dim, relative);
+  if (boundary->stick) Relative(contacts, contact, dim, answer->slip);
+  for (PetscInt a = 0; a < dim; a++) along += contact->normal[a] * relative[a];
+  for (PetscInt a = 0; a < dim; a++) {
+    if (boundary->stick) answer->slip[a] -= along * contact->normal[a];
     answer->force[a] = -contact->stiffness * (surface.distance * surface.normal[a] + answer->slip[a]);
     for (PetscInt c = 0; c < dim; c++) {
       PetscReal k = surface.normal[a] * surface.normal[c] + surface.distance * surface.second[a][c];
