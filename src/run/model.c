@@ -381,6 +381,8 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     }
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
+    if (model->scene.boundaries->at[k].friction > 0.)
+      model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

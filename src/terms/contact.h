@@ -29,7 +29,8 @@ typedef struct MpmContacts {
   const MpmBoundary *boundaries;
   MpmPose           *before, *after;          /* the boundaries' at the step's start and end */
   PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the body; deepest mean gaps behind, m */
-  PetscReal  touch;                           /* a patch that is no further away touches */
+  PetscReal touch,
+    tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
   PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet  *facet;
   MpmPatch  *patch;

@@ -25,6 +25,7 @@
 #include "terms/terms.h"
 
 #define TOUCH   1e-12 /* of a cell: rounding of a face that stands on the boundary */
+#define TILT    0.1   /* of a cell */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
@@ -178,22 +179,21 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far a boundary is looked for: what the material and the surface may come nearer in the step. */
-static PetscReal Margin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt b)
+/* How far from a place a boundary is looked for: what the material and the surface may come nearer in the step. */
+static PetscReal Margin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt b, const PetscReal x[])
 {
   const MpmPose *before = &contacts->before[b], *after = &contacts->after[b];
-  PetscReal      margin = PetscAbsReal(after->growth - before->growth);
+  PetscReal      margin = PetscAbsReal(after->growth - before->growth), y[MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < grid->dim; a++)
-    margin += 2. * grid->h[a] + PetscAbsReal(after->motion[a] - before->motion[a]);
+  MpmPoseCarry(grid->dim, after, before, x, y);
+  for (PetscInt a = 0; a < grid->dim; a++) margin += 2. * grid->h[a] + PetscAbsReal(y[a] - x[a]);
   return margin;
 }
 
 static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmSpace *space,
                                        const MpmPoints *points)
 {
-  const PetscReal margin = Margin(contacts, grid, b);
-  const PetscInt  dim    = grid->dim;
+  const PetscInt dim = grid->dim;
 
   PetscFunctionBeginUser;
   for (PetscInt g = 0; g < space->group_count; g++) {
@@ -205,7 +205,7 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
       if (points->faces[p] == 0. || !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim])) continue;
       MpmGridFindCell(grid, &points->x[p * dim], cell);
       for (PetscInt a = dim - 1; a >= 0; a--) facet.cell = facet.cell * grid->cells[a] + cell[a];
-      PetscCall(FacetsOfPoint(contacts, b, margin, points, &facet));
+      PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), points, &facet));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -295,6 +295,7 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->touch = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->touch = PetscMin(contacts->touch, TOUCH * rules->grid->h[a]);
+  contacts->tilt = TILT / TOUCH * contacts->touch;
   SetPoses(contacts, rules->time_n, rules->time);
   for (PetscInt b = 0; b < contacts->boundary_count; b++)
     PetscCall(FacetsOfBoundary(contacts, b, rules->grid, space, points));

@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "geometry/motion.h"
 
 typedef enum { MPM_BOUNDARY_PLANE, MPM_BOUNDARY_SPHERE, MPM_BOUNDARY_CYLINDER, MPM_BOUNDARY_POLYGON } MpmBoundaryType;
 
@@ -15,11 +16,11 @@ typedef struct {
   PetscReal  point[MPM_MAX_DIM], direction[MPM_MAX_DIM], radius; /* direction: a plane's normal, a cylinder's axis */
   PetscReal  side;                                               /* 1: the material is outside, -1: inside */
   PetscInt   vertex_count;
-  PetscReal *vertices, penalty, motion[MPM_MAX_DIM], growth; /* m, times ramp */
-  PetscReal  friction, adhesion; /* Coulomb's coefficient; Pa */
+  PetscReal *vertices, penalty;
+  PetscReal  friction, adhesion;           /* Coulomb's coefficient; Pa */
   PetscBool  stick, tangential, bilateral; /* tangential: something acts along the surface */
   MpmRegion  region; /* of the contact candidates, at the start */
-  MpmRamp    ramp;
+  MpmMotion  motion;
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */
@@ -28,11 +29,6 @@ typedef struct MpmBoundaries {
   char       **names;
   MpmBoundary *at;
 } MpmBoundaries;
-
-/* Where a boundary stands: by how much it has moved, and its radius grown. */
-typedef struct {
-  PetscReal motion[MPM_MAX_DIM], growth;
-} MpmPose;
 
 /* Distance from a boundary, positive where the material is, its gradient and its second derivative. */
 typedef struct {

@@ -31,7 +31,8 @@
 
 /* What a patch does at a displacement of its nodes. */
 typedef struct {
-  PetscBool active;
+  PetscBool active, any;                                            /* the mean acts; a facet does */
+  PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
   PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: what is kept of it */
   PetscReal traction[MPM_MAX_DIM];                                  /* along the surface */
   PetscReal by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_gap[MPM_MAX_DIM]; /* its derivatives */
@@ -40,19 +41,21 @@ typedef struct {
 /* Room for the facets of a patch. */
 typedef struct {
   MpmSurface *surface; /* at the step's end */
+  PetscReal
+    *beyond; /* how far they are beyond what the patch may tilt: < 0 too deep; > 0, of a bilateral one, too far */
 } Work;
 
 static PetscErrorCode WorkCreate(const MpmContacts *contacts, Work *work)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->most, &work->surface));
+  PetscCall(PetscMalloc2(contacts->most, &work->surface, contacts->most, &work->beyond));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WorkDestroy(Work *work)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(work->surface));
+  PetscCall(PetscFree2(work->surface, work->beyond));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,6 +112,27 @@ static void Friction(const MpmBoundary *boundary, PetscReal k, Answer *answer)
   for (PetscInt a = 0; a < dim; a++) answer->slip[a] = answer->traction[a] / k;
 }
 
+/* Takes the displacement of a boundary's own place off that of the material there. */
+static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, const PetscReal place[],
+                     PetscReal value[])
+{
+  PetscReal carried[MPM_MAX_DIM];
+
+  if (before->turned || after->turned) {
+    MpmPoseCarry(dim, before, after, place, carried);
+    for (PetscInt a = 0; a < dim; a++) value[a] -= carried[a] - place[a];
+  } else {
+    for (PetscInt a = 0; a < dim; a++) value[a] -= after->translation[a] - before->translation[a];
+  }
+}
+
+/* How far a facet is beyond what a patch may tilt. */
+static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary, PetscReal gap)
+{
+  if (gap < -contacts->tilt) return gap + contacts->tilt;
+  return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
+}
+
 static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                      Work *work, Answer *answer)
 {
@@ -126,17 +150,22 @@ static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const M
     FacetValue(sum, &sum->space->groups[patch->box], WeightsOf(contacts, f), u, value);
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
     MpmBoundaryDistance(boundary, after, at, surface);
+    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches);
+    if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
     answer->gap += share * (surface->distance - facet->touches);
     if (!boundary->tangential) continue;
-    for (PetscInt a = 0; a < dim; a++) value[a] -= after->motion[a] - before->motion[a];
+    Relative(before, after, dim, facet->place, value);
     Project(dim, facet->normal, value);
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + value[a]);
   }
   if (!boundary->bilateral) answer->active = (PetscBool)(answer->gap <= contacts->touch);
   if (!answer->active) {
+    answer->gap = 0.;
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
     return;
   }
+  answer->any       = PETSC_TRUE;
+  answer->stiffness = patch->stiffness;
   if (boundary->tangential) Friction(boundary, patch->stiffness, answer);
 }
 
@@ -145,7 +174,7 @@ static void FacetForce(const MpmContacts *contacts, const MpmPatch *patch, Petsc
                        const Answer *answer, PetscReal force[])
 {
   const MpmFacet *facet  = &contacts->facet[f];
-  const PetscReal normal = patch->stiffness * answer->gap;
+  const PetscReal normal = answer->stiffness * answer->gap + patch->stiffness * work->beyond[f - patch->begin];
   const PetscInt  dim    = contacts->boundaries[patch->boundary].dim;
 
   for (PetscInt a = 0; a < dim; a++) force[a] = answer->traction[a];
@@ -182,7 +211,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
     Answer          answer;
 
     Evaluate(contacts, patch, sum, u, &work, &answer);
-    for (PetscInt f = patch->begin; answer.active && f < patch->end; f++) {
+    for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
       FacetForce(contacts, patch, f, &work, &answer, force);
@@ -230,7 +259,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
     Answer          answer;
 
     Evaluate(contacts, patch, sum, u, &work, &answer);
-    if (!answer.active) continue;
+    if (!answer.any) continue;
     Change(contacts, patch, sum, du, &work, &gap, slip);
     for (PetscInt a = 0; a < dim; a++) {
       traction[a] = answer.by_gap[a] * gap;
@@ -238,14 +267,17 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
     }
     for (PetscInt f = patch->begin; f < patch->end; f++) {
       const MpmSurface *surface = &work.surface[f - patch->begin];
-      PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM];
+      const PetscReal   beyond = work.beyond[f - patch->begin], own = beyond != 0. ? patch->stiffness : 0.;
+      const PetscReal   normal = answer.stiffness * answer.gap + patch->stiffness * beyond;
+      PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM], along = 0.;
 
       FacetValue(sum, box, WeightsOf(contacts, f), du, value);
+      for (PetscInt a = 0; a < dim; a++) along += surface->normal[a] * value[a];
       for (PetscInt a = 0; a < dim; a++) force[a] = traction[a];
       Project(dim, contacts->facet[f].normal, force);
       for (PetscInt a = 0; a < dim; a++) {
-        force[a] += patch->stiffness * gap * surface->normal[a];
-        for (PetscInt c = 0; c < dim; c++) force[a] += patch->stiffness * answer.gap * surface->second[a][c] * value[c];
+        force[a] += (answer.stiffness * gap + own * along) * surface->normal[a];
+        for (PetscInt c = 0; c < dim; c++) force[a] += normal * surface->second[a][c] * value[c];
       }
       AddForce(sum, box, WeightsOf(contacts, f), contacts->facet[f].area, force, y);
     }
@@ -293,7 +325,7 @@ static void FactorsOf(const MpmContacts *contacts, const MpmPatch *patch, const 
 
   Derivatives(contacts, patch, sum, work, gap, slip);
   for (PetscInt i = 0; i < size; i++) {
-    factors->right[i] = patch->area * patch->stiffness * gap[i];
+    factors->right[i] = patch->area * answer->stiffness * gap[i];
     for (PetscInt e = 0; e < dim; e++) {
       PetscReal value = answer->by_gap[e] * gap[i];
 
@@ -313,6 +345,18 @@ static PetscErrorCode FactorsCreate(const MpmContacts *contacts, const MpmSum *s
     *nodes = PetscMax(*nodes, sum->space->groups[contacts->patch[k].box].node_count);
   PetscCall(PetscMalloc2(((dim + 1) * *nodes * dim), &factors->left, ((dim + 1) * *nodes * dim), &factors->right));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What facet f adds on its own to the tangent, of directions c and d: its curvature, and what is beyond the tilt. */
+static PetscReal OwnStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const Work *work,
+                              const Answer *answer, PetscInt c, PetscInt d)
+{
+  const MpmSurface *surface = &work->surface[f - patch->begin];
+  const PetscReal   beyond  = work->beyond[f - patch->begin];
+  PetscReal         value   = (answer->stiffness * answer->gap + patch->stiffness * beyond) * surface->second[c][d];
+
+  if (beyond != 0.) value += patch->stiffness * surface->normal[c] * surface->normal[d];
+  return contacts->facet[f].area * value;
 }
 
 static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
@@ -336,7 +380,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     Answer          answer;
 
     Evaluate(contacts, patch, sum, u, &work, &answer);
-    if (!answer.active) continue;
+    if (!answer.any) continue;
     FactorsOf(contacts, patch, sum, &work, &answer, &factors);
     for (PetscInt i = 0; i < n; i++) {
       for (PetscInt cd = 0; nodes[i] >= 0 && cd < dim * dim; cd++) {
@@ -346,8 +390,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
         for (PetscInt m = 0; m <= dim; m++)
           value += factors.left[(m * n + i) * dim + c] * factors.right[(m * n + i) * dim + d];
         for (PetscInt f = patch->begin; f < patch->end; f++)
-          value += PetscSqr(WeightsOf(contacts, f)[i]) * contacts->facet[f].area * patch->stiffness * answer.gap *
-                   work.surface[f - patch->begin].second[c][d];
+          value += PetscSqr(WeightsOf(contacts, f)[i]) * OwnStiffness(contacts, patch, f, &work, &answer, c, d);
         blocks[(nodes[i] * bs + c) * bs + d] += value;
       }
     }
@@ -361,9 +404,8 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const Work *work,
                     const Answer *answer, const Factors *factors, PetscReal element[])
 {
-  const PetscInt  dim = sum->space->dim, bs = sum->block, n = sum->space->groups[patch->box].node_count;
-  const PetscInt  terms  = contacts->boundaries[patch->boundary].tangential ? dim + 1 : 1;
-  const PetscReal normal = patch->stiffness * answer->gap;
+  const PetscInt dim = sum->space->dim, bs = sum->block, n = sum->space->groups[patch->box].node_count;
+  const PetscInt terms = contacts->boundaries[patch->boundary].tangential ? dim + 1 : 1;
 
   for (PetscInt k = 0; k < n * n * bs * bs; k++) element[k] = 0.;
   for (PetscInt m = 0; m < terms; m++) {
@@ -378,12 +420,11 @@ static void Element(const MpmContacts *contacts, const MpmPatch *patch, const Mp
     const PetscReal *weight = WeightsOf(contacts, f);
 
     for (PetscInt cd = 0; cd < dim * dim; cd++) {
-      const PetscReal second =
-        contacts->facet[f].area * normal * work->surface[f - patch->begin].second[cd / dim][cd % dim];
+      const PetscReal own = OwnStiffness(contacts, patch, f, work, answer, cd / dim, cd % dim);
 
-      for (PetscInt i = 0; second != 0. && i < n; i++)
+      for (PetscInt i = 0; own != 0. && i < n; i++)
         for (PetscInt j = 0; weight[i] != 0. && j < n; j++)
-          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] += second * weight[i] * weight[j];
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] += own * weight[i] * weight[j];
     }
   }
 }
@@ -408,7 +449,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     Answer          answer;
 
     Evaluate(contacts, patch, sum, u, &work, &answer);
-    if (!answer.active) continue;
+    if (!answer.any) continue;
     FactorsOf(contacts, patch, sum, &work, &answer, &factors);
     Element(contacts, patch, sum, &work, &answer, &factors, element);
     MpmPatternAddBlock(pattern, sum->space, &sum->space->groups[patch->box], element);
@@ -464,12 +505,17 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     PetscReal      *depth = &contacts->depth[patch->boundary], force[MPM_MAX_DIM];
 
     Evaluate(contacts, patch, sum, u, &work, &answers[k]);
-    if (!answers[k].active) continue;
+    if (!answers[k].any) continue;
     for (PetscInt f = patch->begin; f < patch->end; f++) {
       FacetForce(contacts, patch, f, &work, &answers[k], force);
       for (PetscInt a = 0; a < dim; a++) contacts->reaction[patch->boundary][a] += force[a];
     }
+    for (PetscInt f = patch->begin; f < patch->end; f++)
+      if (work.beyond[f - patch->begin] != 0.)
+        *depth = PetscMax(*depth, PetscAbsReal(work.beyond[f - patch->begin]) + contacts->tilt);
     *depth = PetscMax(*depth, PetscAbsReal(answers[k].gap));
+    MpmPoseTurn(dim, &contacts->before[patch->boundary], &contacts->after[patch->boundary], answers[k].slip,
+                answers[k].slip);
   }
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(PetscFree(answers));
