@@ -62,5 +62,12 @@ MPM_FN int MpmMaterialEvaluate_j2(const MpmLawPoint *point, const Tensor *dF, Sy
   return 0;
 }
 
-MPM_LAW(j2, MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC, "von Mises plasticity with linear isotropic hardening", parameters,
-        states, NULL, ElasticStiffness, MpmMaterialEvaluate_j2)
+/* In pure shear sqrt(3 J2) is sqrt(3) times the shear stress. */
+static double ShearStrength(const double *parameter, const double *state)
+{
+  return (parameter[YIELD_STRESS] + parameter[HARDENING] * state[STATE_ALPHA]) / sqrt(3.);
+}
+
+MPM_LAW_LIMITED(j2, MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC, "von Mises plasticity with linear isotropic hardening",
+                parameters, states, NULL, ElasticStiffness, MpmMaterialEvaluate_j2, NULL, NULL, NULL, NULL,
+                ShearStrength)

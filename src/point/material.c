@@ -289,6 +289,12 @@ PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const PetscReal state[])
+{
+  if (!material->info.shear_strength) return PETSC_INFINITY;
+  return material->info.shear_strength(material->parameter, state);
+}
+
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[])
 {
   return material->info.stiffness(material->parameter, material->table, state, F);

@@ -49,6 +49,8 @@ PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TE
 /* The same with another value of the parameter of this name; false where the law has no such number. */
 PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *parameter, PetscReal value,
                                   char why[MPM_FAULT_TEXT]);
+/* The largest shear stress that the material bears at a state, Pa; infinite where the law sets no limit of that kind. */
+PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const PetscReal state[]);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
 /*

@@ -21,6 +21,7 @@ typedef struct {
 typedef struct {
   PetscInt  boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
   PetscReal area, stiffness;           /* m^(dim-1), Pa/m */
+  PetscReal strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
 } MpmPatch;
 
 /* Those of this rank's points, and what they do. */

@@ -25,7 +25,7 @@
 #include "terms/terms.h"
 
 #define TOUCH   1e-12 /* of a cell: rounding of a face that stands on the boundary */
-#define TILT    0.1   /* of a cell */
+#define TILT    0.25  /* of a cell */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
@@ -380,6 +380,23 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What the material bears along the surface: the mean over the facets, infinite where one of their laws has no limit. */
+static void Strengths(MpmContacts *contacts, const MpmSum *sum)
+{
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPatch *patch = &contacts->patch[k];
+
+    patch->strength = 0.;
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      const PetscInt     p        = contacts->facet[f].point;
+      const MpmMaterial *material = &sum->materials[sum->points->material[p]];
+
+      patch->strength += contacts->facet[f].area / patch->area *
+                         MpmMaterialShearStrength(material, sum->points->state + p * sum->state_size);
+    }
+  }
+}
+
 PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
 {
   MpmContacts    *contacts = (MpmContacts *)ctx;
@@ -401,6 +418,7 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
     for (PetscInt f = contacts->patch[k].begin; f < contacts->patch[k].end; f++)
       Weights(step->rules, space, step->sum->points, &contacts->facet[f], &space->groups[contacts->patch[k].box],
               &contacts->weight[contacts->facet[f].weight]);
+  Strengths(contacts, step->sum);
   PetscCall(LoadSlips(contacts, step->particles, space->dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

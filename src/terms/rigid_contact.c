@@ -8,7 +8,9 @@
 
   and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral). Coulomb friction bounds the
   traction: where |k s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k. So a patch that sticks
-  gives by t/k, which is all the regularisation there is. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
+  gives by t/k, which is all the regularisation there is. L is no more than what the material itself bears in shear where its law
+  says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
+  surface, in a layer that no cell can resolve, and a pipe would carry half a cell of clay along. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
   the step's start; the reaction is the sum of these forces.
 
   Without slip the force has the potential A (k/2) (g^2 + s^2), and the tangent is symmetric:
@@ -86,15 +88,18 @@ static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
 }
 
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
-static void Friction(const MpmBoundary *boundary, PetscReal k, Answer *answer)
+static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, Answer *answer)
 {
-  const PetscInt dim  = boundary->dim;
-  PetscReal      size = 0., limit;
+  const PetscReal k    = patch->stiffness;
+  const PetscInt  dim  = boundary->dim;
+  PetscReal       size = 0., limit, rate = 0.; /* rate: of the limit by the gap */
 
   for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
   size  = PetscSqrtReal(size);
   limit = boundary->friction * PetscMax(-k * answer->gap, 0.) + boundary->adhesion;
-  if (boundary->stick || k * size <= limit) {
+  if (boundary->stick || limit > patch->strength) limit = patch->strength;
+  else rate = answer->gap < 0. ? -boundary->friction * k : 0.;
+  if (k * size <= limit) {
     for (PetscInt a = 0; a < dim; a++) {
       answer->traction[a]   = k * answer->slip[a];
       answer->by_slip[a][a] = k;
@@ -105,7 +110,7 @@ static void Friction(const MpmBoundary *boundary, PetscReal k, Answer *answer)
     const PetscReal along = answer->slip[a] / size;
 
     answer->traction[a] = limit * along;
-    answer->by_gap[a]   = answer->gap < 0. ? -boundary->friction * k * along : 0.;
+    answer->by_gap[a]   = rate * along;
     for (PetscInt c = 0; c < dim; c++)
       answer->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - along * answer->slip[c] / size);
   }
@@ -166,7 +171,7 @@ static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const M
   }
   answer->any       = PETSC_TRUE;
   answer->stiffness = patch->stiffness;
-  if (boundary->tangential) Friction(boundary, patch->stiffness, answer);
+  if (boundary->tangential) Friction(boundary, patch, answer);
 }
 
 /* The force on the material at a facet. */

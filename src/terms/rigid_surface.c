@@ -197,7 +197,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_boundary_%s_", name));
   PetscCall(PetscStrallocpy(name, &boundary->name));
   boundary->dim     = grid->dim;
-  boundary->penalty = 20.;
+  boundary->penalty = 10.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmOptionsWord(&block, "type", "its surface", types, MPM_REQUIRED, &type, NULL));
   boundary->type = (MpmBoundaryType)type;

@@ -43,7 +43,8 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
   `parameters` and `states` are the file's static tables; a law without history passes MPM_NO_STATE for `states`.
 
   MPM_LAW_MORE(..., kernel, symmetric, history) has optional functions of MpmLawInfo, too, MPM_LAW_ALL(..., kernel,
-  symmetric, history, k0) more, and MPM_LAW_DILATANT(..., k0, dilatancy) all of them; any may be NULL.
+  symmetric, history, k0) more, MPM_LAW_DILATANT(..., k0, dilatancy) also that, and MPM_LAW_LIMITED(..., k0, dilatancy,
+  shear_strength) all of them; any may be NULL.
 */
 #define MPM_LAW(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_) \
   MPM_LAW_MORE(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, NULL, NULL)
@@ -59,6 +60,11 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
 #define MPM_LAW_DILATANT(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, \
                          history_, k0_, dilatancy_) \
+  MPM_LAW_LIMITED(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, history_, \
+                  k0_, dilatancy_, NULL)
+
+#define MPM_LAW_LIMITED(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, \
+                        history_, k0_, dilatancy_, shear_strength_) \
   MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
   void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
@@ -71,14 +77,15 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
     info->states          = states_; \
     info->state_count     = MPM_ROWS(states_); \
     if (info->state_count == 1 && !info->states[0].name) info->state_count = 0; \
-    info->traits    = traits_; \
-    info->check     = check_; \
-    info->stiffness = stiffness_; \
-    info->symmetric = symmetric_; \
-    info->history   = history_; \
-    info->k0        = k0_; \
-    info->dilatancy = dilatancy_; \
-    info->law       = (MpmFunction)law; \
+    info->traits         = traits_; \
+    info->check          = check_; \
+    info->stiffness      = stiffness_; \
+    info->symmetric      = symmetric_; \
+    info->history        = history_; \
+    info->k0             = k0_; \
+    info->dilatancy      = dilatancy_; \
+    info->law            = (MpmFunction)law; \
+    info->shear_strength = shear_strength_; \
   }
 
 /* The state table of a law without history: static const MpmStateVariable states[] = MPM_NO_STATE; */

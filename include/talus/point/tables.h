@@ -115,6 +115,8 @@ typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table
              positive in compression, by the law's friction and by what it has borne before: (1 - sin phi) OCR^sin phi
              (Jaky; Mayne and Kulhawy 1982). `state` holds the values that the scene gives
   dilatancy  NULL, or the law's MpmDilatancy, with which F-bar leaves to each point the dilation of its own shear
+  shear_strength  NULL, or the largest shear stress, Pa, that the material bears at a state, where no pressure changes it: a
+             surface that sticks to the material passes on no more
 */
 typedef struct {
   const char             *name;
@@ -129,6 +131,7 @@ typedef struct {
   int (*symmetric)(const double *parameter, const MpmLawTable *table);
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
+  double (*shear_strength)(const double *parameter, const double *state);
   MpmDilatancy dilatancy;
   MpmFunction  law;
 } MpmLawInfo;
