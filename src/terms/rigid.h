@@ -13,13 +13,14 @@ typedef struct {
   char           *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, with stick only */
   MpmBoundaryType type;
   PetscInt        dim;
-  PetscReal  point[MPM_MAX_DIM], direction[MPM_MAX_DIM], radius; /* direction: a plane's normal, a cylinder's axis */
-  PetscReal  side;                                               /* 1: the material is outside, -1: inside */
-  PetscInt   vertex_count;
-  PetscReal *vertices, penalty;
-  PetscBool  stick, bilateral;
-  MpmRegion  region; /* of the contact candidates, at the start */
-  MpmMotion  motion;
+  PetscReal   point[MPM_MAX_DIM], direction[MPM_MAX_DIM], radius; /* direction: a plane's normal, a cylinder's axis */
+  PetscReal   side;                                               /* 1: the material is outside, -1: inside */
+  PetscInt    vertex_count;
+  PetscReal  *vertices, penalty;
+  PetscBool   stick, bilateral;
+  MpmRegion   region; /* of the contact candidates, at the start */
+  MpmMotion   motion;
+  MpmFreedom *freedom; /* NULL: all of its motion is prescribed */
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */
@@ -45,8 +46,12 @@ typedef struct {
 typedef struct MpmContacts {
   PetscInt           boundary_count;
   const MpmBoundary *boundaries;
-  MpmPose           *before, *after;          /* the boundaries' at the step's start and end */
-  PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the body; deepest places behind, m */
+  MpmPose           *before, *after; /* the boundaries' at the step's start and end */
+  MpmRigidBody      *bodies;         /* those whose place is solved for, by boundary; NULL: there is none */
+  PetscInt           material_count;
+  PetscInt           adrift;                  /* a body that met nothing on its way, or -1 */
+  PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the material; deepest places behind, m */
+  PetscReal (*moment)[MPM_MAX_DIM];           /* of those forces about the boundary's reference point */
   PetscReal   unit, touch;                    /* 1/h; a face that is no further away touches */
   PetscInt    count, capacity;
   MpmContact *contact;

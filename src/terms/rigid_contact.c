@@ -27,7 +27,9 @@
 #include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"
+#include "terms/contact.h"
 #include "terms/rigid.h"
+#include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 
@@ -42,6 +44,7 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
   PetscCall(PetscCalloc1(count, &contacts->after));
   PetscCall(PetscCalloc1(count, &contacts->reaction));
   PetscCall(PetscCalloc1(count, &contacts->depth));
+  PetscCall(PetscCalloc1(count, &contacts->moment));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -52,6 +55,8 @@ PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
   PetscCall(PetscFree(contacts->after));
   PetscCall(PetscFree(contacts->reaction));
   PetscCall(PetscFree(contacts->depth));
+  PetscCall(PetscFree(contacts->moment));
+  PetscCall(PetscFree(contacts->bodies));
   PetscCall(PetscFree(contacts->contact));
   PetscCall(PetscFree(contacts->weight));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -123,6 +128,12 @@ static PetscReal TurnMargin(const MpmContacts *contacts, PetscInt b, PetscInt di
   return PetscSqrtReal(square);
 }
 
+/* That whose place is solved for, or NULL. */
+static const MpmRigidBody *Body(const MpmContacts *contacts, PetscInt b)
+{
+  return contacts->bodies && contacts->bodies[b].freedom ? &contacts->bodies[b] : NULL;
+}
+
 /* Is the point a contact candidate of this step, and where does its face stand? */
 static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                PetscReal margin, MpmContact *contact, PetscBool *candidate)
@@ -136,7 +147,9 @@ static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rule
 
   PetscFunctionBeginUser;
   *candidate = PETSC_FALSE;
-  MpmBoundaryDistance(boundary, &contacts->before[b], &points->x[p * dim], &surface);
+  if (Body(contacts, b))
+    MpmRigidDistance(Body(contacts, b), boundary, &contacts->before[b], &points->x[p * dim], &surface);
+  else MpmBoundaryDistance(boundary, &contacts->before[b], &points->x[p * dim], &surface);
   for (PetscInt k = 0; k < dim * dim; k++) most += F[k] * F[k]; /* no stretch is larger */
   for (PetscInt a = 0; a < dim; a++) length += half[a] * half[a];
   margin += TurnMargin(contacts, b, dim, &points->x[p * dim]);
@@ -173,6 +186,8 @@ static PetscErrorCode List(MpmContacts *contacts, PetscInt b, const MpmRules *ru
     margin += PetscAbsReal(after->translation[a] - before->translation[a]);
   }
   margin += PetscAbsReal(after->growth - before->growth);
+  if (Body(contacts, b))
+    for (PetscInt k = 0; k < 6; k++) margin += 2. * PetscAbsReal(contacts->bodies[b].guess[k]);
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       MpmContact contact = {.point = space->order[s], .group = g, .boundary = b};
@@ -272,17 +287,33 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the contacts of the step. */
+/* The contacts of the step, about the bodies' guess. */
+static PetscErrorCode Find(MpmContacts *contacts, const MpmTermStep *step)
+{
+  const MpmSpace *space = step->sum->space;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(contacts->weight));
+  contacts->count = 0;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++)
+    PetscCall(List(contacts, b, step->rules, space, step->sum->points));
+  PetscCall(Weights(contacts, step->rules, space, step->sum->points));
+  PetscCall(LoadSlips(contacts, step->particles, space->dim));
+  for (PetscInt k = 0; contacts->bodies && k < contacts->count; k++)
+    if (Body(contacts, contacts->contact[k].boundary))
+      MpmRigidPull(Body(contacts, contacts->contact[k].boundary), &contacts->contact[k]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
 {
   MpmContacts    *contacts = (MpmContacts *)ctx;
   const MpmRules *rules    = step->rules;
   const MpmSpace *space    = step->sum->space;
   PetscReal       h        = rules->grid->h[0];
+  PetscBool       moved    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(contacts->weight));
-  contacts->count = 0;
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 1; a < space->dim; a++) h = PetscMin(h, rules->grid->h[a]);
   contacts->unit  = 1. / h;
@@ -291,21 +322,16 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
     contacts->before[b] = (MpmPose){.growth = 0.};
     if (step->time_n > 0.) contacts->before[b] = MpmBoundaryPose(&contacts->boundaries[b], step->time_n);
     contacts->after[b] = MpmBoundaryPose(&contacts->boundaries[b], step->time);
-    PetscCall(List(contacts, b, rules, space, step->sum->points));
   }
-  PetscCall(Weights(contacts, rules, space, step->sum->points));
-  PetscCall(LoadSlips(contacts, step->particles, space->dim));
+  if (contacts->bodies) MpmRigidBegin(contacts, step);
+  do {
+    PetscCall(Find(contacts, step));
+    if (contacts->bodies) PetscCall(MpmRigidSettle(contacts, step->sum, &moved));
+  } while (moved);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- sums ---- */
-
-/* What a contact does at a displacement of its face. */
-typedef struct {
-  PetscBool active;
-  PetscReal depth, force[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* force on the body */
-  PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM];          /* minus the force's derivative */
-} Answer;
 
 /* Takes the boundary's own displacement at a face off a vector. */
 static void Relative(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, PetscReal vector[])
@@ -320,8 +346,8 @@ static void Relative(const MpmContacts *contacts, const MpmContact *contact, Pet
     for (PetscInt a = 0; a < dim; a++) vector[a] = vector[a] - after->translation[a] + before->translation[a];
 }
 
-static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, const PetscReal u[],
-                     Answer *answer)
+void MpmContactEvaluate(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, const PetscReal u[],
+                        MpmContactAnswer *answer)
 {
   const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
   PetscReal          at[MPM_MAX_DIM], relative[MPM_MAX_DIM], along = 0.;
@@ -329,7 +355,7 @@ static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, Pet
 
   for (PetscInt a = 0; a < dim; a++) at[a] = contact->face[a] + u[a];
   MpmBoundaryDistance(boundary, &contacts->after[contact->boundary], at, &surface);
-  *answer       = (Answer){.active = (PetscBool)(boundary->bilateral || surface.distance <= contacts->touch)};
+  *answer       = (MpmContactAnswer){.active = (PetscBool)(boundary->bilateral || surface.distance <= contacts->touch)};
   answer->depth = boundary->bilateral ? PetscAbsReal(surface.distance) : PetscMax(0., -surface.distance);
   if (!answer->active) return;
   for (PetscInt a = 0; a < dim; a++) {
@@ -351,9 +377,8 @@ static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, Pet
   }
 }
 
-/* sum_i w_i u_i */
-static void FaceValue(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const PetscReal u[],
-                      PetscReal value[])
+void MpmContactFaceValue(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const PetscReal u[],
+                         PetscReal value[])
 {
   const MpmGroup  *group  = &sum->space->groups[contact->group];
   const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
@@ -364,9 +389,8 @@ static void FaceValue(const MpmContacts *contacts, const MpmSum *sum, const MpmC
     for (PetscInt a = 0; a < sum->space->dim; a++) value[a] += weight[i] * u[nodes[i] * sum->block + a];
 }
 
-/* y_i += factor w_i force */
-static void AddForce(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, PetscReal factor,
-                     const PetscReal force[], PetscReal y[])
+void MpmContactAddForce(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, PetscReal factor,
+                        const PetscReal force[], PetscReal y[])
 {
   const MpmGroup  *group  = &sum->space->groups[contact->group];
   const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
@@ -387,11 +411,12 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   for (PetscInt k = 0; k < contacts->count; k++) {
     const MpmContact *contact = &contacts->contact[k];
     PetscReal         value[MPM_MAX_DIM];
-    Answer            answer;
+    MpmContactAnswer  answer;
 
-    FaceValue(contacts, sum, contact, u, value);
-    Evaluate(contacts, contact, sum->space->dim, value, &answer);
-    if (answer.active) AddForce(contacts, sum, contact, -1., answer.force, residual);
+    if (Body(contacts, contact->boundary)) continue;
+    MpmContactFaceValue(contacts, sum, contact, u, value);
+    MpmContactEvaluate(contacts, contact, sum->space->dim, value, &answer);
+    if (answer.active) MpmContactAddForce(contacts, sum, contact, -1., answer.force, residual);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -406,15 +431,16 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   for (PetscInt k = 0; k < contacts->count; k++) {
     const MpmContact *contact = &contacts->contact[k];
     PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM] = {0., 0., 0.};
-    Answer            answer;
+    MpmContactAnswer  answer;
 
-    FaceValue(contacts, sum, contact, u, value);
-    Evaluate(contacts, contact, dim, value, &answer);
+    if (Body(contacts, contact->boundary)) continue;
+    MpmContactFaceValue(contacts, sum, contact, u, value);
+    MpmContactEvaluate(contacts, contact, dim, value, &answer);
     if (!answer.active) continue;
-    FaceValue(contacts, sum, contact, du, value);
+    MpmContactFaceValue(contacts, sum, contact, du, value);
     for (PetscInt a = 0; a < dim; a++)
       for (PetscInt c = 0; c < dim; c++) force[a] += answer.stiffness[a][c] * value[c];
-    AddForce(contacts, sum, contact, 1., force, y);
+    MpmContactAddForce(contacts, sum, contact, 1., force, y);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -433,10 +459,11 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     const PetscInt   *nodes   = &sum->space->group_nodes[group->node_offset];
     const PetscReal  *weight  = &contacts->weight[contact->weight];
     PetscReal         value[MPM_MAX_DIM];
-    Answer            answer;
+    MpmContactAnswer  answer;
 
-    FaceValue(contacts, sum, contact, u, value);
-    Evaluate(contacts, contact, dim, value, &answer);
+    if (Body(contacts, contact->boundary)) continue;
+    MpmContactFaceValue(contacts, sum, contact, u, value);
+    MpmContactEvaluate(contacts, contact, dim, value, &answer);
     for (PetscInt i = 0; answer.active && i < group->node_count; i++)
       for (PetscInt a = 0; a < dim; a++)
         for (PetscInt c = 0; c < dim; c++)
@@ -446,8 +473,8 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 }
 
 /* element[i][c][d][j] += w_i K_cd w_j */
-static void AddElement(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const Answer *answer,
-                       PetscReal element[])
+static void AddElement(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact,
+                       const MpmContactAnswer *answer, PetscReal element[])
 {
   const PetscInt   n = sum->space->groups[contact->group].node_count, dim = sum->space->dim, bs = sum->block;
   const PetscReal *weight = &contacts->weight[contact->weight];
@@ -478,11 +505,12 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 
     PetscCall(PetscArrayzero(element, group->node_count * group->node_count * bs * bs));
     for (end = begin; end < contacts->count && contacts->contact[end].group == contacts->contact[begin].group; end++) {
-      PetscReal value[MPM_MAX_DIM];
-      Answer    answer;
+      PetscReal        value[MPM_MAX_DIM];
+      MpmContactAnswer answer;
 
-      FaceValue(contacts, sum, &contacts->contact[end], u, value);
-      Evaluate(contacts, &contacts->contact[end], dim, value, &answer);
+      if (Body(contacts, contacts->contact[end].boundary)) continue;
+      MpmContactFaceValue(contacts, sum, &contacts->contact[end], u, value);
+      MpmContactEvaluate(contacts, &contacts->contact[end], dim, value, &answer);
       if (!answer.active) continue;
       AddElement(contacts, sum, &contacts->contact[end], &answer, element);
       any = PETSC_TRUE;
@@ -496,7 +524,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 /* ---- the converged step ---- */
 
 /* The slip is kept while a point touches. */
-static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const Answer answers[],
+static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmContactAnswer answers[],
                                 MpmParticles *particles)
 {
 
@@ -516,35 +544,59 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the moment of a force at a place about a point. */
+static void AddMoment(PetscInt dim, const PetscReal x[], const PetscReal about[], const PetscReal f[],
+                      PetscReal moment[])
+{
+  PetscReal y[3] = {0., 0., 0.};
+
+  for (PetscInt a = 0; a < dim; a++) y[a] = x[a] - about[a];
+  for (PetscInt a = 0; a < 3; a++) moment[a] += y[(a + 1) % 3] * f[(a + 2) % 3] - y[(a + 2) % 3] * f[(a + 1) % 3];
+}
+
+/* What a contact says of the converged step; adds to its boundary's reaction, moment and depth. */
+static void AddReaction(MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const PetscReal u[],
+                        MpmContactAnswer *answer)
+{
+  const PetscInt      dim = sum->space->dim, b = contact->boundary;
+  const MpmRigidBody *body = Body(contacts, b);
+  PetscReal           value[MPM_MAX_DIM], about[MPM_MAX_DIM], x[MPM_MAX_DIM];
+  MpmRigidAnswer      coupled;
+
+  MpmContactFaceValue(contacts, sum, contact, u, value);
+  if (body) {
+    MpmRigidPlace(body, sum->block, contact, u, value, about, x);
+    (void)MpmContactAnswerFree(contacts, sum, contact, u, PETSC_FALSE, answer, &coupled);
+  } else {
+    MpmBoundaryReference(&contacts->boundaries[b], &contacts->after[b], about);
+    for (PetscInt a = 0; a < dim; a++) x[a] = contact->face[a] + value[a];
+    MpmContactEvaluate(contacts, contact, dim, value, answer);
+  }
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) contacts->reaction[b][a] += answer->force[a];
+  AddMoment(dim, x, about, answer->force, contacts->moment[b]);
+  contacts->depth[b] = PetscMax(contacts->depth[b], answer->depth);
+}
+
 /* Reactions and depths of the converged step; keeps the slips. */
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
-  MpmContacts   *contacts = (MpmContacts *)ctx;
-  const PetscInt dim      = sum->space->dim;
-  Answer        *answers;
+  MpmContacts      *contacts = (MpmContacts *)ctx;
+  const MPI_Comm    comm     = sum->grid->comm;
+  const PetscMPIInt count    = (PetscMPIInt)contacts->boundary_count;
+  MpmContactAnswer *answers;
 
   PetscFunctionBeginUser;
-  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(contacts->count, &answers));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    contacts->depth[b] = 0.;
-    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) contacts->reaction[b][a] = 0.;
-  }
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    const PetscInt b = contacts->contact[k].boundary;
-    PetscReal      value[MPM_MAX_DIM];
-
-    FaceValue(contacts, sum, &contacts->contact[k], u, value);
-    Evaluate(contacts, &contacts->contact[k], dim, value, &answers[k]);
-    for (PetscInt a = 0; a < dim; a++) contacts->reaction[b][a] += answers[k].force[a];
-    contacts->depth[b] = PetscMax(contacts->depth[b], answers[k].depth);
-  }
+  PetscCall(PetscArrayzero(contacts->depth, count));
+  PetscCall(PetscArrayzero(contacts->reaction, count));
+  PetscCall(PetscArrayzero(contacts->moment, count));
+  for (PetscInt k = 0; k < contacts->count; k++) AddReaction(contacts, sum, &contacts->contact[k], u, &answers[k]);
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(PetscFree(answers));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, (PetscMPIInt)(contacts->boundary_count * MPM_MAX_DIM),
-                           MPIU_REAL, MPIU_SUM, sum->grid->comm));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->depth, (PetscMPIInt)contacts->boundary_count, MPIU_REAL, MPIU_MAX,
-                           sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->moment, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->depth, count, MPIU_REAL, MPIU_MAX, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,6 +18,7 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "terms/rigid.h"
+#include "terms/rigid_body.h"
 
 #include <math.h>
 
@@ -184,6 +185,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(MpmOptionsReal(&block, "penalty", "E/h", "pressure by depth, times Young's modulus over the cell size",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->penalty, NULL));
   PetscCall(ReadMotion(&block, boundary));
+  PetscCall(MpmFreedomRead(&block, boundary, &boundary->freedom));
   PetscCall(ReadPoints(options, name, grid, boundary));
   for (PetscInt a = 0; stick && a < grid->dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
@@ -200,12 +202,18 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(boundary->slip_field[a]));
   PetscCall(MpmRegionDestroy(&boundary->region));
   PetscCall(MpmMotionDestroy(&boundary->motion));
+  PetscCall(MpmFreedomDestroy(&boundary->freedom));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 MpmPose MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time)
 {
   return MpmMotionPose(&boundary->motion, time);
+}
+
+void MpmBoundaryReference(const MpmBoundary *boundary, const MpmPose *pose, PetscReal x[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) x[a] = boundary->motion.pivot[a] + pose->translation[a];
 }
 
 /* ---- distance ---- */

@@ -44,4 +44,5 @@ typedef struct {
   MpmRescue            rescue;
   PetscInt64           active_dofs_max;
   MpmSafety            safety;
+  MpmPlacement        *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;
