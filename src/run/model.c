@@ -178,7 +178,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->results->tracks.at));
   PetscCall(PetscFree(model->state.bcs));
   PetscCall(PetscFree(model->state.loads));
-  PetscCall(PetscFree(model->state.walls));
+  PetscCall(PetscFree(model->state.walls.at));
   PetscCall(PetscFree(model->state.placements));
   PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
@@ -385,6 +385,8 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     }
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
+    if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
+      model->solver.symmetric = PETSC_FALSE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -398,7 +400,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                              &model->scene.loads->names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
-  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls));
+  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->state.bcs));
   PetscCall(PetscCalloc1(model->scene.loads->count, &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)

@@ -217,7 +217,7 @@ static PetscReal Contact(const MpmSolver *solver)
   return penalty * modulus * PetscPowRealInt(solver->disc->h[0], solver->disc->dim - 2);
 }
 
-#define BODY_IMBALANCE 1e-11 /* of what pushes a body */
+#define BODY_IMBALANCE 1e-12 /* of what pushes a body */
 
 /*
   A free body's few equations are part of all, and may be off by more than their share: Newton goes on until they are met,

@@ -19,7 +19,7 @@
 
 #include <math.h>
 
-#define LIFT 1e-7 /* of a node's stiffness */
+#define LIFT 1e-6 /* of a node's stiffness */
 
 PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements)
 {

@@ -47,6 +47,8 @@ typedef struct {
 
 PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *boundary, MpmFreedom **freedom);
 PetscErrorCode MpmFreedomDestroy(MpmFreedom **freedom);
+/* Has what pushes it a potential? A moment that keeps its direction has none where a body turns about several axes. */
+PetscBool MpmFreedomIsSymmetric(const MpmFreedom *freedom);
 
 /* ---- rigid_motion.c ---- */
 
@@ -80,6 +82,10 @@ void MpmRigidPlace(const MpmRigidBody *body, PetscInt block, const MpmContact *c
 /* Residual of what pushes a body, and its derivative by the rotation. */
 void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal residual[2][3],
                   PetscReal derivative[3][3]);
+
+/* A rigid motion of all, as the body's two nodes have it: translation `along`, and rotation by `turn` about the origin. */
+void MpmRigidMode(const MpmRigidBody *body, const PetscReal origin[], const PetscReal along[3], const PetscReal turn[3],
+                  PetscReal mode[2][3]);
 
 /* ---- rigid_body.c, rigid_settle.c ---- */
 

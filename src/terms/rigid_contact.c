@@ -349,12 +349,15 @@ static void Relative(const MpmContacts *contacts, const MpmContact *contact, Pet
 void MpmContactEvaluate(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, const PetscReal u[],
                         MpmContactAnswer *answer)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
-  PetscReal          at[MPM_MAX_DIM], relative[MPM_MAX_DIM], along = 0.;
+  const MpmBoundary *boundary        = &contacts->boundaries[contact->boundary];
+  PetscReal          at[MPM_MAX_DIM] = {0., 0., 0.}, relative[MPM_MAX_DIM], along = 0.;
   MpmSurface         surface;
 
   for (PetscInt a = 0; a < dim; a++) at[a] = contact->face[a] + u[a];
   MpmBoundaryDistance(boundary, &contacts->after[contact->boundary], at, &surface);
+  /* what rounding took from the place counts where a body's balance depends on the depths of its contacts */
+  for (PetscInt a = 0; a < dim && Body(contacts, contact->boundary); a++)
+    surface.distance += surface.normal[a] * (u[a] - (at[a] - contact->face[a]));
   *answer       = (MpmContactAnswer){.active = (PetscBool)(boundary->bilateral || surface.distance <= contacts->touch)};
   answer->depth = boundary->bilateral ? PetscAbsReal(surface.distance) : PetscMax(0., -surface.distance);
   if (!answer->active) return;

@@ -38,6 +38,33 @@ static PetscReal Size(const MpmBoundary *boundary)
   return size > 0. ? size : 1.;
 }
 
+/* Without `free`, or along what is not free, nothing can push. */
+static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, const PetscReal push[], PetscInt free,
+                                PetscInt count)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < count; a++)
+    MpmCheckInput(push[a] == 0. || free >> a & 1,
+                  "-%s%s: it acts in a component of the motion that is not among -%sfree", block->prefix, option,
+                  block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckAbsent(const MpmOptions *block)
+{
+  static const char *const options[] = {"load", "moment", "load_ramp"};
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options); k++) {
+    PetscBool has;
+
+    PetscCall(MpmOptionsHas(block, options[k], &has));
+    MpmCheckInput(!has, "-%s%s: its motion is prescribed; name what is solved for with -%sfree", block->prefix,
+                  options[k], block->prefix);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *boundary, MpmFreedom **handle)
 {
   const PetscInt dim = boundary->dim;
@@ -51,7 +78,10 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
                             "components of its motion that are solved for, of x, y, z, rx, ry, rz (2D: x, y, rz); the "
                             "others follow its motion",
                             MPM_OPTIONAL, &count, &names));
-  if (!count && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!count && !MpmOptionsHelp()) {
+    PetscCall(CheckAbsent(block));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscNew(handle));
   freedom = *handle;
   for (PetscInt k = 0; k < count; k++) PetscCall(TakeComponent(block, dim, names[k], freedom->free));
@@ -60,7 +90,11 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
                             MPM_OPTIONAL, dim, freedom->load, NULL));
   PetscCall(MpmOptionsReals(block, "moment", "N m", "moment on it in total (2D: one number, per metre), with `free`",
                             MPM_RANGE_ANY, MPM_OPTIONAL, dim == 2 ? 1 : 3, freedom->moment, NULL));
-  if (dim == 2 && !MpmOptionsHelp()) {
+  if (!MpmOptionsHelp()) {
+    PetscCall(CheckPush(block, "load", freedom->load, freedom->free[0], dim));
+    PetscCall(CheckPush(block, "moment", freedom->moment, freedom->free[1], dim == 2 ? 1 : 3));
+  }
+  if (dim == 2) {
     freedom->moment[2] = freedom->moment[0];
     freedom->moment[0] = 0.;
   }
@@ -76,4 +110,14 @@ PetscErrorCode MpmFreedomDestroy(MpmFreedom **freedom)
   PetscCall(MpmRampDestroy(&(*freedom)->ramp));
   PetscCall(PetscFree(*freedom));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmFreedomIsSymmetric(const MpmFreedom *freedom)
+{
+  PetscInt rotations = 0;
+
+  for (PetscInt a = 0; a < 3; a++) rotations += freedom->free[1] >> a & 1;
+  for (PetscInt a = 0; a < 3; a++)
+    if (rotations > 1 && freedom->moment[a] != 0.) return PETSC_FALSE;
+  return PETSC_TRUE;
 }

@@ -300,3 +300,15 @@ void MpmRigidPlace(const MpmRigidBody *body, PetscInt block, const MpmContact *c
     reference[a] += body->travel[a] + q.shift[a];
   }
 }
+
+void MpmRigidMode(const MpmRigidBody *body, const PetscReal origin[], const PetscReal along[3], const PetscReal turn[3],
+                  PetscReal mode[2][3])
+{
+  PetscReal arm[3] = {0., 0., 0.};
+
+  for (PetscInt a = 0; a < body->dim; a++) arm[a] = body->pivot[a] + body->placement->shift[a] - origin[a];
+  Cross(turn, arm, mode[0]);
+  for (PetscInt a = 0; a < 3; a++) mode[0][a] += along[a];
+  for (PetscInt a = 0; a < 3; a++)
+    mode[1][a] = a < RotationCount(body) ? body->freedom->size * turn[RotationAxis(body, a)] : 0.;
+}

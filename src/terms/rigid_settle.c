@@ -257,7 +257,7 @@ PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, con
     const MpmRigidBody *body    = &contacts->bodies[b];
     Balance             balance = {.sum = sum, .u = u};
     PetscReal           values[MOST], step[MOST] = {0.}, far;
-    PetscBool           moved;
+    PetscBool           moved = PETSC_FALSE;
 
     if (!body->freedom) continue;
     Take(body, bs, u, values);
