@@ -8,7 +8,7 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "terms/load.h"
-#include "terms/rigid.h"
+#include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "time/time.h"
 #include "run/laboratory.h"

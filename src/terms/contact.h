@@ -1,24 +1,94 @@
 #pragma once
 /*
-  A contact of the step by itself: what it says at a displacement of its face (rigid_contact.c, rigid_body.c).
+  Contact of the faces that bound the material with rigid surfaces: facets and patches of a step (contact_patches.c), and
+  the term (rigid_contact.c).
 */
 #include "base/base.h"
 #include "base/types.h"
 #include "terms/rigid.h"
+#include "terms/terms.h"
 
-/* What a contact does at a displacement of its face. */
+/* A face of a point's domain that bounds the material and may touch a boundary in this step. */
 typedef struct {
-  PetscBool active;
-  PetscReal depth, force[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* force on the material */
-  PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM];          /* minus the force's derivative */
-} MpmContactAnswer;
+  PetscInt   boundary, point, group, weight; /* weight: where its weights at the nodes of the patch's box stand */
+  PetscInt64 cell;                           /* of the point's centre */
+  PetscReal place[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start; the boundary's normal */
+  PetscReal area;                                                       /* projected on the boundary, m^(dim-1) */
+  PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
+} MpmFacet;
 
-/* u: displacement of the face; that which its body sees where it has one that is free. */
-void MpmContactEvaluate(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, const PetscReal u[],
-                        MpmContactAnswer *answer);
-/* sum_i w_i u_i at the local nodes */
-void MpmContactFaceValue(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const PetscReal u[],
-                         PetscReal value[]);
-/* y_i += factor w_i force */
-void MpmContactAddForce(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, PetscReal factor,
-                        const PetscReal force[], PetscReal y[]);
+/* The facets of one cell at one boundary: one mean gap, one mean slip, one traction. */
+typedef struct {
+  PetscInt  boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
+  PetscReal area, stiffness;           /* m^(dim-1), Pa/m */
+} MpmPatch;
+
+/* Those of this rank's points, and what they do. */
+typedef struct MpmContacts {
+  PetscInt           boundary_count;
+  const MpmBoundary *boundaries;
+  MpmPose           *before, *after; /* the boundaries' at the step's start and end */
+  MpmRigidBody      *bodies;         /* those whose place is solved for, by boundary; NULL: there is none */
+  PetscInt           material_count;
+  PetscInt           adrift; /* a body that met nothing on its way, or -1 */
+  PetscReal (*reaction)[MPM_MAX_DIM],
+    *depth;                         /* of the last step: forces on the material; deepest mean gaps behind, m */
+  PetscReal (*moment)[MPM_MAX_DIM]; /* of those forces about the boundary's reference point */
+  PetscReal cell;                   /* the smallest size of one, m */
+  PetscReal touch,
+    tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
+  PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
+  MpmFacet  *facet;
+  MpmPatch  *patch;
+  PetscReal *weight;
+  PetscBool  weighed; /* the weights are those of the facets that were found last */
+} MpmContacts;
+
+/* That whose place is solved for, or NULL. */
+const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
+
+/* What a patch does at displacements of its facets: those that the body sees where its boundary is free. */
+typedef struct {
+  PetscBool active, any;                                            /* the mean acts; a facet does */
+  PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
+  PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: what is kept of it */
+  PetscReal traction[MPM_MAX_DIM];                                  /* along the surface */
+  PetscReal by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_gap[MPM_MAX_DIM]; /* its derivatives */
+} MpmPatchAnswer;
+
+/* Room for the facets of a patch. */
+typedef struct {
+  PetscReal (*value)[MPM_MAX_DIM]; /* their displacements */
+  MpmSurface *surface;             /* at the step's end */
+  PetscReal
+    *beyond; /* how far they are beyond what the patch may tilt: < 0 too deep; > 0, of a bilateral one, too far */
+} MpmPatchWork;
+
+/* One patch (contact_patch.c). */
+PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);
+PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work);
+/* At work->value. */
+void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer);
+/* The force on the material at a facet. */
+void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                   const MpmPatchAnswer *answer, PetscReal force[]);
+/* What facet f adds on its own to the tangent, of directions c and d: its curvature, and what is beyond the tilt. */
+PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                            const MpmPatchAnswer *answer, PetscInt c, PetscInt d);
+/* Its weights at the nodes of the patch's box, sum_i w_i u_i over them, and y_i += factor w_i force. */
+static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, PetscInt facet)
+{
+  return &contacts->weight[contacts->facet[facet].weight];
+}
+void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
+                   PetscReal value[]);
+void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
+                      const PetscReal force[], PetscReal y[]);
+
+/* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
+PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
+PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);
+/* Finds the step's patches and appends their boxes to the space (a term's `boxes`). */
+PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+/* Weights of the facets, and their slips at the step's start (a term's `prepare`). */
+PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step);

@@ -10,15 +10,16 @@ typedef enum { MPM_BOUNDARY_PLANE, MPM_BOUNDARY_SPHERE, MPM_BOUNDARY_CYLINDER, M
 
 /* A surface that holds the material by a penalty. */
 typedef struct {
-  char           *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, with stick only */
+  char           *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, where tangential */
   MpmBoundaryType type;
   PetscInt        dim;
   PetscReal   point[MPM_MAX_DIM], direction[MPM_MAX_DIM], radius; /* direction: a plane's normal, a cylinder's axis */
   PetscReal   side;                                               /* 1: the material is outside, -1: inside */
   PetscInt    vertex_count;
   PetscReal  *vertices, penalty;
-  PetscBool   stick, bilateral;
-  MpmRegion   region; /* of the contact candidates, at the start */
+  PetscReal   friction, adhesion;           /* Coulomb's coefficient; Pa */
+  PetscBool   stick, tangential, bilateral; /* tangential: something acts along the surface */
+  MpmRegion   region;                       /* of the contact candidates, at the start */
   MpmMotion   motion;
   MpmFreedom *freedom; /* NULL: all of its motion is prescribed */
 } MpmBoundary;
@@ -35,29 +36,6 @@ typedef struct {
   PetscReal distance, normal[MPM_MAX_DIM], second[MPM_MAX_DIM][MPM_MAX_DIM];
 } MpmSurface;
 
-/* A point that may touch a boundary in this step. */
-typedef struct {
-  PetscInt  point, group, boundary, weight; /* weight: where the face's weights at the group's nodes stand */
-  PetscReal face[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start */
-  PetscReal stiffness;                                                 /* N/m */
-} MpmContact;
-
-/* Those of this rank's points, and what they do. */
-typedef struct MpmContacts {
-  PetscInt           boundary_count;
-  const MpmBoundary *boundaries;
-  MpmPose           *before, *after; /* the boundaries' at the step's start and end */
-  MpmRigidBody      *bodies;         /* those whose place is solved for, by boundary; NULL: there is none */
-  PetscInt           material_count;
-  PetscInt           adrift;                  /* a body that met nothing on its way, or -1 */
-  PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the material; deepest places behind, m */
-  PetscReal (*moment)[MPM_MAX_DIM];           /* of those forces about the boundary's reference point */
-  PetscReal   unit, touch;                    /* 1/h; a face that is no further away touches */
-  PetscInt    count, capacity;
-  MpmContact *contact;
-  PetscReal  *weight;
-} MpmContacts;
-
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary);
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
@@ -65,6 +43,3 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
 PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
 MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
 void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
-/* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
-PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
-PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);

@@ -40,7 +40,12 @@ struct MpmRigidBody {
   PetscReal guess[6];           /* unknowns from which Newton starts */
 };
 
-/* What a contact does to the nodes (0), the body's translation (1) and its rotation (2): residuals and their derivatives. */
+/* Of a facet by itself: the force on the material, and minus its derivative by the facet's own displacement. */
+typedef struct {
+  PetscReal force[MPM_MAX_DIM], stiffness[MPM_MAX_DIM][MPM_MAX_DIM];
+} MpmFacetLaw;
+
+/* What a facet does to the nodes (0), the body's translation (1) and its rotation (2): residuals and their derivatives. */
 typedef struct {
   PetscReal residual[3][3], derivative[3][3][3][3]; /* [of][component][by][component] */
 } MpmRigidAnswer;
@@ -64,21 +69,27 @@ void MpmRigidIncrementMake(const MpmRigidBody *body, const PetscReal values[6], 
 /* The placement after an increment. */
 void MpmRigidMove(const MpmRigidIncrement *q, MpmPlacement *placement);
 /*
-  A contact in the frame of its body: the place and the vectors of the contact, at the step's start, are put there once;
-  `arm` is what its face stands away from the reference point along the axes.
+  A facet in the frame of its body: its place and normal at the step's start are put there once. `arm` is what it stands away
+  from the reference point along the axes, at the step's start, or at its end where its displacement is u.
 */
-void MpmRigidPull(const MpmRigidBody *body, MpmContact *contact);
-void MpmRigidArm(const MpmRigidBody *body, const MpmContact *contact, PetscReal arm[3]);
-/* Its displacement u as the body sees it, and the law's answer there turned back to the axes. */
-void MpmRigidSee(const MpmRigidBody *body, const MpmContact *contact, const MpmRigidIncrement *q, const PetscReal u[],
+void MpmRigidPull(const MpmRigidBody *body, MpmFacet *facet);
+void MpmRigidPullVector(const MpmRigidBody *body, PetscReal vector[3]);
+/* Where the facet stands at the step's start along the axes. */
+void MpmRigidPush(const MpmRigidBody *body, const MpmFacet *facet, PetscReal place[]);
+void MpmRigidArm(const MpmRigidBody *body, const MpmFacet *facet, PetscReal arm[3]);
+void MpmRigidArmAfter(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
+                      PetscReal y[3]);
+/* Its displacement u as the body sees it, and what turns the body's answers back to the axes. */
+void MpmRigidSee(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
                  PetscReal seen[]);
-void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmContactAnswer *answer);
-/* What it does to nodes and body; `derivative`: derivatives too. */
-void MpmRigidCouple(const MpmRigidBody *body, const MpmContact *contact, const MpmRigidIncrement *q,
-                    const PetscReal u[], const MpmContactAnswer *answer, PetscBool derivative, MpmRigidAnswer *coupled);
-/* Where the reference point and the contact's face stand at the step's end; `value`: the face's displacement. */
-void MpmRigidPlace(const MpmRigidBody *body, PetscInt block, const MpmContact *contact, const PetscReal u[],
-                   const PetscReal value[], PetscReal reference[], PetscReal face[]);
+void MpmRigidAxes(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal A[3][3]);
+void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmFacetLaw *answer);
+/* What the facet does to nodes and body; `derivative`: derivatives too. */
+void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
+                    const MpmFacetLaw *answer, PetscBool derivative, MpmRigidAnswer *coupled);
+/* How c . (displacement seen) changes with the body's translation and rotation; c along the axes, at the arm y. */
+void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3], const PetscReal c[3],
+                      PetscReal by[2][3]);
 /* Residual of what pushes a body, and its derivative by the rotation. */
 void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal residual[2][3],
                   PetscReal derivative[3][3]);
@@ -91,16 +102,32 @@ void MpmRigidMode(const MpmRigidBody *body, const PetscReal origin[], const Pets
 
 /* Takes over the places of the bodies, which are the state's; borrowed. */
 PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements);
-/* Where bodies stand as a step begins; before its contacts are looked for. */
-void MpmRigidBegin(MpmContacts *contacts, const MpmTermStep *step);
-/* A contact of a free body at the local unknowns u; PETSC_FALSE: it does not act. */
-PetscBool MpmContactAnswerFree(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact,
-                               const PetscReal u[], PetscBool derivative, MpmContactAnswer *answer,
-                               MpmRigidAnswer *coupled);
-/* The same with the face's displacement and the increment given. */
-PetscBool MpmContactAnswerAt(const MpmContacts *contacts, const MpmContact *contact, const MpmRigidIncrement *q,
-                             const PetscReal value[], PetscBool derivative, MpmContactAnswer *answer,
-                             MpmRigidAnswer *coupled);
+/* Where bodies stand as a step to `time` begins; before its contacts are looked for. */
+void MpmRigidBegin(MpmContacts *contacts, PetscReal time);
+
+/* Room for one patch of a free body: its facets' displacements along the axes, what the law says, and the mean's derivatives. */
+typedef struct {
+  MpmPatchWork   law;
+  MpmPatchAnswer answer;
+  PetscReal (*u)[MPM_MAX_DIM];
+  PetscReal *left, *right; /* sum_m left_m right_m^T over [n nodes, translation, rotation][3] */
+} MpmRigidWork;
+PetscErrorCode MpmRigidWorkCreate(const MpmContacts *contacts, const MpmSum *sum, MpmRigidWork *work);
+PetscErrorCode MpmRigidWorkDestroy(MpmRigidWork *work);
+/* The patch at work->u and the increment. */
+void MpmRigidPatch(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, MpmRigidWork *work);
+/* One of its facets by itself. */
+void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmRigidIncrement *q,
+                   const MpmRigidWork *work, PetscBool derivative, MpmRigidAnswer *coupled);
+/* left and right of the mean; n: nodes of the patch's box, or 0: those of the body alone. */
+void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
+                  MpmRigidWork *work);
+/* For the report of a step: a patch at the local unknowns u, a facet's force and arm along the axes, a slip likewise. */
+void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                      MpmPatchWork *work, MpmPatchAnswer *answer);
+void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
+                   const PetscReal u[], PetscReal force[], PetscReal arm[]);
+void MpmRigidSlip(const MpmRigidBody *body, PetscInt block, const PetscReal u[], PetscReal slip[]);
 /* Newton's start at the owned unknowns; `factor` times the last increment where a body has not settled anew. */
 void MpmRigidGuess(const MpmContacts *contacts, const MpmSpace *space, PetscInt block, PetscReal factor,
                    PetscScalar x[]);
@@ -108,7 +135,7 @@ void MpmRigidGuess(const MpmContacts *contacts, const MpmSpace *space, PetscInt 
   Brings bodies that nothing holds to where they come to rest on the material as it is, and puts that into their guess;
   contacts are those about the guess so far. `moved`: they have to be looked for again.
 */
-PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmSum *sum, PetscBool *moved);
+PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscBool *moved);
 /*
   The same for bodies far from balance at the local unknowns u, the material staying as it is there; in the owned x their
   unknowns are changed. Where `last`, the owned unknowns before, is not NULL they go a part of a cell at most from there.

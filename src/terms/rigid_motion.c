@@ -127,33 +127,48 @@ void MpmRigidDistance(const MpmRigidBody *body, const MpmBoundary *boundary, con
   }
 }
 
-void MpmRigidPull(const MpmRigidBody *body, MpmContact *contact)
+void MpmRigidPull(const MpmRigidBody *body, MpmFacet *facet)
 {
   PetscReal Q[3][3], arm[3] = {0., 0., 0.};
 
   for (PetscInt a = 0; a < 3; a++)
     for (PetscInt c = 0; c < 3; c++) Q[a][c] = body->Q[a][c];
-  for (PetscInt a = 0; a < body->dim; a++) arm[a] = contact->face[a] - body->pivot[a] - body->placement->shift[a];
+  for (PetscInt a = 0; a < body->dim; a++) arm[a] = facet->place[a] - body->pivot[a] - body->placement->shift[a];
   Times(Q, PETSC_TRUE, arm, arm);
-  for (PetscInt a = 0; a < body->dim; a++) contact->face[a] = body->pivot[a] + arm[a];
-  Times(Q, PETSC_TRUE, contact->normal, contact->normal);
-  Times(Q, PETSC_TRUE, contact->slip, contact->slip);
+  for (PetscInt a = 0; a < body->dim; a++) facet->place[a] = body->pivot[a] + arm[a];
+  Times(Q, PETSC_TRUE, facet->normal, facet->normal);
 }
 
-void MpmRigidArm(const MpmRigidBody *body, const MpmContact *contact, PetscReal arm[3])
+void MpmRigidArm(const MpmRigidBody *body, const MpmFacet *facet, PetscReal arm[3])
 {
   PetscReal from[3] = {0., 0., 0.};
 
-  for (PetscInt a = 0; a < body->dim; a++) from[a] = contact->face[a] - body->pivot[a];
+  for (PetscInt a = 0; a < body->dim; a++) from[a] = facet->place[a] - body->pivot[a];
   for (PetscInt a = 0; a < 3; a++) arm[a] = Dot(body->Q[a], from);
 }
 
-void MpmRigidSee(const MpmRigidBody *body, const MpmContact *contact, const MpmRigidIncrement *q, const PetscReal u[],
+void MpmRigidPullVector(const MpmRigidBody *body, PetscReal vector[3])
+{
+  PetscReal from[3] = {vector[0], vector[1], body->dim > 2 ? vector[2] : 0.};
+
+  for (PetscInt a = 0; a < body->dim; a++)
+    vector[a] = body->Q[0][a] * from[0] + body->Q[1][a] * from[1] + body->Q[2][a] * from[2];
+}
+
+void MpmRigidPush(const MpmRigidBody *body, const MpmFacet *facet, PetscReal place[])
+{
+  PetscReal arm[3];
+
+  MpmRigidArm(body, facet, arm);
+  for (PetscInt a = 0; a < body->dim; a++) place[a] = body->pivot[a] + body->placement->shift[a] + arm[a];
+}
+
+void MpmRigidSee(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
                  PetscReal seen[])
 {
   PetscReal arm[3], motion[3] = {0., 0., 0.}, along, across[3], twice[3], turned[3];
 
-  MpmRigidArm(body, contact, arm);
+  MpmRigidArm(body, facet, arm);
   for (PetscInt a = 0; a < body->dim; a++) motion[a] = u[a] - body->travel[a] - q->shift[a];
   Cross(q->r, arm, across);
   Cross(q->r, across, twice);
@@ -166,15 +181,19 @@ void MpmRigidSee(const MpmRigidBody *body, const MpmContact *contact, const MpmR
     seen[a] = body->travel[a] + body->Q[0][a] * turned[0] + body->Q[1][a] * turned[1] + body->Q[2][a] * turned[2];
 }
 
-void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmContactAnswer *answer)
+void MpmRigidAxes(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal A[3][3])
 {
-  PetscReal A[3][3], half[3][3]; /* R Q */
-
   for (PetscInt a = 0; a < 3; a++)
     for (PetscInt c = 0; c < 3; c++)
       A[a][c] = q->R[a][0] * body->Q[0][c] + q->R[a][1] * body->Q[1][c] + q->R[a][2] * body->Q[2][c];
+}
+
+void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmFacetLaw *answer)
+{
+  PetscReal A[3][3], half[3][3]; /* R Q */
+
+  MpmRigidAxes(body, q, A);
   Times(A, PETSC_FALSE, answer->force, answer->force);
-  Times(A, PETSC_FALSE, answer->slip, answer->slip);
   for (PetscInt a = 0; a < 3; a++) Times(A, PETSC_FALSE, answer->stiffness[a], half[a]); /* K' A^T */
   for (PetscInt c = 0; c < 3; c++) {
     PetscReal column[3] = {half[0][c], half[1][c], half[2][c]};
@@ -222,7 +241,7 @@ static PetscInt RotationCount(const MpmRigidBody *body)
 
 /* Derivatives by unit directions: component c of the nodes, the translation or the rotation. */
 static void Direction(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3],
-                      const MpmContactAnswer *answer, PetscInt by, PetscInt c, MpmRigidAnswer *coupled)
+                      const MpmFacetLaw *answer, PetscInt by, PetscInt c, MpmRigidAnswer *coupled)
 {
   PetscReal du[3] = {0., 0., 0.}, dr[3] = {0., 0., 0.}, dphi[3], xi[3], df[3], m[3], dm[3], more[3], dw[3];
 
@@ -247,13 +266,19 @@ static void Direction(const MpmRigidBody *body, const MpmRigidIncrement *q, cons
   for (PetscInt a = 0; a < RotationCount(body); a++) coupled->derivative[2][a][by][c] = dw[RotationAxis(body, a)];
 }
 
-void MpmRigidCouple(const MpmRigidBody *body, const MpmContact *contact, const MpmRigidIncrement *q,
-                    const PetscReal u[], const MpmContactAnswer *answer, PetscBool derivative, MpmRigidAnswer *coupled)
+void MpmRigidArmAfter(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
+                      PetscReal y[3])
+{
+  MpmRigidArm(body, facet, y);
+  for (PetscInt a = 0; a < body->dim; a++) y[a] += u[a] - body->travel[a] - q->shift[a];
+}
+
+void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
+                    const MpmFacetLaw *answer, PetscBool derivative, MpmRigidAnswer *coupled)
 {
   PetscReal y[3], m[3], w[3];
 
-  MpmRigidArm(body, contact, y);
-  for (PetscInt a = 0; a < body->dim; a++) y[a] += u[a] - body->travel[a] - q->shift[a];
+  MpmRigidArmAfter(body, facet, q, u, y);
   Cross(y, answer->force, m);
   Conjugate(body, q, m, w);
   for (PetscInt a = 0; a < 3; a++) {
@@ -286,18 +311,16 @@ void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscRea
   }
 }
 
-void MpmRigidPlace(const MpmRigidBody *body, PetscInt block, const MpmContact *contact, const PetscReal u[],
-                   const PetscReal value[], PetscReal reference[], PetscReal face[])
+void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3], const PetscReal c[3],
+                      PetscReal by[2][3])
 {
-  PetscReal         arm[3];
-  MpmRigidIncrement q;
+  PetscReal across[3], w[3];
 
-  MpmRigidArm(body, contact, arm);
-  MpmRigidIncrementAt(body, block, u, &q);
-  for (PetscInt a = 0; a < body->dim; a++) {
-    reference[a] = body->pivot[a] + body->placement->shift[a];
-    face[a]      = reference[a] + arm[a] + value[a];
-    reference[a] += body->travel[a] + q.shift[a];
+  Cross(y, c, across);
+  Conjugate(body, q, across, w);
+  for (PetscInt a = 0; a < 3; a++) {
+    by[0][a] = -c[a];
+    by[1][a] = a < RotationCount(body) ? -w[RotationAxis(body, a)] : 0.;
   }
 }
 

@@ -22,7 +22,7 @@
 #define TRUSTED    0.25 /* cells */
 #define NEGLIGIBLE 0.05 /* cells: of a first step */
 #define SEARCH     1.   /* cells: how far contacts found at one place serve */
-#define STRAY      1.5  /* cells: contacts further away may be missing */
+#define STRAY      2.   /* cells: contacts further away may be missing */
 #define ITERATIONS 400
 #define SEARCHES   40
 #define FLAT       0.5
@@ -32,6 +32,7 @@
 
 /* The residual g and its derivative H of the n components of `values` that are solved for. */
 typedef struct {
+  const MpmGrid   *grid;
   const MpmSum    *sum;
   const PetscReal *u; /* of the material at the local nodes; NULL: none */
   PetscInt         n, component[MOST];
@@ -45,47 +46,69 @@ static void ListComponents(const MpmRigidBody *body, Balance *balance)
     if (body->freedom->free[k / 3] >> k % 3 & 1) balance->component[balance->n++] = k;
 }
 
+/* What the contacts of this rank do: sums, of MOST numbers g and MOST x MOST of H. */
+static PetscErrorCode SumPatches(const MpmContacts *contacts, PetscInt b, const MpmRigidIncrement *q,
+                                 const Balance *balance, PetscReal sums[])
+{
+  const PetscInt n = balance->n, *component = balance->component;
+  MpmRigidWork   work;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRigidWorkCreate(contacts, NULL, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+
+    if (patch->boundary != b) continue;
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) work.u[f - patch->begin][a] = 0.;
+      if (balance->u)
+        MpmFacetValue(balance->sum, &balance->sum->space->groups[patch->box], MpmFacetWeights(contacts, f), balance->u,
+                      work.u[f - patch->begin]);
+    }
+    MpmRigidPatch(contacts, patch, q, &work);
+    if (!work.answer.any) continue;
+    MpmRigidMean(contacts, patch, q, 0, &work);
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt jm = 0; jm < 4 * n; jm++)
+        sums[MOST + i * MOST + jm % n] +=
+          work.left[jm / n * MOST + component[i]] * work.right[jm / n * MOST + component[jm % n]];
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      MpmRigidAnswer coupled;
+
+      MpmRigidFacet(contacts, patch, f, q, &work, PETSC_TRUE, &coupled);
+      for (PetscInt i = 0; i < n; i++) {
+        const PetscInt row = component[i];
+
+        sums[i] += coupled.residual[1 + row / 3][row % 3];
+        for (PetscInt c = 0; c < n; c++)
+          sums[MOST + i * MOST + c] += coupled.derivative[1 + row / 3][row % 3][1 + component[c] / 3][component[c] % 3];
+      }
+    }
+  }
+  PetscCall(MpmRigidWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Collective. */
 static PetscErrorCode Evaluate(const MpmContacts *contacts, PetscInt b, const PetscReal values[], Balance *balance)
 {
-  const MpmRigidBody *body                    = &contacts->bodies[b];
-  const PetscInt      n                       = balance->n;
+  const MpmRigidBody *body = &contacts->bodies[b];
+  const PetscInt      n = balance->n, *component = balance->component;
   PetscReal           sums[MOST * (MOST + 1)] = {0.}, load[2][3], derivative[3][3];
   MpmRigidIncrement   q;
 
   PetscFunctionBeginUser;
   MpmRigidIncrementMake(body, values, &q);
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    PetscReal        value[MPM_MAX_DIM] = {0., 0., 0.};
-    MpmContactAnswer answer;
-    MpmRigidAnswer   coupled;
-
-    if (contacts->contact[k].boundary != b) continue;
-    if (balance->u) MpmContactFaceValue(contacts, balance->sum, &contacts->contact[k], balance->u, value);
-    if (!MpmContactAnswerAt(contacts, &contacts->contact[k], &q, value, PETSC_TRUE, &answer, &coupled)) continue;
-    for (PetscInt i = 0; i < n; i++) {
-      const PetscInt row = balance->component[i];
-
-      sums[i] += coupled.residual[1 + row / 3][row % 3];
-      for (PetscInt j = 0; j < n; j++) {
-        const PetscInt column = balance->component[j];
-
-        sums[MOST + i * MOST + j] += coupled.derivative[1 + row / 3][row % 3][1 + column / 3][column % 3];
-      }
-    }
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, MOST * (MOST + 1), MPIU_REAL, MPIU_SUM, balance->sum->grid->comm));
+  PetscCall(SumPatches(contacts, b, &q, balance, sums));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, MOST * (MOST + 1), MPIU_REAL, MPIU_SUM, balance->grid->comm));
   MpmRigidLoad(body, &q, load, derivative);
   for (PetscInt i = 0; i < n; i++) {
-    const PetscInt row = balance->component[i];
-
-    balance->g[i] = sums[i] + load[row / 3][row % 3];
+    balance->g[i] = sums[i] + load[component[i] / 3][component[i] % 3];
     for (PetscInt j = 0; j < n; j++) {
-      const PetscInt column = balance->component[j];
+      const PetscInt r = component[i] - 3, c = component[j] - 3;
 
       balance->H[i * n + j] = 0.5 * (sums[MOST + i * MOST + j] + sums[MOST + j * MOST + i]);
-      if (row > 2 && column > 2)
-        balance->H[i * n + j] += 0.5 * (derivative[row % 3][column % 3] + derivative[column % 3][row % 3]);
+      if (r >= 0 && c >= 0) balance->H[i * n + j] += 0.5 * (derivative[r][c] + derivative[c][r]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -196,7 +219,7 @@ static PetscErrorCode Search(const MpmContacts *contacts, PetscInt b, Balance *b
 static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *balance, PetscReal negligible,
                            PetscReal values[], PetscBool *moved)
 {
-  const PetscReal cell    = 1. / contacts->unit;
+  const PetscReal cell    = contacts->cell;
   PetscReal       trusted = TRUSTED * cell, from[MOST], gone[MOST], s[MOST], part;
 
   PetscFunctionBeginUser;
@@ -215,18 +238,18 @@ static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *bal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmSum *sum, PetscBool *moved)
+PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscBool *moved)
 {
   PetscFunctionBeginUser;
   *moved = PETSC_FALSE;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     MpmRigidBody *body    = &contacts->bodies[b];
-    Balance       balance = {.sum = sum};
+    Balance       balance = {.grid = grid};
     PetscBool     further = PETSC_FALSE;
 
     if (!body->freedom) continue;
     PetscCall(Rest(contacts, b, &balance, Norm(MOST, body->guess) > 0. ? SETTLED : NEGLIGIBLE, body->guess, &further));
-    if (Norm(MOST, body->guess) > Diagonal(sum->grid)) contacts->adrift = b;
+    if (Norm(MOST, body->guess) > Diagonal(grid)) contacts->adrift = b;
     *moved = (PetscBool)(*moved || further);
   }
   if (contacts->adrift >= 0) *moved = PETSC_FALSE;
@@ -255,7 +278,7 @@ PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, con
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     const MpmRigidBody *body    = &contacts->bodies[b];
-    Balance             balance = {.sum = sum, .u = u};
+    Balance             balance = {.grid = sum->grid, .sum = sum, .u = u};
     PetscReal           values[MOST], step[MOST] = {0.}, far;
     PetscBool           moved = PETSC_FALSE;
 
@@ -264,7 +287,7 @@ PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, con
     if (last && sum->grid->rank == owner) Take(body, bs, last, step);
     for (PetscInt k = 0; last && k < MOST; k++) step[k] = values[k] - step[k];
     PetscCallMPI(MPI_Bcast(step, MOST, MPIU_REAL, owner, sum->grid->comm));
-    far = Norm(MOST, step) * contacts->unit;
+    far = Norm(MOST, step) / contacts->cell;
     for (PetscInt k = 0; k < MOST && far > TRUSTED; k++) values[k] -= (1. - TRUSTED / far) * step[k];
     ListComponents(body, &balance);
     PetscCall(Evaluate(contacts, b, values, &balance));
@@ -285,7 +308,7 @@ PetscInt MpmRigidStray(const MpmContacts *contacts, PetscInt block, const PetscR
     if (!contacts->bodies[b].freedom) continue;
     Take(&contacts->bodies[b], block, u, values);
     for (PetscInt k = 0; k < MOST; k++) values[k] -= contacts->bodies[b].guess[k];
-    if (Norm(MOST, values) > STRAY / contacts->unit) return b;
+    if (Norm(MOST, values) > STRAY * contacts->cell) return b;
   }
   return -1;
 }

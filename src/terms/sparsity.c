@@ -477,9 +477,11 @@ void MpmPatternAddNodes(MpmPattern *pattern, const MpmSpace *space, PetscInt n, 
 
   MpmFramesRotateElement(constraints, bs, n, nodes, element);
   for (PetscInt i = 0; i < n; i++) {
+    if (nodes[i] < 0) continue;
     const PetscInt width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
 
     for (PetscInt j = 0; j < n; j++) {
+      if (nodes[j] < 0) continue;
       PetscReal *block = pattern->value[nodes[i]] + Position(pattern, space, nodes[i], nodes[j]) * bs;
 
       for (PetscInt k = 0; k < bs * bs; k++) {
