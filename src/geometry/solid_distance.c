@@ -71,6 +71,7 @@ static Profile ConeProfile(const MpmSolid *solid, PetscReal rho, PetscReal s)
   const Profile   flank = {off, cosine, -sine, 0.}, shaft = {rho - R, 1., 0., 0.};
   PetscReal       corner[2] = {rho, s}, length;
 
+  if (rho == 0. && s == 0.) return (Profile){0., 0., -1., 0.}; /* the tip looks along the axis */
   if (off <= 0. && rho <= R) return off > rho - R ? flank : shaft;
   if (s >= H) return shaft;
   if (up > 0. && up < R / sine) return flank;
@@ -79,7 +80,6 @@ static Profile ConeProfile(const MpmSolid *solid, PetscReal rho, PetscReal s)
     corner[1] = s - H;
   }
   length = hypot(corner[0], corner[1]);
-  if (length == 0.) return (Profile){0., 0., -1., 0.}; /* at the tip, which looks along the axis */
   return (Profile){length, corner[0] / length, corner[1] / length, 1. / length};
 }
 

@@ -93,7 +93,7 @@ static const char *Behind(const char *line, const char *word)
   const size_t length = strlen(word);
 
   line += strspn(line, " \t\r");
-  return strncasecmp(line, word, length) || !strchr(" \t\r", line[length]) ? NULL : line + length;
+  return strncasecmp(line, word, length) || !strchr(" \t\r\n", line[length]) ? NULL : line + length;
 }
 
 /* Line by line, in place: corners are counted within their facet. */
