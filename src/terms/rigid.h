@@ -9,12 +9,12 @@
 
 /* A surface that holds the material by a penalty. */
 typedef struct {
-  char     *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, with stick only */
+  char     *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, where tangential */
   PetscInt  dim;
   MpmSolid  solid;
-  PetscReal penalty;
-  PetscBool stick, bilateral;
-  MpmRegion region; /* of the contact candidates, at the start */
+  PetscReal penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
+  PetscBool stick, tangential, bilateral; /* tangential: something acts along the surface */
+  MpmRegion region;                       /* of the contact candidates, at the start */
   MpmMotion motion;
 } MpmBoundary;
 
@@ -25,25 +25,6 @@ typedef struct MpmBoundaries {
   MpmBoundary *at;
 } MpmBoundaries;
 
-/* A point that may touch a boundary in this step. */
-typedef struct {
-  PetscInt  point, group, boundary, weight; /* weight: where the face's weights at the group's nodes stand */
-  PetscReal face[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start */
-  PetscReal stiffness;                                                 /* N/m */
-} MpmContact;
-
-/* Those of this rank's points, and what they do. */
-typedef struct MpmContacts {
-  PetscInt           boundary_count;
-  const MpmBoundary *boundaries;
-  MpmPose           *before, *after;          /* the boundaries' at the step's start and end */
-  PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the body; deepest places behind, m */
-  PetscReal   unit, touch;                    /* 1/h; a face that is no further away touches */
-  PetscInt    count, capacity;
-  MpmContact *contact;
-  PetscReal  *weight;
-} MpmContacts;
-
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary);
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
@@ -52,6 +33,3 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
 MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
 /* Seen from the place x, the boundary standing there. */
 void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
-/* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
-PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
-PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);

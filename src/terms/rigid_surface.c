@@ -15,6 +15,10 @@
 #include "grid/grid.h"
 #include "terms/rigid.h"
 
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
 /* Which points are contact candidates. */
 static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary)
@@ -53,33 +57,58 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmBoundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* frictionless, stick, Coulomb's coefficient, or an angle; and adhesion. */
+static PetscErrorCode ReadFriction(const MpmOptions *block, MpmBoundary *boundary)
+{
+  char *text, *end;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsText(block, "friction",
+                           "along the surface: frictionless, stick, Coulomb's coefficient, or its angle (20deg)",
+                           "frictionless", MPM_OPTIONAL, &text));
+  PetscCall(MpmOptionsReal(block, "adhesion", "Pa", "traction along the surface that is carried without pressure",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &boundary->adhesion, NULL));
+  boundary->stick = (PetscBool)!strcmp(text, "stick");
+  if (!boundary->stick && strcmp(text, "frictionless")) {
+    boundary->friction    = strtod(text, &end);
+    const PetscBool angle = (PetscBool)!strcmp(end, "deg");
+
+    MpmCheckInput(MpmOptionsHelp() || (end != text && (angle || !*end) && boundary->friction >= 0. &&
+                                       boundary->friction < (angle ? 90. : PETSC_INFINITY)),
+                  "-%sfriction %s: must be frictionless, stick, a coefficient >= 0 or an angle in [0deg, 90deg)",
+                  block->prefix, text);
+    if (angle) boundary->friction = tan(boundary->friction * PETSC_PI / 180.);
+  }
+  boundary->tangential = (PetscBool)(boundary->stick || boundary->friction > 0. || boundary->adhesion > 0.);
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary)
 {
   static const char *const contacts[] = {"unilateral", "bilateral", NULL};
-  static const char *const friction[] = {"frictionless", "stick", NULL};
   char                     prefix[256], field[256];
   MpmOptions               block     = {options->comm, prefix, options->record};
-  PetscInt                 bilateral = 0, stick = 0;
+  PetscInt                 bilateral = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(boundary, sizeof(*boundary)));
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_boundary_%s_", name));
   PetscCall(PetscStrallocpy(name, &boundary->name));
   boundary->dim     = grid->dim;
-  boundary->penalty = 500.;
+  boundary->penalty = 20.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
-  PetscCall(MpmOptionsWord(&block, "friction", "along the surface", friction, MPM_OPTIONAL, &stick, NULL));
+  PetscCall(ReadFriction(&block, boundary));
   boundary->bilateral = (PetscBool)bilateral;
-  boundary->stick     = (PetscBool)stick;
   PetscCall(MpmOptionsReal(&block, "penalty", "E/h", "pressure by depth, times Young's modulus over the cell size",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->penalty, NULL));
   PetscCall(ReadMotion(&block, boundary));
   PetscCall(ReadPoints(options, name, grid, boundary));
-  for (PetscInt a = 0; stick && a < grid->dim; a++) {
+  for (PetscInt a = 0; boundary->tangential && a < grid->dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
     PetscCall(PetscStrallocpy(field, &boundary->slip_field[a]));
   }
