@@ -561,7 +561,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     for (PetscInt k = 0; k < 6; k++) body->placement->last[k] = 0.;
     for (PetscInt n = 0; n < 2; n++)
       for (PetscInt a = 0; a < Components(body, n); a++)
-        body->placement->last[3 * n + a] = u[(body->node + n) * sum->block + a];
+        body->placement->last[3 * n + a] = u[(body->node + n) * sum->block + a] - body->guess[3 * n + a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

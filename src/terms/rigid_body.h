@@ -20,7 +20,7 @@ typedef struct MpmFreedom {
 /* How far a body has come besides its prescribed motion: x -> c + shift + Q (x - c), c the reference point; Q a quaternion. */
 struct MpmPlacement {
   PetscReal shift[MPM_MAX_DIM], turn[4];
-  PetscReal last[6]; /* the unknowns of the last step */
+  PetscReal last[6]; /* the unknowns of the last step, without the way to the material */
 };
 
 /* An increment of a body's place, as the unknowns have it: translation, Rodrigues' parameters and their rotation. */

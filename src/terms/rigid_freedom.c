@@ -28,13 +28,19 @@ static PetscErrorCode TakeComponent(const MpmOptions *block, PetscInt dim, const
 /* m: what a rotation's unknown is measured by; any length of the body's order will do. */
 static PetscReal Size(const MpmBoundary *boundary)
 {
-  PetscReal reference[MPM_MAX_DIM], size = 0.;
+  const MpmSolid *solid = &boundary->solid;
+  PetscReal       middle[MPM_MAX_DIM], size = 0.;
+  MpmSurface      surface;
 
-  if (boundary->radius > 0.) return boundary->radius;
-  MpmBoundaryReference(boundary, &(MpmPose){.growth = 0.}, reference);
-  for (PetscInt k = 0; k < boundary->vertex_count; k++)
-    size =
-      PetscMax(size, hypot(boundary->vertices[2 * k] - reference[0], boundary->vertices[2 * k + 1] - reference[1]));
+  if (solid->type == MPM_SOLID_BOX) return hypot(hypot(solid->half[0], solid->half[1]), solid->half[2]);
+  if (solid->radius > 0.) return solid->radius;
+  MpmSolidMiddle(solid, middle);
+  for (PetscInt k = 0; k < solid->vertex_count; k++)
+    size = PetscMax(size, hypot(solid->vertices[2 * k] - middle[0], solid->vertices[2 * k + 1] - middle[1]));
+  if (solid->type == MPM_SOLID_STL) {
+    MpmSolidDistance(solid, 0., middle, &surface);
+    size = PetscAbsReal(surface.distance);
+  }
   return size > 0. ? size : 1.;
 }
 
