@@ -78,6 +78,7 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescrip
     PetscReal x[MPM_MAX_DIM];
 
     constraints->frame_of[i] = -1;
+    if (MpmSpaceIsExtra(space, i)) continue;
     NodePosition(grid, space, i, x);
     for (PetscInt b = 0; b < step->conditions->count && constraints->frame_of[i] < 0; b++)
       if (step->conditions->at[b].inclined && Holds(step, b, x)) constraints->frame_of[i] = count++;
@@ -111,6 +112,21 @@ static void LeaveOutUnsupported(MpmConstraints *constraints, const MpmLayout *la
   }
 }
 
+/* Extra nodes have the unknowns that their terms give them. */
+static void LeaveOutUnused(MpmConstraints *constraints, PetscInt bs, const MpmSpace *space)
+{
+  for (PetscInt k = 0; k < space->extra.count * bs; k++) {
+    const PetscInt unknown = space->extra.begin * bs + k;
+
+    constraints->value[unknown] = 0.;
+    if (space->extra.free[k / bs] >> k % bs & 1) constraints->condition[unknown] = MPM_FREE;
+    else {
+      constraints->condition[unknown] = MPM_UNSUPPORTED;
+      constraints->any                = PETSC_TRUE;
+    }
+  }
+}
+
 /* The components that condition b prescribes at the nodes in its region. */
 static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescription *step, PetscInt b,
                                 const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space)
@@ -121,6 +137,7 @@ static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescripti
   for (PetscInt i = 0; i < space->local; i++) {
     PetscReal x[MPM_MAX_DIM];
 
+    if (MpmSpaceIsExtra(space, i)) continue;
     NodePosition(grid, space, i, x);
     if (!Holds(step, b, x)) continue;
     for (PetscInt k = 0; k < bc->component_count; k++) {
@@ -168,6 +185,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   }
   if (inclined) PetscCall(SetUpFrames(constraints, step, grid, bs, space));
   LeaveOutUnsupported(constraints, layout, space);
+  LeaveOutUnused(constraints, bs, space);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -168,6 +168,12 @@ static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Nodes of this rank that are written: extra nodes, its last ones, have no place. */
+static PetscInt WrittenCount(const MpmSpace *space)
+{
+  return PetscMin(space->owned, space->extra.begin);
+}
+
 /* All that is written; arrays of the owned nodes. */
 typedef struct {
   PetscReal *position, *mass, *load;
@@ -203,9 +209,9 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
 {
   const MpmSpace  *space = model->disc.space;
   const PetscInt   dim = space->dim, block = model->disc.block;
-  const Nodal      moved    = {model->disc.committed ? model->disc.u : NULL, space->owned, block, 0, dim};
-  const Nodal      reaction = {model->disc.committed ? model->disc.residual : NULL, space->owned, block, 0, dim};
-  const Nodal      load     = {arrays->load, space->owned, block, 0, dim};
+  const Nodal      moved    = {model->disc.committed ? model->disc.u : NULL, WrittenCount(space), block, 0, dim};
+  const Nodal      reaction = {model->disc.committed ? model->disc.residual : NULL, WrittenCount(space), block, 0, dim};
+  const Nodal      load     = {arrays->load, WrittenCount(space), block, 0, dim};
   Nodal            others[MPM_MAX_BLOCK];
   PetscInt         count                   = 0;
   MpmDataset       sets[7 + MPM_MAX_BLOCK] = {{.name = "position", .components = dim, .real = arrays->position}};
@@ -221,12 +227,12 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
   sets[count++] = (MpmDataset){.name = "held", .components = 1, .integer = arrays->held};
   sets[count++] = (MpmDataset){.name = "rank", .components = 1, .integer = arrays->rank};
   for (PetscInt c = dim; c < block; c++) {
-    others[c]     = (Nodal){moved.value, space->owned, block, c, 1};
+    others[c]     = (Nodal){moved.value, WrittenCount(space), block, c, 1};
     sets[count++] = (MpmDataset){
       .name = model->disc.layout->component_name[c], .components = 1, .fill = FillNodal, .ctx = &others[c]};
   }
   {
-    const MpmTable node_table = {space->owned, space->global, count, sets};
+    const MpmTable node_table = {WrittenCount(space), space->global, count, sets};
 
     PetscCall(
       MpmOutputWriteGrid(model->results->output, model->state.step, model->state.time, &node_table, &cell_table));

@@ -15,6 +15,7 @@
 #include "bc/bc.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
+#include "terms/rigid_body.h"
 #include "time/integrator.h"
 #include "time/time.h"
 #include "run/laboratory.h"
@@ -177,7 +178,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->results->tracks.at));
   PetscCall(PetscFree(model->state.bcs));
   PetscCall(PetscFree(model->state.loads));
-  PetscCall(PetscFree(model->state.walls));
+  PetscCall(PetscFree(model->state.walls.at));
+  PetscCall(PetscFree(model->state.placements));
   PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
   PetscCall(PetscFree(model->scene.materials));
@@ -374,6 +376,8 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsBlocks(options, "boundaries", "names of the boundaries that do not follow the grid", MPM_OPTIONAL,
                              &model->scene.boundaries->count, &model->scene.boundaries->names));
   PetscCall(PetscCalloc1(model->scene.boundaries->count, &model->scene.boundaries->at));
+  PetscCall(PetscCalloc1(model->scene.boundaries->count, &model->state.placements));
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) model->state.placements[k].turn[0] = 1.;
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
     for (PetscInt b = 0; b < model->scene.bcs->count && !MpmOptionsHelp(); b++) {
       MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.bcs->names[b]),
@@ -381,6 +385,8 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     }
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
+    if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
+      model->solver.symmetric = PETSC_FALSE;
     if (model->scene.boundaries->at[k].friction > 0.)
       model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
@@ -396,7 +402,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                              &model->scene.loads->names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
-  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls));
+  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->state.bcs));
   PetscCall(PetscCalloc1(model->scene.loads->count, &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
@@ -588,7 +594,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries,
-                                   model->state.particles->state_size));
+                                   model->state.placements, model->state.particles->state_size));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

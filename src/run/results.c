@@ -9,6 +9,7 @@
 #include "bc/bc.h"
 #include "terms/load.h"
 #include "terms/contact.h"
+#include "terms/rigid_body.h"
 #include "time/time.h"
 #include "run/laboratory.h"
 #include "run/run.h"
@@ -54,13 +55,24 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
 
 /* ---- history ---- */
 
+/* "moment_pile_z" */
+static PetscErrorCode AddColumn(const char *quantity, const char *of, PetscInt axis, PetscInt *count, char **names)
+{
+  char name[512];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%s_%c", quantity, of, "xyz"[axis]));
+  PetscCall(PetscStrallocpy(name, &names[(*count)++]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Names the columns; returns how many there are. Names are allocated. */
 static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
 {
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
-                      model->scene.boundaries->count * (dim + 1) + 2;
+                      model->scene.boundaries->count * (3 * dim + 4) + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -85,6 +97,12 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
     }
     PetscCall(PetscSNPrintf(name, sizeof(name), "depth_%s", model->scene.boundaries->names[b]));
     PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    for (PetscInt a = dim == 2 ? 2 : 0; a < 3; a++)
+      PetscCall(AddColumn("moment", model->scene.boundaries->names[b], a, count, *names));
+    for (PetscInt a = 0; model->scene.boundaries->at[b].freedom && a < dim; a++)
+      PetscCall(AddColumn("position", model->scene.boundaries->names[b], a, count, *names));
+    for (PetscInt a = dim == 2 ? 2 : 0; model->scene.boundaries->at[b].freedom && a < 3; a++)
+      PetscCall(AddColumn("rotation", model->scene.boundaries->names[b], a, count, *names));
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
     for (PetscInt a = 0; a < dim; a++) {
@@ -148,6 +166,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
     for (PetscInt a = 0; a < model->disc.dim; a++) row[k++] = model->disc.contacts->reaction[b][a];
     row[k++] = model->disc.contacts->depth[b];
+    for (PetscInt a = model->disc.dim == 2 ? 2 : 0; a < 3; a++) row[k++] = model->disc.contacts->moment[b][a];
+    k += MpmRigidReport(model->disc.contacts, b, &row[k]);
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));

@@ -5,6 +5,7 @@
   model's value as it is.
 */
 #include <stddef.h>
+#include "terms/rigid_body.h"
 #include "run/run.h"
 
 typedef enum { KIND_REAL, KIND_INT, KIND_INT64, KIND_BOOL } Kind;
@@ -51,30 +52,67 @@ static const struct {
 #undef RESULTS
 };
 
+#define TABLE_COUNT ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(table))
+
+/* Numbers of a place of a free body, and how many bodies there are; the k-th is a boundary of the scene. */
+#define PLACE_COUNT ((PetscInt)(sizeof(MpmPlacement) / sizeof(PetscReal)))
+
+static PetscInt FreeBoundary(const MpmModel model, PetscInt k, PetscInt *count)
+{
+  PetscInt found = -1;
+
+  *count = 0;
+  for (PetscInt b = 0; model->scene.boundaries && b < model->scene.boundaries->count; b++)
+    if (model->scene.boundaries->at[b].freedom && (*count)++ == k) found = b;
+  return found;
+}
+
+static Kind KindOf(PetscInt k)
+{
+  return k < TABLE_COUNT ? table[k].kind : KIND_REAL;
+}
+
 /* Where the number stands in a model. */
 static void *Member(MpmModel model, PetscInt k)
 {
+  PetscInt count;
+
+  if (k >= TABLE_COUNT) {
+    const PetscInt b = FreeBoundary(model, (k - TABLE_COUNT) / PLACE_COUNT, &count);
+
+    return (PetscReal *)&model->state.placements[b] + (k - TABLE_COUNT) % PLACE_COUNT;
+  }
   return (table[k].results ? (char *)model->results : (char *)model) + table[k].offset;
 }
 
 PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars)
 {
-  const PetscInt count = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(table);
+  PetscInt bodies, count;
+  char     name[512];
 
   PetscFunctionBeginUser;
+  (void)FreeBoundary(model, 0, &bodies);
+  count          = TABLE_COUNT + bodies * PLACE_COUNT;
   scalars->count = count;
   PetscCall(PetscCalloc5(count, &scalars->name, count, &scalars->real, count, &scalars->there, count, &scalars->value,
                          count, &scalars->number));
   for (PetscInt k = 0; k < count; k++) {
     const void *member = Member(model, k);
 
-    scalars->name[k]  = table[k].name;
-    scalars->real[k]  = (PetscBool)(table[k].kind == KIND_REAL);
+    if (k < TABLE_COUNT) PetscCall(PetscStrallocpy(table[k].name, &scalars->name[k]));
+    else {
+      const PetscInt b = FreeBoundary(model, (k - TABLE_COUNT) / PLACE_COUNT, &bodies);
+
+      PetscCall(PetscSNPrintf(name, sizeof(name), "place_%s_%" PetscInt_FMT, model->scene.boundaries->names[b],
+                              (k - TABLE_COUNT) % PLACE_COUNT));
+      PetscCall(PetscStrallocpy(name, &scalars->name[k]));
+    }
+    scalars->real[k]  = (PetscBool)(KindOf(k) == KIND_REAL);
     scalars->there[k] = PETSC_TRUE;
-    if (table[k].kind == KIND_REAL) scalars->value[k] = *(const PetscReal *)member;
-    if (table[k].kind == KIND_INT) scalars->number[k] = *(const PetscInt *)member;
-    if (table[k].kind == KIND_INT64) scalars->number[k] = *(const PetscInt64 *)member;
-    if (table[k].kind == KIND_BOOL) scalars->number[k] = *(const PetscBool *)member;
+    if (KindOf(k) == KIND_REAL) scalars->value[k] = *(const PetscReal *)member;
+    if (KindOf(k) == KIND_INT) scalars->number[k] = *(const PetscInt *)member;
+    if (KindOf(k) == KIND_INT64) scalars->number[k] = *(const PetscInt64 *)member;
+    if (KindOf(k) == KIND_BOOL) scalars->number[k] = *(const PetscBool *)member;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -86,10 +124,10 @@ PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, MpmModel model)
     void *member = Member(model, k);
 
     if (!scalars->there[k]) continue;
-    if (table[k].kind == KIND_REAL) *(PetscReal *)member = scalars->value[k];
-    if (table[k].kind == KIND_INT) *(PetscInt *)member = (PetscInt)scalars->number[k];
-    if (table[k].kind == KIND_INT64) *(PetscInt64 *)member = scalars->number[k];
-    if (table[k].kind == KIND_BOOL) *(PetscBool *)member = (PetscBool)scalars->number[k];
+    if (KindOf(k) == KIND_REAL) *(PetscReal *)member = scalars->value[k];
+    if (KindOf(k) == KIND_INT) *(PetscInt *)member = (PetscInt)scalars->number[k];
+    if (KindOf(k) == KIND_INT64) *(PetscInt64 *)member = scalars->number[k];
+    if (KindOf(k) == KIND_BOOL) *(PetscBool *)member = (PetscBool)scalars->number[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -97,6 +135,7 @@ PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, MpmModel model)
 PetscErrorCode MpmScalarsDestroy(MpmScalars *scalars)
 {
   PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < scalars->count; k++) PetscCall(PetscFree(scalars->name[k]));
   PetscCall(PetscFree5(scalars->name, scalars->real, scalars->there, scalars->value, scalars->number));
   scalars->count = 0;
   PetscFunctionReturn(PETSC_SUCCESS);

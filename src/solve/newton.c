@@ -8,6 +8,7 @@
 #include "bc/bc.h"
 #include "terms/discretization.h"
 #include "terms/contact.h"
+#include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 #include "solve/solve.h"
@@ -216,6 +217,29 @@ static PetscReal Contact(const MpmSolver *solver)
   return penalty * modulus * PetscPowRealInt(solver->disc->h[0], solver->disc->dim - 2);
 }
 
+#define BODY_IMBALANCE 1e-12 /* of what pushes a body */
+
+/*
+  A free body's few equations are part of all, and may be off by more than their share: Newton goes on until they are met,
+  or come no closer.
+*/
+static PetscErrorCode TestBodies(SNES snes, MpmSolver *solver, SNESConvergedReason *reason)
+{
+  const PetscReal    last = solver->cache.imbalance;
+  const PetscScalar *values;
+  Vec                f;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetFunction(snes, &f, NULL, NULL));
+  PetscCall(VecGetArrayRead(f, &values));
+  PetscCall(MpmRigidImbalance(solver->disc->contacts, solver->disc->space, solver->disc->block, values,
+                              solver->disc->comm, &solver->cache.imbalance));
+  PetscCall(VecRestoreArrayRead(f, &values));
+  if (*reason > 0 && solver->cache.imbalance > BODY_IMBALANCE && solver->cache.imbalance < 0.5 * last)
+    *reason = SNES_CONVERGED_ITERATING;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Relative to the residual at zero displacement, whatever the first guess; and a floor: a residual as small
   as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the last from the differences of
@@ -243,6 +267,8 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   else if (fnorm <= rtol * solver->cache.reference) *reason = SNES_CONVERGED_FNORM_RELATIVE;
   else if (it && snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
   else if (it && divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
+  if (!it) solver->cache.imbalance = PETSC_INFINITY;
+  if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -266,8 +292,25 @@ static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Bodies that an iterate x has left far from balance come to rest on the material there; `last`: the one before, or NULL. */
+PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x)
+{
+  const PetscScalar *before = NULL;
+  PetscScalar       *values;
+
+  PetscFunctionBeginUser;
+  if (!solver->disc->contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmGatherSolution(solver, x));
+  if (last) PetscCall(VecGetArrayRead(last, &before));
+  PetscCall(VecGetArray(x, &values));
+  PetscCall(MpmRigidRelax(solver->disc->contacts, solver->disc->sum, solver->disc->u, before, values));
+  PetscCall(VecRestoreArray(x, &values));
+  if (last) PetscCall(VecRestoreArrayRead(last, &before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Tries X - lambda Y: the residual there, its norm, and the slope G . Y, which is the rate of work for a potential. */
-static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, PetscReal *norm, PetscReal *slope)
+static PetscErrorCode Try(SNESLineSearch search, MpmSolver *solver, PetscReal lambda, PetscReal *norm, PetscReal *slope)
 {
   Vec         X, F, Y, W, G;
   PetscScalar dot;
@@ -276,7 +319,8 @@ static PetscErrorCode Try(SNESLineSearch search, SNES snes, PetscReal lambda, Pe
   (void)search;
   PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
   PetscCall(VecWAXPY(W, -lambda, Y, X));
-  PetscCall(SNESComputeFunction(snes, W, G));
+  PetscCall(MpmRelaxBodies(solver, X, W));
+  PetscCall(SNESComputeFunction(solver->snes, W, G));
   PetscCall(VecNorm(G, NORM_2, norm));
   *slope = 0.;
   if (PetscIsInfOrNanReal(*norm)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -314,7 +358,7 @@ static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 
   slope_good = start;
   for (PetscInt trial = 0;; trial++) {
-    PetscCall(Try(search, snes, lambda, &norm, &slope));
+    PetscCall(Try(search, solver, lambda, &norm, &slope));
     if (PetscIsInfOrNanReal(norm)) {
       if (trial == LINE_SEARCH_TRIALS) {
         PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_NANORINF));

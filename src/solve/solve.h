@@ -28,6 +28,7 @@ typedef struct {
   PetscBool solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscBool ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal fnorm_last;
+  PetscReal imbalance;       /* of free bodies, at the last iterate */
   PetscInt  made_count;      /* Jacobians of this solution, */
   PetscInt  made_count_last; /* and of the last one */
 } MpmEvaluations;
@@ -74,6 +75,8 @@ PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x);
+/* Bodies that the iterate x has left far from balance come to rest on its material; `last`: the one before, or NULL. */
+PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x);
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options);
 /* Settles `auto` for about so many unknowns, and applies the preset. */

@@ -5,9 +5,11 @@
 #include "options/options.h"
 #include "options/record.h"
 #include "point/layout.h"
+#include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
+#include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
@@ -358,6 +360,27 @@ static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], Pe
     if (layout->near_null[c] == MPM_NEAR_NULL_CONSTANT && at++ == k) mode[c] = 1.;
 }
 
+/* The same mode of the free bodies, at their own nodes. */
+static void SetBodyModes(const MpmSolver *solver, PetscInt k, PetscScalar values[])
+{
+  const MpmContacts *contacts = solver->disc->contacts;
+  const MpmSpace    *space    = solver->disc->space;
+  const PetscInt     dim = solver->disc->dim, bs = solver->disc->block;
+  PetscReal          along[3] = {0., 0., 0.}, turn[3] = {0., 0., 0.}, mode[2][3];
+
+  if (k < dim) along[k] = 1.;
+  else turn[dim == 2 ? 2 : (k - dim) % 3] = 1.;
+  for (PetscInt i = space->extra.begin; i < PetscMin(space->owned, space->extra.begin + space->extra.count); i++)
+    for (PetscInt c = 0; c < bs; c++) values[i * bs + c] = 0.;
+  if (solver->disc->layout->near_null[0] != MPM_NEAR_NULL_RIGID || k >= (dim == 2 ? 3 : 6)) return;
+  for (PetscInt b = 0; b < contacts->boundary_count && space->extra.begin < space->owned; b++) {
+    if (!contacts->bodies[b].freedom) continue;
+    MpmRigidMode(&contacts->bodies[b], solver->disc->grid->lower, along, turn, mode);
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < dim; a++) values[(contacts->bodies[b].node + n) * bs + a] = mode[n][a];
+  }
+}
+
 /*
   Modes of little energy for multigrid. Constrained unknowns do not move, so the modes are zero there; what is left is made
   orthonormal.
@@ -389,6 +412,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
       for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->h[a] * (PetscReal)solver->disc->space->node[i * dim + a];
       SetMode(layout, k, x, &values[i * bs]);
     }
+    if (solver->disc->contacts->bodies) SetBodyModes(solver, k, values);
     MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, values);
     MpmConstraintsZero(solver->disc->constraints, solver->disc->space->owned * bs, values);
     PetscCall(VecRestoreArray(mode[kept], &values));

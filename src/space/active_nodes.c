@@ -124,6 +124,16 @@ static PetscErrorCode ListForeign(const MpmGrid *grid, const NodeMap *map, MpmLi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The extra nodes' local and global numbers. */
+static void NumberExtra(MpmSpace *space, PetscInt begin)
+{
+  space->extra.begin = begin;
+  for (PetscInt k = 0; k < space->extra.count; k++) {
+    for (PetscInt a = 0; a < space->dim; a++) space->node[(begin + k) * space->dim + a] = 0;
+    space->global[begin + k] = space->global_count - space->extra.count + k;
+  }
+}
+
 /*
   Lists the owned nodes, which this rank or another touches, in lattice order, and gives them their local numbers in the
   map.
@@ -131,10 +141,11 @@ static PetscErrorCode ListForeign(const MpmGrid *grid, const NodeMap *map, MpmLi
 static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, PetscInt ghosts,
                                   NodeMap *map)
 {
-  const PetscInt dim = space->dim;
-  NodeMap        old = *map;
-  PetscInt64     size;
-  PetscInt       node[MPM_MAX_DIM] = {0, 0, 0};
+  const PetscInt  dim  = space->dim;
+  const PetscBool last = (PetscBool)(grid->rank == grid->size - 1);
+  NodeMap         old  = *map;
+  PetscInt64      size;
+  PetscInt        node[MPM_MAX_DIM] = {0, 0, 0};
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < wanted->offset[wanted->count]; k += dim) MapInclude(map, &wanted->data[k]);
@@ -147,7 +158,8 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
   }
   PetscCall(PetscFree(old.value));
   for (PetscInt64 i = 0; i < size; i++) space->owned += map->value[i] == 0;
-  space->local = space->owned + ghosts;
+  space->local = space->owned + ghosts + space->extra.count;
+  if (last) space->owned += space->extra.count;
   PetscCall(PetscMalloc2((space->local * dim), &space->node, space->local, &space->global));
   PetscCallMPI(MPI_Scan(&space->owned, &space->global_begin, 1, MPIU_INT, MPI_SUM, grid->comm));
   space->global_begin -= space->owned;
@@ -162,6 +174,8 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
     PetscCall(PetscArraycpy(&space->node[*number * dim], node, dim));
     space->global[*number] = space->global_begin + *number;
   }
+  NumberExtra(space, last ? space->owned : space->local - space->extra.count);
+  if (last) space->owned += space->extra.count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,7 +185,7 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
 {
   const PetscInt dim = space->dim, ghosts = space->local - space->owned;
   MpmLists       answer = {0}, numbers = {0};
-  PetscInt      *leaf;
+  PetscInt      *leaf, owned           = space->owned;
   PetscSFNode   *remote;
 
   PetscFunctionBeginUser;
@@ -208,6 +222,15 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
       leaf[ghost]          = local;
       remote[ghost].rank   = foreign->rank[k];
       remote[ghost].index  = numbers.data[j];
+    }
+  }
+  if (space->extra.count) { /* ghosts of the last rank as its other nodes are, and behind them */
+    PetscCallMPI(MPI_Bcast(&owned, 1, MPIU_INT, grid->size - 1, grid->comm));
+    for (PetscInt k = 0; k < space->extra.count && grid->rank < grid->size - 1; k++) {
+      const PetscInt ghost = ghosts - space->extra.count + k;
+
+      leaf[ghost]   = space->owned + ghost;
+      remote[ghost] = (PetscSFNode){.rank = grid->size - 1, .index = owned - space->extra.count + k};
     }
   }
   PetscCall(PetscSFCreate(grid->comm, &space->sf));

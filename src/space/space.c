@@ -21,6 +21,8 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->cells));
   PetscCall(PetscFree(space->share));
   PetscCall(PetscFree(space->group_nodes));
+  PetscCall(PetscFree(space->extra.free));
+  PetscCall(PetscFree(space->extra.link));
   PetscCall(PetscFree2(space->node, space->global));
   PetscCall(PetscSFDestroy(&space->sf));
   PetscCall(PetscMemzero(space, sizeof(*space)));
@@ -164,6 +166,31 @@ PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **b
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSpaceAppendNodes(MpmSpace *space, PetscInt count, const PetscInt free[], PetscInt *first)
+{
+  MpmExtraNodes *extra = &space->extra;
+
+  PetscFunctionBeginUser;
+  *first = extra->count;
+  PetscCall(PetscRealloc((size_t)(extra->count + count) * sizeof(*free), &extra->free));
+  PetscCall(PetscArraycpy(&extra->free[extra->count], free, count));
+  extra->count += count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceLink(MpmSpace *space, PetscInt box, PetscInt first, PetscInt count)
+{
+  MpmExtraNodes *extra = &space->extra;
+
+  PetscFunctionBeginUser;
+  if (extra->link_count == extra->link_capacity) {
+    extra->link_capacity = 2 * extra->link_capacity + 64;
+    PetscCall(PetscRealloc((size_t)extra->link_capacity * sizeof(MpmLink), &extra->link));
+  }
+  extra->link[extra->link_count++] = (MpmLink){box, first, count};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why)
 {
   Boxes boxes = {0};
@@ -205,7 +232,7 @@ static PetscErrorCode FindSupport(MpmSpace *space, const MpmRules *rules)
   PetscReal       *touched;
 
   PetscFunctionBeginUser;
-  space->unknown_count = space->global_count * layout->block;
+  space->unknown_count = (space->global_count - space->extra.count) * layout->block;
   if (space->shape_count == 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1((space->local * space->shape_count), &touched));
   for (PetscInt g = 0; g < space->group_count; g++)
@@ -231,6 +258,8 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));
   PetscCall(FindSupport(space, rules));
+  for (PetscInt k = 0; k < space->extra.count; k++)
+    for (PetscInt c = 0; c < rules->layout->block; c++) space->unknown_count += space->extra.free[k] >> c & 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

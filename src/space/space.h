@@ -31,6 +31,21 @@ typedef struct {
 } MpmWeights;
 
 /*
+  Extra nodes have no place on the lattice: terms append them for unknowns of their own (rigid bodies). The last rank owns
+  them, behind its others, and all ranks have them among their local nodes, from `begin` on. No field of the points and no
+  condition knows them.
+*/
+typedef struct {
+  PetscInt box, first, count; /* the box's nodes (-1: none) and these extra nodes are coupled */
+} MpmLink;
+typedef struct {
+  PetscInt  count, begin;
+  PetscInt *free; /* a bit for each component that is solved for; the others are zero */
+  PetscInt  link_count, link_capacity;
+  MpmLink  *link;
+} MpmExtraNodes;
+
+/*
   The step's discrete spaces, one for each shape that the physics' fields have: weights of every point, and the active
   nodes. They number their nodes together, so that all unknowns of a node make one block; a node that no point touches
   with a field's shape has no unknown of that field. Local nodes are those that this rank's points touch or that it owns:
@@ -43,25 +58,26 @@ typedef struct MpmSpace {
   PetscInt   shape_count;
   MpmWeights shape[MPM_MAX_SHAPES];
   PetscInt
-    *support;       /* per local node: a bit for each shape with which points touch it; NULL where there is one shape */
-  PetscInt  *order; /* points by group */
-  PetscInt   group_count;
-  PetscInt   face_begin, face_count; /* faces of the ghost penalty: groups without points, behind the others */
-  PetscInt   cell_count;             /* cells with a mean, if the physics has one: their boxes come last */
-  PetscInt   box_count;              /* groups, faces and cells */
-  PetscInt   reach;                  /* no box has more than reach + 1 nodes on an axis, on any rank */
-  MpmCell   *cells;
-  PetscReal *share; /* of each point in the mean of its cell */
-  MpmFace   *faces; /* what they are only the ghost penalty knows */
-  MpmGroup  *groups;
-  PetscInt  *group_nodes;  /* local nodes of each group, x fastest */
-  PetscInt   owned, local; /* active nodes owned by this rank, and with ghosts */
-  PetscInt  *node;         /* lattice indices of local nodes, dim each */
-  PetscInt  *global;       /* number over all ranks, of local nodes */
-  PetscInt   global_begin; /* number of the first owned node */
-  PetscInt   global_count;
-  PetscInt   unknown_count; /* over all ranks */
-  PetscSF    sf;            /* roots: owned nodes; leaves: ghosts; NULL on one rank */
+    *support; /* per local node: a bit for each shape with which points touch it; NULL where there is one shape */
+  PetscInt     *order; /* points by group */
+  PetscInt      group_count;
+  PetscInt      face_begin, face_count; /* faces of the ghost penalty: groups without points, behind the others */
+  PetscInt      cell_count;             /* cells with a mean, if the physics has one: their boxes come last */
+  PetscInt      box_count;              /* groups, faces and cells */
+  PetscInt      reach;                  /* no box has more than reach + 1 nodes on an axis, on any rank */
+  MpmCell      *cells;
+  PetscReal    *share; /* of each point in the mean of its cell */
+  MpmFace      *faces; /* what they are only the ghost penalty knows */
+  MpmGroup     *groups;
+  PetscInt     *group_nodes;  /* local nodes of each group, x fastest */
+  PetscInt      owned, local; /* active nodes owned by this rank, and with ghosts */
+  PetscInt     *node;         /* lattice indices of local nodes, dim each */
+  PetscInt     *global;       /* number over all ranks, of local nodes */
+  PetscInt      global_begin; /* number of the first owned node */
+  PetscInt      global_count;
+  PetscInt      unknown_count; /* over all ranks */
+  PetscSF       sf;            /* roots: owned nodes; leaves: ghosts; NULL on one rank */
+  MpmExtraNodes extra;
 } MpmSpace;
 
 /*
@@ -80,6 +96,16 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
                                       PetscInt **box_first, PetscInt **box_count, const char **why);
 /* Room for `count` boxes more, without points, behind the others. */
 PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes);
+/*
+  Extra nodes, the same on all ranks, before the nodes are numbered; `first` is the index among them of the first one. And,
+  afterwards, which boxes of this rank they are coupled with: the sparsity has room for that.
+*/
+PetscErrorCode          MpmSpaceAppendNodes(MpmSpace *space, PetscInt count, const PetscInt free[], PetscInt *first);
+PetscErrorCode          MpmSpaceLink(MpmSpace *space, PetscInt box, PetscInt first, PetscInt count);
+static inline PetscBool MpmSpaceIsExtra(const MpmSpace *space, PetscInt node)
+{
+  return (PetscBool)(node >= space->extra.begin && node < space->extra.begin + space->extra.count);
+}
 /* Numbers the nodes that the groups touch and builds the scatter (active_nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
 /* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */

@@ -28,15 +28,64 @@ typedef struct {
 typedef struct MpmContacts {
   PetscInt           boundary_count;
   const MpmBoundary *boundaries;
-  MpmPose           *before, *after;          /* the boundaries' at the step's start and end */
-  PetscReal (*reaction)[MPM_MAX_DIM], *depth; /* of the last step: forces on the body; deepest mean gaps behind, m */
-  PetscReal touch,
+  MpmPose           *before, *after; /* the boundaries' at the step's start and end */
+  MpmRigidBody      *bodies;         /* those whose place is solved for, by boundary; NULL: there is none */
+  PetscInt           material_count;
+  PetscInt           adrift; /* a body that met nothing on its way, or -1 */
+  PetscReal (*reaction)[MPM_MAX_DIM],
+    *depth;                         /* of the last step: forces on the material; deepest mean gaps behind, m */
+  PetscReal (*moment)[MPM_MAX_DIM]; /* of those forces about the boundary's reference point */
+  PetscBool *cut;                   /* by boundary: it cut the lattice of points at the start; NULL: not known yet */
+  PetscReal  cell;                  /* the smallest size of one, m */
+  PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
   PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet  *facet;
   MpmPatch  *patch;
   PetscReal *weight;
+  PetscBool  weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
+
+/* That whose place is solved for, or NULL. */
+const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
+
+/* What a patch does at displacements of its facets: those that the body sees where its boundary is free. */
+typedef struct {
+  PetscBool active, any;                                            /* the mean acts; a facet does */
+  PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
+  PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: what is kept of it */
+  PetscReal traction[MPM_MAX_DIM];                                  /* along the surface */
+  PetscReal by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_gap[MPM_MAX_DIM]; /* its derivatives */
+} MpmPatchAnswer;
+
+/* Room for the facets of a patch. */
+typedef struct {
+  PetscReal (*value)[MPM_MAX_DIM]; /* their displacements */
+  MpmSurface *surface;             /* at the step's end */
+  PetscReal
+    *beyond; /* how far they are beyond what the patch may tilt: < 0 too deep; > 0, of a bilateral one, too far */
+} MpmPatchWork;
+
+/* One patch (contact_patch.c). */
+PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);
+PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work);
+/* At work->value. */
+void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer);
+/* The force on the material at a facet. */
+void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                   const MpmPatchAnswer *answer, PetscReal force[]);
+/* What facet f adds on its own to the tangent, of directions c and d: its curvature, and what is beyond the tilt. */
+PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                            const MpmPatchAnswer *answer, PetscInt c, PetscInt d);
+/* Its weights at the nodes of the patch's box, sum_i w_i u_i over them, and y_i += factor w_i force. */
+static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, PetscInt facet)
+{
+  return &contacts->weight[contacts->facet[facet].weight];
+}
+void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
+                   PetscReal value[]);
+void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
+                      const PetscReal force[], PetscReal y[]);
 
 /* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);

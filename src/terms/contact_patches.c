@@ -22,10 +22,13 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/contact.h"
+#include "terms/rigid_body.h"
 #include "terms/terms.h"
 
 #define TOUCH   1e-12 /* of a cell: rounding of a face that stands on the boundary */
 #define TILT    0.25  /* of a cell */
+#define SOFT    10.   /* penalty on materials that flow, unless one is given */
+#define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
@@ -37,6 +40,7 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
   PetscCall(PetscCalloc1(count, &contacts->after));
   PetscCall(PetscCalloc1(count, &contacts->reaction));
   PetscCall(PetscCalloc1(count, &contacts->depth));
+  PetscCall(PetscCalloc1(count, &contacts->moment));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,6 +51,9 @@ PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
   PetscCall(PetscFree(contacts->after));
   PetscCall(PetscFree(contacts->reaction));
   PetscCall(PetscFree(contacts->depth));
+  PetscCall(PetscFree(contacts->cut));
+  PetscCall(PetscFree(contacts->moment));
+  PetscCall(PetscFree(contacts->bodies));
   PetscCall(PetscFree(contacts->facet));
   PetscCall(PetscFree(contacts->patch));
   PetscCall(PetscFree(contacts->weight));
@@ -109,27 +116,65 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
 
 /* ---- facets ---- */
 
+/* Where the middle of a face was at the start. */
+static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, PetscReal at[])
+{
+  for (PetscInt a = 0; a < dim; a++) at[a] = points->x0[p * dim + a];
+  at[face / 2] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
+}
+
+/* Which boundaries cut the lattice of points: some of the faces start well behind them. */
+static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points)
+{
+  const MpmPose  still = {.growth = 0.};
+  const PetscInt dim   = grid->dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(contacts->boundary_count, &contacts->cut));
+  for (PetscInt k = 0; k < contacts->boundary_count * points->count; k++) {
+    const MpmBoundary *boundary = &contacts->boundaries[k / points->count];
+    const PetscInt     p        = k % points->count;
+
+    if (!points->faces[p] || !MpmRegionContains(boundary->region, &points->x0[p * dim])) continue;
+    for (PetscInt face = 0; face < 2 * dim && !contacts->cut[k / points->count]; face++) {
+      PetscReal  at[MPM_MAX_DIM];
+      MpmSurface surface;
+
+      if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+      InitialPlace(dim, points, p, face, at);
+      MpmBoundaryDistance(boundary, &still, at, &surface);
+      if (surface.distance < -CUT * points->half_length[p * dim + face / 2])
+        contacts->cut[k / points->count] = PETSC_TRUE;
+    }
+  }
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, contacts->cut, (PetscMPIInt)contacts->boundary_count, MPIU_BOOL, MPI_LOR, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Did the face touch the boundary at the start, and at which distance? It did where the boundary is the reason for which the lattice
   has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant.
 */
-static PetscBool TouchedAtStart(const MpmBoundary *boundary, const MpmPoints *points, PetscInt p, PetscInt face,
-                                PetscReal *touches)
+static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const MpmPoints *points, PetscInt p,
+                                PetscInt face, PetscReal *touches)
 {
-  const MpmPose    still = {.growth = 0.};
-  const PetscInt   dim = boundary->dim, axis = face / 2;
-  const PetscReal *x0 = &points->x0[p * dim], sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
-  PetscReal        at[MPM_MAX_DIM];
-  MpmSurface       surface, beyond;
+  const MpmBoundary *boundary = &contacts->boundaries[b];
+  const MpmPose      still    = {.growth = 0.};
+  const PetscInt     dim = boundary->dim, axis = face / 2;
+  const PetscReal    sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
+  PetscReal          at[MPM_MAX_DIM];
+  MpmSurface         surface, beyond;
 
   *touches = 0.;
-  for (PetscInt a = 0; a < dim; a++) at[a] = x0[a] + (a == axis ? sign * half : 0.);
+  InitialPlace(dim, points, p, face, at);
   MpmBoundaryDistance(boundary, &still, at, &surface);
   if (surface.distance <= 0.) {
     *touches = surface.distance;
     return PETSC_TRUE;
   }
-  if (-sign * surface.normal[axis] > 1. - ALIGNED) return (PetscBool)(surface.distance <= MPM_TOLERANCE * half);
+  if (!contacts->cut[b] || -sign * surface.normal[axis] > 1. - ALIGNED)
+    return (PetscBool)(surface.distance <= MPM_TOLERANCE * half);
   at[axis] += sign * half;
   MpmBoundaryDistance(boundary, &still, at, &beyond);
   if (beyond.distance > 0.) return PETSC_FALSE;
@@ -165,14 +210,16 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     if (!((PetscInt)points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
-    MpmBoundaryDistance(boundary, &contacts->before[b], facet.place, &surface);
+    if (MpmContactsBody(contacts, b))
+      MpmRigidDistance(MpmContactsBody(contacts, b), boundary, &contacts->before[b], facet.place, &surface);
+    else MpmBoundaryDistance(boundary, &contacts->before[b], facet.place, &surface);
     if (!boundary->bilateral && surface.distance > margin) continue;
     for (PetscInt a = 0; a < dim; a++) {
       facet.normal[a] = surface.normal[a];
       facet.area -= area[a] * surface.normal[a];
     }
     if (!(facet.area > 0.)) continue;
-    touched = TouchedAtStart(boundary, points, p, face, &facet.touches);
+    touched = TouchedAtStart(contacts, b, points, p, face, &facet.touches);
     if (boundary->bilateral && !touched) continue;
     PetscCall(AddFacet(contacts, &facet));
   }
@@ -187,6 +234,8 @@ static PetscReal Margin(const MpmContacts *contacts, const MpmGrid *grid, PetscI
 
   MpmPoseCarry(grid->dim, after, before, x, y);
   for (PetscInt a = 0; a < grid->dim; a++) margin += 2. * grid->h[a] + PetscAbsReal(y[a] - x[a]);
+  if (MpmContactsBody(contacts, b))
+    for (PetscInt k = 0; k < 6; k++) margin += 2. * PetscAbsReal(contacts->bodies[b].guess[k]);
   return margin;
 }
 
@@ -202,7 +251,7 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
       MpmFacet       facet = {.boundary = b, .point = p, .group = g};
       PetscInt       cell[MPM_MAX_DIM];
 
-      if (points->faces[p] == 0. || !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim])) continue;
+      if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim])) continue;
       MpmGridFindCell(grid, &points->x[p * dim], cell);
       for (PetscInt a = dim - 1; a >= 0; a--) facet.cell = facet.cell * grid->cells[a] + cell[a];
       PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), points, &facet));
@@ -239,12 +288,22 @@ static void IncludeGroup(MpmGroup *box, const MpmGroup *group)
   box->holes = PETSC_TRUE;
 }
 
+/*
+  Pressure by depth, times the cell size. What flows bears pressures that are small beside its modulus: a soft penalty is deep enough
+  then, and Newton's method gets on better as the material slides along a curved surface.
+*/
+static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *material)
+{
+  const PetscBool soft = (PetscBool)(!boundary->firm && material->info.traits & MPM_LAW_PLASTIC);
+
+  return (soft ? SOFT : boundary->penalty) * material->penalty;
+}
+
 static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
-                                  MpmSpace *space)
+                                  const MpmSpace *space)
 {
   const PetscInt box_begin = space->box_count;
   PetscReal      unit      = 1. / rules->grid->h[0];
-  MpmGroup      *boxes;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 1; a < space->dim; a++) unit = PetscMax(unit, 1. / rules->grid->h[a]);
@@ -262,15 +321,25 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     patch      = &contacts->patch[contacts->patch_count - 1];
     patch->end = k + 1;
     patch->area += facet->area;
-    patch->stiffness += facet->area * contacts->boundaries[facet->boundary].penalty * unit *
-                        rules->materials[points->material[facet->point]].penalty;
+    patch->stiffness +=
+      facet->area * unit *
+      Penalty(&contacts->boundaries[facet->boundary], &rules->materials[points->material[facet->point]]);
     contacts->most = PetscMax(contacts->most, patch->end - patch->begin);
   }
+  for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].stiffness /= contacts->patch[k].area;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The boxes of the patches' nodes. */
+static PetscErrorCode AppendBoxes(MpmContacts *contacts, MpmSpace *space)
+{
+  MpmGroup *boxes;
+
+  PetscFunctionBeginUser;
   PetscCall(MpmSpaceAppendBoxes(space, contacts->patch_count, &boxes));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    MpmPatch *patch = &contacts->patch[k];
+    const MpmPatch *patch = &contacts->patch[k];
 
-    patch->stiffness /= patch->area;
     for (PetscInt f = patch->begin; f < patch->end; f++)
       IncludeGroup(&boxes[k], &space->groups[contacts->facet[f].group]);
   }
@@ -286,20 +355,42 @@ static void SetPoses(MpmContacts *contacts, PetscReal time_n, PetscReal time)
   }
 }
 
+/* Facets and patches about where free bodies are expected to go. */
+static PetscErrorCode FindPatches(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                                  const MpmSpace *space)
+{
+  PetscFunctionBeginUser;
+  contacts->facet_count = contacts->patch_count = contacts->most = 0;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++)
+    PetscCall(FacetsOfBoundary(contacts, b, rules->grid, space, points));
+  if (contacts->facet_count) PetscCall(MakePatches(contacts, rules, points, space));
+  for (PetscInt f = 0; contacts->bodies && f < contacts->facet_count; f++)
+    if (MpmContactsBody(contacts, contacts->facet[f].boundary))
+      MpmRigidPull(MpmContactsBody(contacts, contacts->facet[f].boundary), &contacts->facet[f]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
 {
   MpmContacts *contacts = (MpmContacts *)ctx;
+  PetscBool    moved    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   contacts->facet_count = contacts->patch_count = contacts->most = 0;
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  contacts->touch = PETSC_INFINITY;
-  for (PetscInt a = 0; a < space->dim; a++) contacts->touch = PetscMin(contacts->touch, TOUCH * rules->grid->h[a]);
-  contacts->tilt = TILT / TOUCH * contacts->touch;
+  contacts->cell = PETSC_INFINITY;
+  for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
+  contacts->touch   = TOUCH * contacts->cell;
+  contacts->tilt    = TILT / TOUCH * contacts->touch;
+  contacts->weighed = PETSC_FALSE;
+  if (!contacts->cut) PetscCall(FindCuts(contacts, rules->grid, points));
   SetPoses(contacts, rules->time_n, rules->time);
-  for (PetscInt b = 0; b < contacts->boundary_count; b++)
-    PetscCall(FacetsOfBoundary(contacts, b, rules->grid, space, points));
-  if (contacts->facet_count) PetscCall(MakePatches(contacts, rules, points, space));
+  MpmRigidBegin(contacts, rules->time);
+  do {
+    PetscCall(FindPatches(contacts, rules, points, space));
+    if (contacts->bodies) PetscCall(MpmRigidSettle(contacts, rules->grid, &moved));
+  } while (moved);
+  if (contacts->facet_count) PetscCall(AppendBoxes(contacts, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -360,7 +451,7 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    for (PetscInt a = 0; contacts->boundaries[b].stick && a < dim; a++) {
+    for (PetscInt a = 0; contacts->boundaries[b].tangential && a < dim; a++) {
       PetscReal *slip;
 
       PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
@@ -371,9 +462,11 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
     }
   }
   for (PetscInt k = 0; k < contacts->facet_count; k++) {
-    MpmFacet *facet = &contacts->facet[k];
-    PetscReal dot   = 0.;
+    MpmFacet           *facet = &contacts->facet[k];
+    const MpmRigidBody *body  = MpmContactsBody(contacts, facet->boundary);
+    PetscReal           dot   = 0.;
 
+    if (body) MpmRigidPullVector(body, facet->slip);
     for (PetscInt a = 0; a < dim; a++) dot += facet->slip[a] * facet->normal[a];
     for (PetscInt a = 0; a < dim; a++) facet->slip[a] -= dot * facet->normal[a];
   }
@@ -397,15 +490,13 @@ static void Strengths(MpmContacts *contacts, const MpmSum *sum)
   }
 }
 
-PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
+/* The weights of all facets; they stay while the points do. */
+static PetscErrorCode WeighFacets(MpmContacts *contacts, const MpmTermStep *step)
 {
-  MpmContacts    *contacts = (MpmContacts *)ctx;
-  const MpmSpace *space    = step->sum->space;
-  PetscInt        size     = 0;
+  const MpmSpace *space = step->sum->space;
+  PetscInt        size  = 0;
 
   PetscFunctionBeginUser;
-  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  SetPoses(contacts, step->rules->time_n, step->rules->time);
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     for (PetscInt f = contacts->patch[k].begin; f < contacts->patch[k].end; f++) {
       contacts->facet[f].weight = size;
@@ -414,11 +505,34 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
   }
   PetscCall(PetscFree(contacts->weight));
   PetscCall(PetscMalloc1(size, &contacts->weight));
-  for (PetscInt k = 0; k < contacts->patch_count; k++)
-    for (PetscInt f = contacts->patch[k].begin; f < contacts->patch[k].end; f++)
-      Weights(step->rules, space, step->sum->points, &contacts->facet[f], &space->groups[contacts->patch[k].box],
-              &contacts->weight[contacts->facet[f].weight]);
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    for (PetscInt f = contacts->patch[k].begin; f < contacts->patch[k].end; f++) {
+      MpmFacet            facet = contacts->facet[f];
+      const MpmRigidBody *body  = MpmContactsBody(contacts, facet.boundary);
+
+      if (body) MpmRigidPush(body, &contacts->facet[f], facet.place);
+      Weights(step->rules, space, step->sum->points, &facet, &space->groups[contacts->patch[k].box],
+              &contacts->weight[facet.weight]);
+    }
+  }
+  contacts->weighed = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
+{
+  MpmContacts    *contacts = (MpmContacts *)ctx;
+  const PetscBool again    = contacts->weighed; /* another length of the step */
+  PetscBool       moved    = PETSC_TRUE;
+
+  PetscFunctionBeginUser;
+  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  SetPoses(contacts, step->rules->time_n, step->rules->time);
+  if (!again) PetscCall(WeighFacets(contacts, step));
   Strengths(contacts, step->sum);
-  PetscCall(LoadSlips(contacts, step->particles, space->dim));
+  PetscCall(LoadSlips(contacts, step->particles, step->sum->space->dim));
+  if (!again || !contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmRigidBegin(contacts, step->rules->time);
+  while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,6 +10,7 @@
 #include "bc/bc.h"
 #include "terms/discretization.h"
 #include "terms/contact.h"
+#include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 
@@ -38,7 +39,7 @@ PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc)
 }
 
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, PetscInt state_size)
+                                      const MpmBoundaries *boundaries, MpmPlacement *placements, PetscInt state_size)
 {
   PetscFunctionBeginUser;
   disc->material_count  = materials->count;
@@ -46,9 +47,12 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   disc->sum->state_size = state_size;
   disc->sum->own_size   = disc->layout->own_size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
+  PetscCall(MpmRigidCreate(disc->contacts, placements));
+  disc->contacts->material_count = materials->count;
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
+  if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

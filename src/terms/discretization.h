@@ -33,12 +33,12 @@ typedef struct MpmDiscretization {
 
 /*
   Create makes the parts, empty; grid and layout are borrowed. Size takes over what they hold. SetUp, after it, makes what
-  stays from step to step; materials and boundaries are borrowed.
+  stays from step to step; materials, boundaries and the places of free ones are borrowed.
 */
 PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, PetscInt state_size);
+                                      const MpmBoundaries *boundaries, MpmPlacement *placements, PetscInt state_size);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Where a local node is, m. */
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);

@@ -5,22 +5,19 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "geometry/motion.h"
-
-typedef enum { MPM_BOUNDARY_PLANE, MPM_BOUNDARY_SPHERE, MPM_BOUNDARY_CYLINDER, MPM_BOUNDARY_POLYGON } MpmBoundaryType;
+#include "geometry/solid.h"
 
 /* A surface that holds the material by a penalty. */
 typedef struct {
-  char           *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, where tangential */
-  MpmBoundaryType type;
-  PetscInt        dim;
-  PetscReal  point[MPM_MAX_DIM], direction[MPM_MAX_DIM], radius; /* direction: a plane's normal, a cylinder's axis */
-  PetscReal  side;                                               /* 1: the material is outside, -1: inside */
-  PetscInt   vertex_count;
-  PetscReal *vertices, penalty;
-  PetscReal  friction, adhesion;           /* Coulomb's coefficient; Pa */
-  PetscBool  stick, tangential, bilateral; /* tangential: something acts along the surface */
-  MpmRegion  region; /* of the contact candidates, at the start */
-  MpmMotion  motion;
+  char       *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, where tangential */
+  PetscInt    dim;
+  MpmSolid    solid;
+  PetscReal   penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
+  PetscBool   stick, tangential, bilateral; /* tangential: something acts along the surface */
+  PetscBool   firm;                         /* the penalty holds for all materials */
+  MpmRegion   region;                       /* of the contact candidates, at the start */
+  MpmMotion   motion;
+  MpmFreedom *freedom; /* NULL: all of its motion is prescribed */
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */
@@ -30,15 +27,11 @@ typedef struct MpmBoundaries {
   MpmBoundary *at;
 } MpmBoundaries;
 
-/* Distance from a boundary, positive where the material is, its gradient and its second derivative. */
-typedef struct {
-  PetscReal distance, normal[MPM_MAX_DIM], second[MPM_MAX_DIM][MPM_MAX_DIM];
-} MpmSurface;
-
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary);
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
 /* Do the scene's points suit it? */
 PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
 MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
+/* Seen from the place x, the boundary standing there. */
 void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);

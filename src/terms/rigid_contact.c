@@ -26,57 +26,11 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/contact.h"
+#include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 
-/* ---- one patch ---- */
-
-/* What a patch does at a displacement of its nodes. */
-typedef struct {
-  PetscBool active, any;                                            /* the mean acts; a facet does */
-  PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
-  PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: what is kept of it */
-  PetscReal traction[MPM_MAX_DIM];                                  /* along the surface */
-  PetscReal by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_gap[MPM_MAX_DIM]; /* its derivatives */
-} Answer;
-
-/* Room for the facets of a patch. */
-typedef struct {
-  MpmSurface *surface; /* at the step's end */
-  PetscReal
-    *beyond; /* how far they are beyond what the patch may tilt: < 0 too deep; > 0, of a bilateral one, too far */
-} Work;
-
-static PetscErrorCode WorkCreate(const MpmContacts *contacts, Work *work)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2(contacts->most, &work->surface, contacts->most, &work->beyond));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WorkDestroy(Work *work)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree2(work->surface, work->beyond));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static const PetscReal *WeightsOf(const MpmContacts *contacts, PetscInt facet)
-{
-  return &contacts->weight[contacts->facet[facet].weight];
-}
-
-/* sum_i w_i u_i over the nodes of a box */
-static void FacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
-                       PetscReal value[])
-{
-  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = 0.;
-  for (PetscInt i = 0; i < box->node_count; i++)
-    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
-      value[a] += weight[i] * u[nodes[i] * sum->block + a];
-}
+/* ---- sums ---- */
 
 /* P v, v less its part along n */
 static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
@@ -87,149 +41,45 @@ static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
   for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
 }
 
-/* The traction along the surface that goes with the mean slip, and its derivatives. */
-static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, Answer *answer)
-{
-  const PetscReal k    = patch->stiffness;
-  const PetscInt  dim  = boundary->dim;
-  PetscReal       size = 0., limit, rate = 0.; /* rate: of the limit by the gap */
-
-  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
-  size  = PetscSqrtReal(size);
-  limit = boundary->friction * PetscMax(-k * answer->gap, 0.) + boundary->adhesion;
-  if (boundary->stick || limit > patch->strength) limit = patch->strength;
-  else rate = answer->gap < 0. ? -boundary->friction * k : 0.;
-  if (k * size <= limit) {
-    for (PetscInt a = 0; a < dim; a++) {
-      answer->traction[a]   = k * answer->slip[a];
-      answer->by_slip[a][a] = k;
-    }
-    return;
-  }
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal along = answer->slip[a] / size;
-
-    answer->traction[a] = limit * along;
-    answer->by_gap[a]   = rate * along;
-    for (PetscInt c = 0; c < dim; c++)
-      answer->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - along * answer->slip[c] / size);
-  }
-  for (PetscInt a = 0; a < dim; a++) answer->slip[a] = answer->traction[a] / k;
-}
-
-/* Takes the displacement of a boundary's own place off that of the material there. */
-static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, const PetscReal place[],
-                     PetscReal value[])
-{
-  PetscReal carried[MPM_MAX_DIM];
-
-  if (before->turned || after->turned) {
-    MpmPoseCarry(dim, before, after, place, carried);
-    for (PetscInt a = 0; a < dim; a++) value[a] -= carried[a] - place[a];
-  } else {
-    for (PetscInt a = 0; a < dim; a++) value[a] -= after->translation[a] - before->translation[a];
-  }
-}
-
-/* How far a facet is beyond what a patch may tilt. */
-static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary, PetscReal gap)
-{
-  if (gap < -contacts->tilt) return gap + contacts->tilt;
-  return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
-}
-
+/* A patch of prescribed motion at the local unknowns u. */
 static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
-                     Work *work, Answer *answer)
+                     MpmPatchWork *work, MpmPatchAnswer *answer)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
-  const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
-  const PetscInt     dim = boundary->dim;
-
-  *answer = (Answer){.active = boundary->bilateral};
-  for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet   = &contacts->facet[f];
-    MpmSurface     *surface = &work->surface[f - patch->begin];
-    const PetscReal share   = facet->area / patch->area;
-    PetscReal       value[MPM_MAX_DIM], at[MPM_MAX_DIM];
-
-    FacetValue(sum, &sum->space->groups[patch->box], WeightsOf(contacts, f), u, value);
-    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
-    MpmBoundaryDistance(boundary, after, at, surface);
-    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches);
-    if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
-    answer->gap += share * (surface->distance - facet->touches);
-    if (!boundary->tangential) continue;
-    Relative(before, after, dim, facet->place, value);
-    Project(dim, facet->normal, value);
-    for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + value[a]);
-  }
-  if (!boundary->bilateral) answer->active = (PetscBool)(answer->gap <= contacts->touch);
-  if (!answer->active) {
-    answer->gap = 0.;
-    for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
-    return;
-  }
-  answer->any       = PETSC_TRUE;
-  answer->stiffness = patch->stiffness;
-  if (boundary->tangential) Friction(boundary, patch, answer);
-}
-
-/* The force on the material at a facet. */
-static void FacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const Work *work,
-                       const Answer *answer, PetscReal force[])
-{
-  const MpmFacet *facet  = &contacts->facet[f];
-  const PetscReal normal = answer->stiffness * answer->gap + patch->stiffness * work->beyond[f - patch->begin];
-  const PetscInt  dim    = contacts->boundaries[patch->boundary].dim;
-
-  for (PetscInt a = 0; a < dim; a++) force[a] = answer->traction[a];
-  Project(dim, facet->normal, force);
-  for (PetscInt a = 0; a < dim; a++)
-    force[a] = -facet->area * (force[a] + normal * work->surface[f - patch->begin].normal[a]);
-}
-
-/* ---- sums ---- */
-
-/* y_i += factor w_i force */
-static void AddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
-                     const PetscReal force[], PetscReal y[])
-{
-  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
-
-  for (PetscInt i = 0; i < box->node_count; i++)
-    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
-      y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
+  for (PetscInt f = patch->begin; f < patch->end; f++)
+    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), u, work->value[f - patch->begin]);
+  MpmPatchEvaluate(contacts, patch, work, answer);
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                PetscInt *failed)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
-  Work               work;
+  MpmPatchWork       work;
 
   PetscFunctionBeginUser;
   (void)failed;
   if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WorkCreate(contacts, &work));
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
-    Answer          answer;
+    MpmPatchAnswer  answer;
 
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
     Evaluate(contacts, patch, sum, u, &work, &answer);
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
-      FacetForce(contacts, patch, f, &work, &answer, force);
-      AddForce(sum, &sum->space->groups[patch->box], WeightsOf(contacts, f), -1., force, residual);
+      MpmFacetForce(contacts, patch, f, &work, &answer, force);
+      MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), -1., force, residual);
     }
   }
-  PetscCall(WorkDestroy(&work));
+  PetscCall(MpmPatchWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* How gap and slip change with du. */
 static void Change(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal du[],
-                   const Work *work, PetscReal *gap, PetscReal slip[])
+                   const MpmPatchWork *work, PetscReal *gap, PetscReal slip[])
 {
   const PetscInt dim = sum->space->dim;
 
@@ -240,7 +90,7 @@ static void Change(const MpmContacts *contacts, const MpmPatch *patch, const Mpm
     const PetscReal share = facet->area / patch->area;
     PetscReal       value[MPM_MAX_DIM];
 
-    FacetValue(sum, &sum->space->groups[patch->box], WeightsOf(contacts, f), du, value);
+    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), du, value);
     for (PetscInt a = 0; a < dim; a++) *gap += share * work->surface[f - patch->begin].normal[a] * value[a];
     Project(dim, facet->normal, value);
     for (PetscInt a = 0; a < dim; a++) slip[a] += share * value[a];
@@ -252,17 +102,18 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const PetscInt     dim      = sum->space->dim;
-  Work               work;
+  MpmPatchWork       work;
 
   PetscFunctionBeginUser;
   if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WorkCreate(contacts, &work));
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
     const MpmGroup *box   = &sum->space->groups[patch->box];
     PetscReal       gap, slip[MPM_MAX_DIM], traction[MPM_MAX_DIM] = {0., 0., 0.};
-    Answer          answer;
+    MpmPatchAnswer  answer;
 
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
     Evaluate(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     Change(contacts, patch, sum, du, &work, &gap, slip);
@@ -276,7 +127,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
       const PetscReal   normal = answer.stiffness * answer.gap + patch->stiffness * beyond;
       PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM], along = 0.;
 
-      FacetValue(sum, box, WeightsOf(contacts, f), du, value);
+      MpmFacetValue(sum, box, MpmFacetWeights(contacts, f), du, value);
       for (PetscInt a = 0; a < dim; a++) along += surface->normal[a] * value[a];
       for (PetscInt a = 0; a < dim; a++) force[a] = traction[a];
       Project(dim, contacts->facet[f].normal, force);
@@ -284,15 +135,15 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
         force[a] += (answer.stiffness * gap + own * along) * surface->normal[a];
         for (PetscInt c = 0; c < dim; c++) force[a] += normal * surface->second[a][c] * value[c];
       }
-      AddForce(sum, box, WeightsOf(contacts, f), contacts->facet[f].area, force, y);
+      MpmFacetAddForce(sum, box, MpmFacetWeights(contacts, f), contacts->facet[f].area, force, y);
     }
   }
-  PetscCall(WorkDestroy(&work));
+  PetscCall(MpmPatchWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. */
-static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const Work *work,
+static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
                         PetscReal gap[], PetscReal slip[])
 {
   const PetscInt  dim = sum->space->dim, n = sum->space->groups[patch->box].node_count;
@@ -302,7 +153,7 @@ static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, cons
   for (PetscInt i = 0; i < n * dim * dim; i++) slip[i] = 0.;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet  *facet  = &contacts->facet[f];
-    const PetscReal *weight = WeightsOf(contacts, f), *normal = work->surface[f - patch->begin].normal;
+    const PetscReal *weight = MpmFacetWeights(contacts, f), *normal = work->surface[f - patch->begin].normal;
 
     for (PetscInt i = 0; i < n; i++) {
       const PetscReal w = weight[i] * facet->area / patch->area;
@@ -322,8 +173,8 @@ typedef struct {
 } Factors;
 
 /* Where `slip` holds B_s, right_{1+e} = A sum_f dt_e/ds_f B_s,f + A dt_e/dg B_g; left_0 = B_g, right_0 = A k B_g. */
-static void FactorsOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const Work *work,
-                      const Answer *answer, const Factors *factors)
+static void FactorsOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
+                      const MpmPatchAnswer *answer, const Factors *factors)
 {
   const PetscInt dim = sum->space->dim, size = sum->space->groups[patch->box].node_count * dim;
   PetscReal     *gap = factors->left, *slip = factors->left + size;
@@ -352,38 +203,27 @@ static PetscErrorCode FactorsCreate(const MpmContacts *contacts, const MpmSum *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What facet f adds on its own to the tangent, of directions c and d: its curvature, and what is beyond the tilt. */
-static PetscReal OwnStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const Work *work,
-                              const Answer *answer, PetscInt c, PetscInt d)
-{
-  const MpmSurface *surface = &work->surface[f - patch->begin];
-  const PetscReal   beyond  = work->beyond[f - patch->begin];
-  PetscReal         value   = (answer->stiffness * answer->gap + patch->stiffness * beyond) * surface->second[c][d];
-
-  if (beyond != 0.) value += patch->stiffness * surface->normal[c] * surface->normal[d];
-  return contacts->facet[f].area * value;
-}
-
 static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                                PetscInt *failed)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const PetscInt     dim = sum->space->dim, bs = sum->block;
-  Work               work;
+  MpmPatchWork       work;
   Factors            factors;
   PetscInt           most;
 
   PetscFunctionBeginUser;
   (void)failed;
   if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WorkCreate(contacts, &work));
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
   PetscCall(FactorsCreate(contacts, sum, &factors, &most));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
     const MpmGroup *box   = &sum->space->groups[patch->box];
     const PetscInt *nodes = &sum->space->group_nodes[box->node_offset], n = box->node_count;
-    Answer          answer;
+    MpmPatchAnswer  answer;
 
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
     Evaluate(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     FactorsOf(contacts, patch, sum, &work, &answer, &factors);
@@ -395,19 +235,20 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
         for (PetscInt m = 0; m <= dim; m++)
           value += factors.left[(m * n + i) * dim + c] * factors.right[(m * n + i) * dim + d];
         for (PetscInt f = patch->begin; f < patch->end; f++)
-          value += PetscSqr(WeightsOf(contacts, f)[i]) * OwnStiffness(contacts, patch, f, &work, &answer, c, d);
+          value +=
+            PetscSqr(MpmFacetWeights(contacts, f)[i]) * MpmFacetStiffness(contacts, patch, f, &work, &answer, c, d);
         blocks[(nodes[i] * bs + c) * bs + d] += value;
       }
     }
   }
   PetscCall(PetscFree2(factors.left, factors.right));
-  PetscCall(WorkDestroy(&work));
+  PetscCall(MpmPatchWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* element[i][c][d][j], of n^2 block^2 numbers, becomes the patch's tangent. */
-static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const Work *work,
-                    const Answer *answer, const Factors *factors, PetscReal element[])
+static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
+                    const MpmPatchAnswer *answer, const Factors *factors, PetscReal element[])
 {
   const PetscInt dim = sum->space->dim, bs = sum->block, n = sum->space->groups[patch->box].node_count;
   const PetscInt terms = contacts->boundaries[patch->boundary].tangential ? dim + 1 : 1;
@@ -422,10 +263,10 @@ static void Element(const MpmContacts *contacts, const MpmPatch *patch, const Mp
     }
   }
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const PetscReal *weight = WeightsOf(contacts, f);
+    const PetscReal *weight = MpmFacetWeights(contacts, f);
 
     for (PetscInt cd = 0; cd < dim * dim; cd++) {
-      const PetscReal own = OwnStiffness(contacts, patch, f, work, answer, cd / dim, cd % dim);
+      const PetscReal own = MpmFacetStiffness(contacts, patch, f, work, answer, cd / dim, cd % dim);
 
       for (PetscInt i = 0; own != 0. && i < n; i++)
         for (PetscInt j = 0; weight[i] != 0. && j < n; j++)
@@ -439,20 +280,21 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   PetscReal         *element;
-  Work               work;
+  MpmPatchWork       work;
   Factors            factors;
   PetscInt           most;
 
   PetscFunctionBeginUser;
   if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
-  PetscCall(WorkCreate(contacts, &work));
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
   PetscCall(FactorsCreate(contacts, sum, &factors, &most));
   PetscCall(PetscMalloc1((most * most * sum->block * sum->block), &element));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
-    Answer          answer;
+    MpmPatchAnswer  answer;
 
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
     Evaluate(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     FactorsOf(contacts, patch, sum, &work, &answer, &factors);
@@ -461,14 +303,14 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   }
   PetscCall(PetscFree(element));
   PetscCall(PetscFree2(factors.left, factors.right));
-  PetscCall(WorkDestroy(&work));
+  PetscCall(MpmPatchWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the converged step ---- */
 
 /* The points of a patch keep its slip while it touches. */
-static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const Answer answers[],
+static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                 MpmParticles *particles)
 {
 
@@ -489,46 +331,65 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reactions and depths of the converged step; keeps the slips. */
+/* What a patch says of the converged step; adds to its boundary's reaction, moment and depth. */
+static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                        MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  const PetscInt      b = patch->boundary, dim = sum->space->dim;
+  const MpmRigidBody *body  = MpmContactsBody(contacts, b);
+  PetscReal          *depth = &contacts->depth[b];
+
+  if (body) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
+  else Evaluate(contacts, patch, sum, u, work, answer);
+  if (!answer->any) return;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    PetscReal force[3] = {0., 0., 0.}, arm[3] = {0., 0., 0.}, about[MPM_MAX_DIM];
+
+    MpmFacetForce(contacts, patch, f, work, answer, force);
+    if (body) MpmRigidForce(contacts, patch, f, sum, u, force, arm);
+    else {
+      MpmBoundaryReference(&contacts->boundaries[b], &contacts->after[b], about);
+      for (PetscInt a = 0; a < dim; a++)
+        arm[a] = contacts->facet[f].place[a] + work->value[f - patch->begin][a] - about[a];
+    }
+    for (PetscInt a = 0; a < 3; a++) {
+      const PetscInt p = (a + 1) % 3, q = (a + 2) % 3;
+
+      contacts->reaction[b][a] += force[a];
+      contacts->moment[b][a] += arm[p] * force[q] - arm[q] * force[p];
+    }
+    if (work->beyond[f - patch->begin] != 0.)
+      *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
+  }
+  *depth = PetscMax(*depth, PetscAbsReal(answer->gap));
+  MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
+  if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
+}
+
+/* Reactions, moments and depths of the converged step; keeps the slips. */
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
-  MpmContacts   *contacts = (MpmContacts *)ctx;
-  const PetscInt dim      = sum->space->dim;
-  Answer        *answers;
-  Work           work;
+  MpmContacts      *contacts = (MpmContacts *)ctx;
+  const MPI_Comm    comm     = sum->grid->comm;
+  const PetscMPIInt count    = (PetscMPIInt)contacts->boundary_count;
+  MpmPatchAnswer   *answers;
+  MpmPatchWork      work;
 
   PetscFunctionBeginUser;
-  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WorkCreate(contacts, &work));
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
   PetscCall(PetscMalloc1(contacts->patch_count, &answers));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    contacts->depth[b] = 0.;
-    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) contacts->reaction[b][a] = 0.;
-  }
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPatch *patch = &contacts->patch[k];
-    PetscReal      *depth = &contacts->depth[patch->boundary], force[MPM_MAX_DIM];
-
-    Evaluate(contacts, patch, sum, u, &work, &answers[k]);
-    if (!answers[k].any) continue;
-    for (PetscInt f = patch->begin; f < patch->end; f++) {
-      FacetForce(contacts, patch, f, &work, &answers[k], force);
-      for (PetscInt a = 0; a < dim; a++) contacts->reaction[patch->boundary][a] += force[a];
-    }
-    for (PetscInt f = patch->begin; f < patch->end; f++)
-      if (work.beyond[f - patch->begin] != 0.)
-        *depth = PetscMax(*depth, PetscAbsReal(work.beyond[f - patch->begin]) + contacts->tilt);
-    *depth = PetscMax(*depth, PetscAbsReal(answers[k].gap));
-    MpmPoseTurn(dim, &contacts->before[patch->boundary], &contacts->after[patch->boundary], answers[k].slip,
-                answers[k].slip);
-  }
+  PetscCall(PetscArrayzero(contacts->depth, count));
+  PetscCall(PetscArrayzero(contacts->reaction, count));
+  PetscCall(PetscArrayzero(contacts->moment, count));
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(PetscFree(answers));
-  PetscCall(WorkDestroy(&work));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, (PetscMPIInt)(contacts->boundary_count * MPM_MAX_DIM),
-                           MPIU_REAL, MPIU_SUM, sum->grid->comm));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->depth, (PetscMPIInt)contacts->boundary_count, MPIU_REAL, MPIU_MAX,
-                           sum->grid->comm));
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->moment, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->depth, count, MPIU_REAL, MPIU_MAX, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -20,6 +20,7 @@ PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
   PetscCall(PetscFree(pattern->row));
   PetscCall(PetscFree(pattern->column));
   PetscCall(PetscFree(pattern->slot));
+  PetscCall(PetscFree2(pattern->extra_column, pattern->extra_row));
   PetscCall(PetscFree(pattern->value));
   PetscCall(PetscFree(pattern->buffer));
   PetscCall(PetscFree(*handle));
@@ -67,6 +68,44 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The entry (row, column) of an extra node, as slots are; one of the two is extra. */
+static PetscInt *ExtraSlot(const MpmPattern *pattern, PetscInt row, PetscInt column)
+{
+  const PetscInt e = row - pattern->extra_begin;
+
+  if (e >= 0 && e < pattern->extra_count) return &pattern->extra_row[e * pattern->local + column];
+  return &pattern->extra_column[row * pattern->extra_count + column - pattern->extra_begin];
+}
+
+/* Marks the entries of extra nodes: with one another, and with the nodes of the boxes that they are coupled with. */
+static PetscErrorCode MarkExtra(MpmPattern *pattern, const MpmSpace *space)
+{
+  const PetscInt count = space->extra.count * pattern->local;
+
+  PetscFunctionBeginUser;
+  pattern->extra_begin = space->extra.begin;
+  pattern->extra_count = space->extra.count;
+  PetscCall(PetscMalloc2(count, &pattern->extra_column, count, &pattern->extra_row));
+  for (PetscInt k = 0; k < count; k++) pattern->extra_column[k] = pattern->extra_row[k] = -1;
+  for (PetscInt k = 0; k < space->extra.link_count; k++) {
+    const MpmLink  *link  = &space->extra.link[k];
+    const MpmGroup *box   = link->box < 0 ? NULL : &space->groups[link->box];
+    const PetscInt *nodes = box ? &space->group_nodes[box->node_offset] : NULL;
+
+    for (PetscInt e = 0; e < link->count; e++) {
+      const PetscInt extra = space->extra.begin + link->first + e;
+
+      for (PetscInt o = 0; o < link->count; o++) *ExtraSlot(pattern, extra, space->extra.begin + link->first + o) = 0;
+      for (PetscInt i = 0; box && i < box->node_count; i++) {
+        if (nodes[i] < 0) continue;
+        *ExtraSlot(pattern, extra, nodes[i]) = 0;
+        *ExtraSlot(pattern, nodes[i], extra) = 0;
+      }
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Finds the local number of the node at a window position of a row: the group nodes know it, so it is looked up through
   them.
@@ -99,6 +138,40 @@ static PetscErrorCode FindNeighbours(const MpmPattern *pattern, const MpmSpace *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The columns of a row as global numbers, in no order; `place`: where the position of each is kept; returns their count. */
+static PetscInt RowColumns(const MpmPattern *pattern, const MpmSpace *space, const Neighbours *found, PetscInt row,
+                           PetscInt column[], PetscInt *place[])
+{
+  const PetscInt e = row - pattern->extra_begin, begin = row * pattern->window;
+  PetscInt       count = 0;
+
+  for (PetscInt w = 0; w < pattern->window; w++) {
+    if (pattern->slot[begin + w] < 0) continue;
+    column[count]  = space->global[found->neighbour[begin + w]];
+    place[count++] = &pattern->slot[begin + w];
+  }
+  if (e >= 0 && e < pattern->extra_count) {
+    for (PetscInt j = 0; j < pattern->local; j++) {
+      if (pattern->extra_row[e * pattern->local + j] < 0) continue;
+      column[count]  = space->global[j];
+      place[count++] = &pattern->extra_row[e * pattern->local + j];
+    }
+    return count;
+  }
+  for (PetscInt k = 0; k < pattern->extra_count; k++) {
+    if (pattern->extra_column[row * pattern->extra_count + k] < 0) continue;
+    column[count]  = space->global[pattern->extra_begin + k];
+    place[count++] = &pattern->extra_column[row * pattern->extra_count + k];
+  }
+  return count;
+}
+
+/* No row of this rank has more entries. */
+static PetscInt LongestRow(const MpmPattern *pattern)
+{
+  return pattern->window + (pattern->extra_count ? PetscMax(pattern->local, pattern->extra_count) : 0);
+}
+
 /*
   This rank's entries in ghost rows, told to their owners: for each row the owner's number of it, the count, and the
   columns.
@@ -107,7 +180,7 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
                                         const Neighbours *found, MpmLists *received)
 {
   MpmLists           sent = {0};
-  PetscInt           leaves, fill = 0;
+  PetscInt           leaves, fill = 0, **unused;
   const PetscInt    *leaf;
   const PetscSFNode *remote;
 
@@ -115,27 +188,21 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
   PetscCall(PetscSFGetGraph(space->sf, NULL, &leaves, &leaf, &remote));
   PetscCall(PetscMalloc1(leaves, &sent.rank));
   PetscCall(PetscMalloc1((leaves + 1), &sent.offset));
-  PetscCall(PetscMalloc1((leaves * (pattern->window + 2)), &sent.data));
+  PetscCall(PetscMalloc1(
+    (leaves * (pattern->window + 2 + pattern->extra_count) + pattern->extra_count * pattern->local), &sent.data));
+  PetscCall(PetscMalloc1(LongestRow(pattern), &unused));
   /* ghosts of one owner stand side by side */
   for (PetscInt k = 0; k < leaves; k++) {
-    const PetscInt *slot = &pattern->slot[leaf[k] * pattern->window],
-                   *node = &found->neighbour[leaf[k] * pattern->window];
-    PetscInt count_at;
-
     if (!k || remote[k].rank != remote[k - 1].rank) {
       sent.offset[sent.count] = fill;
       sent.rank[sent.count++] = (PetscMPIInt)remote[k].rank;
     }
-    sent.data[fill++]   = remote[k].index;
-    count_at            = fill++;
-    sent.data[count_at] = 0;
-    for (PetscInt w = 0; w < pattern->window; w++) {
-      if (slot[w] < 0) continue;
-      sent.data[fill++] = space->global[node[w]];
-      sent.data[count_at]++;
-    }
+    sent.data[fill]     = remote[k].index;
+    sent.data[fill + 1] = RowColumns(pattern, space, found, leaf[k], &sent.data[fill + 2], unused);
+    fill += 2 + sent.data[fill + 1];
   }
   sent.offset[sent.count] = fill;
+  PetscCall(PetscFree(unused));
   PetscCall(MpmListsExchange(comm, &sent, received));
   PetscCall(MpmListsDestroy(&sent));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -174,30 +241,30 @@ static PetscErrorCode SortForeign(const MpmPattern *pattern, const MpmLists *rec
 static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, const Neighbours *found,
                                   const Foreign *foreign)
 {
-  const PetscInt window   = pattern->window;
-  PetscInt       capacity = 0, fill = 0;
+  PetscInt capacity = 0, fill = 0, *own, **place;
 
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < pattern->local * window; i++) capacity += pattern->slot[i] == 0;
+  for (PetscInt i = 0; i < pattern->local * pattern->window; i++) capacity += pattern->slot[i] == 0;
+  for (PetscInt i = 0; i < pattern->local * pattern->extra_count; i++)
+    capacity += (pattern->extra_row[i] == 0) + (pattern->extra_column[i] == 0);
   if (foreign) capacity += foreign->start[pattern->owned];
   PetscCall(PetscMalloc1((pattern->local + 1), &pattern->row));
   PetscCall(PetscMalloc1(capacity, &pattern->column));
+  PetscCall(PetscMalloc2(LongestRow(pattern), &own, LongestRow(pattern), &place));
   for (PetscInt i = 0; i < pattern->local; i++) {
-    PetscInt       *slot = &pattern->slot[i * window], *column = &pattern->column[fill], count = 0;
-    const PetscInt *node = &found->neighbour[i * window];
+    const PetscInt mine   = RowColumns(pattern, space, found, i, own, place);
+    PetscInt      *column = &pattern->column[fill], count = mine;
 
     pattern->row[i] = fill;
-    for (PetscInt w = 0; w < window; w++)
-      if (slot[w] == 0) column[count++] = space->global[node[w]];
+    PetscCall(PetscArraycpy(column, own, mine));
     if (foreign && i < pattern->owned) {
       for (PetscInt k = foreign->start[i]; k < foreign->start[i + 1]; k++) column[count++] = foreign->column[k];
     }
     PetscCall(PetscSortRemoveDupsInt(&count, column));
-    for (PetscInt w = 0; w < window; w++) {
-      if (slot[w] == 0) PetscCall(PetscFindInt(space->global[node[w]], count, column, &slot[w]));
-    }
+    for (PetscInt k = 0; k < mine; k++) PetscCall(PetscFindInt(own[k], count, column, place[k]));
     fill += count;
   }
+  PetscCall(PetscFree2(own, place));
   pattern->row[pattern->local] = fill;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -220,6 +287,7 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_C
   pattern->local  = space->local;
   pattern->owned  = space->owned;
   PetscCall(MarkEntries(pattern, space));
+  PetscCall(MarkExtra(pattern, space));
   PetscCall(FindNeighbours(pattern, space, &found));
   if (space->sf) {
     PetscCall(ExchangeGhostRows(pattern, space, comm, &found, &received));
@@ -385,6 +453,43 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
       const PetscReal *value  = &element[(i * bs * bs + k) * n];
 
       for (PetscInt j = 0; j < n; j++) row[place[j]] += value[j];
+    }
+  }
+}
+
+/* Where a local node stands in the row of another. */
+static PetscInt Position(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column)
+{
+  const PetscInt dim = pattern->dim;
+  PetscInt       at = (pattern->window - 1) / 2, stride = 1;
+
+  if (MpmSpaceIsExtra(space, row) || MpmSpaceIsExtra(space, column)) return *ExtraSlot(pattern, row, column);
+  for (PetscInt a = 0; a < dim; a++, stride *= 2 * pattern->reach + 1)
+    at += stride * (space->node[column * dim + a] - space->node[row * dim + a]);
+  return pattern->slot[row * pattern->window + at];
+}
+
+void MpmPatternAddNodes(MpmPattern *pattern, const MpmSpace *space, PetscInt n, const PetscInt nodes[],
+                        PetscReal element[])
+{
+  const MpmConstraints *constraints = pattern->constraints;
+  const PetscInt        bs          = pattern->block;
+
+  MpmFramesRotateElement(constraints, bs, n, nodes, element);
+  for (PetscInt i = 0; i < n; i++) {
+    if (nodes[i] < 0) continue;
+    const PetscInt width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
+
+    for (PetscInt j = 0; j < n; j++) {
+      if (nodes[j] < 0) continue;
+      PetscReal *block = pattern->value[nodes[i]] + Position(pattern, space, nodes[i], nodes[j]) * bs;
+
+      for (PetscInt k = 0; k < bs * bs; k++) {
+        const PetscInt c = k / bs, d = k % bs;
+
+        if (MpmConstraintsFree(constraints, nodes[i] * bs + c) && MpmConstraintsFree(constraints, nodes[j] * bs + d))
+          block[c * width + d] += element[((i * bs + c) * bs + d) * n + j];
+      }
     }
   }
 }

@@ -49,6 +49,14 @@ PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->link) PetscCall(terms->term[k]->link(terms->ctx[k], space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
   PetscFunctionBeginUser;

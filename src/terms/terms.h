@@ -16,18 +16,20 @@ typedef struct {
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
   later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then has no such part.
 
-  boxes     boxes of nodes that the term couples, added to a space whose nodes are not numbered yet
+  boxes     boxes of nodes that the term couples, and extra nodes, added to a space that is not numbered yet
   prepare   what the term needs of the step, once the space is there
   residual  residual += term(u)
   tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL it also does what residual() does
   apply     y += (d term / d u) du; NULL for the points, whose action keeps data of its own (MpmAction)
   diagonal  its diagonal blocks, block^2 values a node
+  link      which boxes are coupled with the term's extra nodes, once it is prepared
   commit    what the term keeps of the converged step
 */
 typedef struct {
   const char *name;
   PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
   PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
+  PetscErrorCode (*link)(void *ctx, MpmSpace *space);
   PetscErrorCode (*residual)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                              PetscInt *failed);
   PetscErrorCode (*tangent)(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
@@ -38,10 +40,11 @@ typedef struct {
   PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 } MpmTerm;
 
-extern const MpmTerm MpmTermPoints;    /* the physics at the points (residual.c, tangent.c) */
-extern const MpmTerm MpmTermCellMeans; /* the same where it takes a mean over the cell */
-extern const MpmTerm MpmTermGhost;     /* the ghost penalty (ghost_penalty.c) */
-extern const MpmTerm MpmTermContact;   /* rigid surfaces (rigid_contact.c); ctx: MpmContacts */
+extern const MpmTerm MpmTermPoints;      /* the physics at the points (residual.c, tangent.c) */
+extern const MpmTerm MpmTermCellMeans;   /* the same where it takes a mean over the cell */
+extern const MpmTerm MpmTermGhost;       /* the ghost penalty (ghost_penalty.c) */
+extern const MpmTerm MpmTermContact;     /* rigid surfaces (rigid_contact.c); ctx: MpmContacts */
+extern const MpmTerm MpmTermRigidBodies; /* those whose place is solved for (rigid_body.c); ctx: MpmContacts */
 
 /* The terms of a problem; the first one is that of the points. */
 typedef struct MpmTerms {
@@ -57,6 +60,7 @@ PetscErrorCode MpmTermsDestroy(MpmTerms **terms);
 PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
                                   const MpmPoints *points, const char **why);
 PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
+PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space);
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 /* Sums over all terms; `blocks` starts from zero. */
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],

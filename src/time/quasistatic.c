@@ -12,6 +12,7 @@
 #include "bc/bc.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
+#include "terms/rigid_body.h"
 #include "terms/terms.h"
 #include "time/integrator.h"
 #include "time/model.h"
@@ -82,6 +83,8 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscCall(VecGetArray(model->solver.x, &x));
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
+  MpmRigidGuess(model->disc.contacts, model->disc.space, model->disc.block,
+                predict ? model->disc.sum->dt / model->state.dt_last : 0., x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
@@ -94,8 +97,8 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .shape      = model->scene.shape,
                     .edge       = model->scene.edge,
                     .layout     = model->disc.layout,
-                    .wall_count = model->state.wall_count,
-                    .walls      = model->state.walls,
+                    .wall_count = model->state.walls.count,
+                    .walls      = model->state.walls.at,
                     .stretch    = model->scene.stretch,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
@@ -171,6 +174,18 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* NULL, or a line on a free body that met nothing. */
+static const char *Adrift(MpmModel model)
+{
+  const MpmContacts *contacts = model->disc.contacts;
+
+  if (!contacts->bodies || contacts->adrift < 0) return NULL;
+  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                      "nothing holds boundary %s against its load: it met no material on its way",
+                      contacts->boundaries[contacts->adrift].name);
+  return model->solver.lost;
+}
+
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
   const MpmRules rules = Rules(model, time);
@@ -182,9 +197,12 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
   if (!*why) {
     model->disc.sum->dt = dt;
-    if (!again) PetscCall(MpmSolverSetUp(&model->solver));
     PetscCall(PrepareConditions(model, &rules, time));
+    /* what free bodies may touch is part of the sparsity */
+    if (model->disc.contacts->bodies) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
+    if (!again || model->disc.contacts->bodies) PetscCall(MpmSolverSetUp(&model->solver));
     PetscCall(InitialGuess(model, PETSC_FALSE));
+    *why = Adrift(model);
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
@@ -356,6 +374,7 @@ static PetscErrorCode PredictStep(MpmModel model)
   if (!model->state.predict || !(model->state.dt_last > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindReference(model));
   PetscCall(InitialGuess(model, PETSC_TRUE));
+  PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -377,7 +396,9 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *ret
   PetscCall(MpmStabilityCheck(&model->solver, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   *retryable = PETSC_TRUE;
-  PetscCall(FindLost(model, why));
+  if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
+    *why = "a free boundary moved by more than its contacts were looked for";
+  else PetscCall(FindLost(model, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

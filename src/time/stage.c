@@ -26,6 +26,7 @@
 #include "space/walls.h"
 #include "bc/bc.h"
 #include "terms/load.h"
+#include "terms/rigid.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -395,6 +396,12 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
                     "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
                     model->scene.bcs->names[b], (double)model->scene.bcs->at[b].value[k], stage->name);
   }
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
+    MpmCheckInput(
+      !model->scene.boundaries->at[b].freedom,
+      "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without "
+      "motion",
+      model->scene.boundaries->names[b], stage->name);
   if (stage->geostatic.method == MPM_GEOSTATIC_K0) PetscCall(CheckGravity(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -696,7 +703,7 @@ static PetscErrorCode ResetDisplacement(MpmModel model)
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
-  model->state.wall_count = 0;
+  model->state.walls.count = 0;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     MpmActing *bc = &model->state.bcs[b];
     PetscInt   walls;
@@ -705,8 +712,8 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
     bc->active = stage->bcs[b];
     if (!bc->active) continue;
     PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape),
-                                   &walls, &model->state.walls[model->state.wall_count]));
-    model->state.wall_count += walls;
+                                   &walls, &model->state.walls.at[model->state.walls.count]));
+    model->state.walls.count += walls;
   }
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     MpmLoadActing *load = &model->state.loads[l];

@@ -19,6 +19,11 @@ typedef struct {
   PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
 } MpmRescue;
 
+typedef struct {
+  PetscInt count;
+  MpmWall *at;
+} MpmWalls;
+
 /* What moves on: points, time, and how steps go. */
 typedef struct {
   const MpmIntegrator *integrator;
@@ -34,8 +39,7 @@ typedef struct {
   MpmParked           *parked; /* per body: points that a later stage adds */
   MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way */
   MpmLoadActing       *loads;
-  PetscInt             wall_count; /* that follow from it */
-  MpmWall             *walls;
+  MpmWalls             walls;      /* that follow from it */
   PetscReal            time_start; /* of the stage under way; time_end is its end */
   PetscReal            run_end;
   PetscReal            load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
@@ -44,4 +48,5 @@ typedef struct {
   MpmRescue            rescue;
   PetscInt64           active_dofs_max;
   MpmSafety            safety;
+  MpmPlacement        *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;

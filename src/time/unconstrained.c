@@ -100,7 +100,7 @@ static PetscErrorCode FindPieces(MpmModel model, Pieces *pieces)
   PetscCall(PetscMalloc3(space->owned, &own, model->size, &count, (model->size + 1), &start));
   PetscCall(LabelPieces(model, pieces->of));
   for (PetscInt i = 0; i < space->owned; i++)
-    if (pieces->of[i] == space->global[i]) own[mine++] = space->global[i];
+    if (pieces->of[i] == space->global[i] && !MpmSpaceIsExtra(space, i)) own[mine++] = space->global[i];
   PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, count, 1, MPI_INT, model->comm));
   start[0] = 0;
   for (PetscMPIInt r = 0; r < model->size; r++) start[r + 1] = start[r] + count[r];
@@ -137,6 +137,7 @@ static PetscErrorCode FindCentres(Pieces *pieces)
   for (PetscInt i = 0; i < pieces->model->disc.space->owned; i++) {
     const PetscInt k = pieces->of[i];
 
+    if (MpmSpaceIsExtra(pieces->model->disc.space, i)) continue;
     MpmNodePosition(&pieces->model->disc, i, x);
     nodes[k] += 1.;
     for (PetscInt a = 0; a < pieces->dim; a++) pieces->centre[k][a] += x[a];
@@ -148,6 +149,7 @@ static PetscErrorCode FindCentres(Pieces *pieces)
   for (PetscInt i = 0; i < pieces->model->disc.space->owned; i++) {
     const PetscInt k = pieces->of[i];
 
+    if (MpmSpaceIsExtra(pieces->model->disc.space, i)) continue;
     MpmNodePosition(&pieces->model->disc, i, x);
     for (PetscInt a = 0; a < pieces->dim; a++) square[k] += PetscSqr(x[a] - pieces->centre[k][a]);
   }
@@ -196,6 +198,7 @@ static void HoldByConditions(Pieces *pieces)
     const MpmFrame *frame = MpmConstraintsFrame(model->disc.constraints, i);
     PetscReal       x[MPM_MAX_DIM];
 
+    if (MpmSpaceIsExtra(model->disc.space, i)) continue;
     MpmNodePosition(&pieces->model->disc, i, x);
     for (PetscInt a = 0; a < dim; a++) {
       PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
@@ -243,8 +246,10 @@ static void AddLoads(Pieces *pieces)
 
   for (PetscInt i = 0; i < model->disc.space->local; i++) {
     const PetscReal *force = &model->disc.force[i * bs];
-    Sums            *sums  = &pieces->sums[pieces->of[i]];
     PetscReal        x[MPM_MAX_DIM], row[MOTIONS_MOST];
+
+    if (MpmSpaceIsExtra(model->disc.space, i)) continue;
+    Sums *sums = &pieces->sums[pieces->of[i]];
 
     MpmNodePosition(&pieces->model->disc, i, x);
     Row(pieces, pieces->of[i], force, x, row);

@@ -1,0 +1,43 @@
+#pragma once
+/*
+  MpmSolid - the shape of a rigid thing at rest: half-space, box, sphere, cylinder, cone, polygon or a triangulated
+  surface, with the distance from its surface.
+
+  Order of calls: MpmSolidRead(), MpmSolidDistance(), MpmSolidDestroy().
+*/
+#include "base/types.h"
+#include "geometry/surface.h"
+
+typedef enum {
+  MPM_SOLID_PLANE,
+  MPM_SOLID_BOX,
+  MPM_SOLID_SPHERE,
+  MPM_SOLID_CYLINDER,
+  MPM_SOLID_CONE,
+  MPM_SOLID_POLYGON,
+  MPM_SOLID_STL
+} MpmSolidType;
+
+typedef struct _p_MpmTriangles *MpmTriangles;
+
+typedef struct {
+  MpmSolidType type;
+  PetscInt     dim;
+  PetscReal    side;                                /* 1: the material is outside, -1: inside */
+  PetscReal    point[MPM_MAX_DIM];                  /* centre; of a plane or an axis; a cone's tip */
+  PetscReal    direction[MPM_MAX_DIM];              /* a plane's normal, an axis; a cone's from its tip */
+  PetscReal    half[MPM_MAX_DIM], radius, slope[2]; /* of a box; slope: sine and cosine of a cone's half angle */
+  PetscInt     vertex_count;
+  PetscReal   *vertices; /* x and y, counterclockwise */
+  MpmTriangles triangles;
+} MpmSolid;
+
+/* Reads -<prefix>type, side, and what the type asks for; see solid.c. Collective. */
+PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *solid);
+PetscErrorCode MpmSolidDestroy(MpmSolid *solid);
+/* Its point, centre or tip; the centroid of a polygon or of what triangles enclose. */
+void MpmSolidMiddle(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM]);
+/* Can its radius grow? */
+PetscBool MpmSolidIsRound(const MpmSolid *solid);
+/* At a place x, with the radius grown by this much. On edges and axes, where the gradient jumps, one side's is given. */
+void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x[], MpmSurface *surface);

@@ -1,0 +1,163 @@
+/*
+  The law of contact of one patch: its gap, slip and tractions, as rigid_contact.c has them.
+*/
+#include "space/space.h"
+#include "space/sum.h"
+#include "terms/contact.h"
+#include "terms/rigid_body.h"
+
+PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(contacts->most, &work->value, contacts->most, &work->surface, contacts->most, &work->beyond));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree3(work->value, work->surface, work->beyond));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
+                   PetscReal value[])
+{
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = 0.;
+  for (PetscInt i = 0; i < box->node_count; i++)
+    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+      value[a] += weight[i] * u[nodes[i] * sum->block + a];
+}
+
+void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
+                      const PetscReal force[], PetscReal y[])
+{
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
+
+  for (PetscInt i = 0; i < box->node_count; i++)
+    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+      y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
+}
+
+/* P v, v less its part along n */
+static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
+{
+  PetscReal dot = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) dot += v[a] * n[a];
+  for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
+}
+
+/* The traction along the surface that goes with the mean slip, and its derivatives. */
+static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, MpmPatchAnswer *answer)
+{
+  const PetscReal k    = patch->stiffness;
+  const PetscInt  dim  = boundary->dim;
+  PetscReal       size = 0., limit, rate = 0.; /* rate: of the limit by the gap */
+
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
+  size  = PetscSqrtReal(size);
+  limit = boundary->friction * PetscMax(-k * answer->gap, 0.) + boundary->adhesion;
+  if (boundary->stick || limit > patch->strength) limit = patch->strength;
+  else rate = answer->gap < 0. ? -boundary->friction * k : 0.;
+  if (k * size <= limit) {
+    for (PetscInt a = 0; a < dim; a++) {
+      answer->traction[a]   = k * answer->slip[a];
+      answer->by_slip[a][a] = k;
+    }
+    return;
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal along = answer->slip[a] / size;
+
+    answer->traction[a] = limit * along;
+    answer->by_gap[a]   = rate * along;
+    for (PetscInt c = 0; c < dim; c++)
+      answer->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - along * answer->slip[c] / size);
+  }
+  for (PetscInt a = 0; a < dim; a++) answer->slip[a] = answer->traction[a] / k;
+}
+
+/* Takes the displacement of a boundary's own place off that of the material there. */
+static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, const PetscReal place[],
+                     const PetscReal value[], PetscReal relative[])
+{
+  PetscReal carried[MPM_MAX_DIM];
+
+  if (before->turned || after->turned) {
+    MpmPoseCarry(dim, before, after, place, carried);
+    for (PetscInt a = 0; a < dim; a++) relative[a] = value[a] - (carried[a] - place[a]);
+  } else {
+    for (PetscInt a = 0; a < dim; a++) relative[a] = value[a] - (after->translation[a] - before->translation[a]);
+  }
+}
+
+/* How far a facet is beyond what a patch may tilt. */
+static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary, PetscReal gap)
+{
+  if (gap < -contacts->tilt) return gap + contacts->tilt;
+  return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
+}
+
+void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
+  const PetscInt     dim = boundary->dim;
+
+  *answer = (MpmPatchAnswer){.active = boundary->bilateral};
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet   = &contacts->facet[f];
+    MpmSurface     *surface = &work->surface[f - patch->begin];
+    const PetscReal share   = facet->area / patch->area;
+    PetscReal      *value   = work->value[f - patch->begin], at[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
+    MpmBoundaryDistance(boundary, after, at, surface);
+    /* what rounding took from the place counts where a body's balance depends on its depth */
+    for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
+      surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
+    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches);
+    if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
+    answer->gap += share * (surface->distance - facet->touches);
+    if (!boundary->tangential) continue;
+    Relative(before, after, dim, facet->place, value, at);
+    Project(dim, facet->normal, at);
+    for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + at[a]);
+  }
+  if (!boundary->bilateral) answer->active = (PetscBool)(answer->gap <= contacts->touch);
+  if (!answer->active) {
+    answer->gap = 0.;
+    for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
+    return;
+  }
+  answer->any       = PETSC_TRUE;
+  answer->stiffness = patch->stiffness;
+  if (boundary->tangential) Friction(boundary, patch, answer);
+}
+
+void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                   const MpmPatchAnswer *answer, PetscReal force[])
+{
+  const MpmFacet *facet  = &contacts->facet[f];
+  const PetscReal normal = answer->stiffness * answer->gap + patch->stiffness * work->beyond[f - patch->begin];
+  const PetscInt  dim    = contacts->boundaries[patch->boundary].dim;
+
+  for (PetscInt a = 0; a < dim; a++) force[a] = answer->traction[a];
+  Project(dim, facet->normal, force);
+  for (PetscInt a = 0; a < dim; a++)
+    force[a] = -facet->area * (force[a] + normal * work->surface[f - patch->begin].normal[a]);
+}
+
+PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                            const MpmPatchAnswer *answer, PetscInt c, PetscInt d)
+{
+  const MpmSurface *surface = &work->surface[f - patch->begin];
+  const PetscReal   beyond  = work->beyond[f - patch->begin];
+  PetscReal         value   = (answer->stiffness * answer->gap + patch->stiffness * beyond) * surface->second[c][d];
+
+  if (beyond != 0.) value += patch->stiffness * surface->normal[c] * surface->normal[d];
+  return contacts->facet[f].area * value;
+}

@@ -1,0 +1,129 @@
+/*
+  What is read of a boundary whose place is solved for.
+
+    free       components of its motion that are solved for: x, y, z, rx, ry, rz (2D: x, y, rz); the others follow `motion`
+    load       force on it, N (2D: per metre), times load_ramp
+    moment     about its reference point, N m (2D: one number), times load_ramp
+*/
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "terms/rigid_body.h"
+
+#include <math.h>
+
+/* A component's name as a bit of translations or rotations. */
+static PetscErrorCode TakeComponent(const MpmOptions *block, PetscInt dim, const char *name, PetscInt free[2])
+{
+  const PetscBool rotation = (PetscBool)(name[0] == 'r');
+  const char      axis     = name[rotation];
+  const PetscInt  first = rotation && dim == 2 ? 2 : 0, last = rotation ? 2 : dim - 1, bit = axis - 'x';
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(strlen(name) == 1 + (size_t)rotation && bit >= first && bit <= last, "-%sfree %s: must be one of %s",
+                block->prefix, name, dim == 2 ? "x, y, rz" : "x, y, z, rx, ry, rz");
+  free[rotation] |= 1 << (rotation && dim == 2 ? 0 : bit);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* m: what a rotation's unknown is measured by; any length of the body's order will do. */
+static PetscReal Size(const MpmBoundary *boundary)
+{
+  const MpmSolid *solid = &boundary->solid;
+  PetscReal       middle[MPM_MAX_DIM], size = 0.;
+  MpmSurface      surface;
+
+  if (solid->type == MPM_SOLID_BOX) return hypot(hypot(solid->half[0], solid->half[1]), solid->half[2]);
+  if (solid->radius > 0.) return solid->radius;
+  MpmSolidMiddle(solid, middle);
+  for (PetscInt k = 0; k < solid->vertex_count; k++)
+    size = PetscMax(size, hypot(solid->vertices[2 * k] - middle[0], solid->vertices[2 * k + 1] - middle[1]));
+  if (solid->type == MPM_SOLID_STL) {
+    MpmSolidDistance(solid, 0., middle, &surface);
+    size = PetscAbsReal(surface.distance);
+  }
+  return size > 0. ? size : 1.;
+}
+
+/* Without `free`, or along what is not free, nothing can push. */
+static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, const PetscReal push[], PetscInt free,
+                                PetscInt count)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < count; a++)
+    MpmCheckInput(push[a] == 0. || free >> a & 1,
+                  "-%s%s: it acts in a component of the motion that is not among -%sfree", block->prefix, option,
+                  block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckAbsent(const MpmOptions *block)
+{
+  static const char *const options[] = {"load", "moment", "load_ramp"};
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options); k++) {
+    PetscBool has;
+
+    PetscCall(MpmOptionsHas(block, options[k], &has));
+    MpmCheckInput(!has, "-%s%s: its motion is prescribed; name what is solved for with -%sfree", block->prefix,
+                  options[k], block->prefix);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *boundary, MpmFreedom **handle)
+{
+  const PetscInt dim = boundary->dim;
+  MpmFreedom    *freedom;
+  PetscInt       count = 0;
+  char         **names = NULL;
+
+  PetscFunctionBeginUser;
+  *handle = NULL;
+  PetscCall(MpmOptionsNames(block, "free",
+                            "components of its motion that are solved for, of x, y, z, rx, ry, rz (2D: x, y, rz); the "
+                            "others follow its motion",
+                            MPM_OPTIONAL, &count, &names));
+  if (!count && !MpmOptionsHelp()) {
+    PetscCall(CheckAbsent(block));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscNew(handle));
+  freedom = *handle;
+  for (PetscInt k = 0; k < count; k++) PetscCall(TakeComponent(block, dim, names[k], freedom->free));
+  PetscCall(MpmNamesDestroy(count, &names));
+  PetscCall(MpmOptionsReals(block, "load", "N", "force on it in total (2D: per metre), with `free`", MPM_RANGE_ANY,
+                            MPM_OPTIONAL, dim, freedom->load, NULL));
+  PetscCall(MpmOptionsReals(block, "moment", "N m", "moment on it in total (2D: one number, per metre), with `free`",
+                            MPM_RANGE_ANY, MPM_OPTIONAL, dim == 2 ? 1 : 3, freedom->moment, NULL));
+  if (!MpmOptionsHelp()) {
+    PetscCall(CheckPush(block, "load", freedom->load, freedom->free[0], dim));
+    PetscCall(CheckPush(block, "moment", freedom->moment, freedom->free[1], dim == 2 ? 1 : 3));
+  }
+  if (dim == 2) {
+    freedom->moment[2] = freedom->moment[0];
+    freedom->moment[0] = 0.;
+  }
+  PetscCall(MpmRampCreate(block, "load_ramp", "0:0,1:1", &freedom->ramp));
+  freedom->size = Size(boundary);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFreedomDestroy(MpmFreedom **freedom)
+{
+  PetscFunctionBeginUser;
+  if (!*freedom) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRampDestroy(&(*freedom)->ramp));
+  PetscCall(PetscFree(*freedom));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmFreedomIsSymmetric(const MpmFreedom *freedom)
+{
+  PetscInt rotations = 0;
+
+  for (PetscInt a = 0; a < 3; a++) rotations += freedom->free[1] >> a & 1;
+  for (PetscInt a = 0; a < 3; a++)
+    if (rotations > 1 && freedom->moment[a] != 0.) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
