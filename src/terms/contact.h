@@ -11,6 +11,7 @@
 /* A face of a point's domain that bounds the material and may touch a boundary in this step. */
 typedef struct {
   PetscInt   boundary, point, group, weight; /* weight: where its weights at the nodes of the patch's box stand */
+  PetscInt   corner;                         /* 0, or the id of the point whose edge or corner it is, and 1 */
   PetscInt64 cell;                           /* of the point's centre */
   PetscReal place[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start; the boundary's normal */
   PetscReal area;                                                       /* projected on the boundary, m^(dim-1) */

@@ -29,6 +29,7 @@
 #define TILT    0.25  /* of a cell */
 #define SOFT    10.   /* penalty on materials that flow, unless one is given */
 #define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
+#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
@@ -193,36 +194,91 @@ static PetscErrorCode AddFacet(MpmContacts *contacts, const MpmFacet *facet)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Distance from a boundary as it stands at the step's start, or is expected to stand where it is free. */
+static void StartDistance(const MpmContacts *contacts, PetscInt b, const PetscReal x[], MpmSurface *surface)
+{
+  const MpmRigidBody *body = MpmContactsBody(contacts, b);
+
+  if (body) MpmRigidDistance(body, &contacts->boundaries[b], &contacts->before[b], x, surface);
+  else MpmBoundaryDistance(&contacts->boundaries[b], &contacts->before[b], x, surface);
+}
+
+/* What of a point's faces meets a boundary from two sides or more: its edge or corner stands out. */
+typedef struct {
+  PetscInt  count;
+  PetscReal arm[MPM_MAX_DIM], initial[MPM_MAX_DIM], area;
+} Corner;
+
+/*
+  The edge or corner in which the faces that look at the boundary meet, a facet with a patch of its own: where it stands out
+  towards the surface it touches long before the faces' middles do. Where the surface cut the lattice there are none: each step
+  of the lattice would be one.
+*/
+static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points,
+                                  const MpmFacet *start, const Corner *corner)
+{
+  const MpmPose  still = {.growth = 0.};
+  const PetscInt dim = contacts->boundaries[b].dim, p = start->point;
+  MpmFacet       facet = *start;
+  MpmSurface     surface;
+  PetscReal      at[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  if (contacts->cut[b] || corner->count < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < dim; a++) {
+    facet.place[a] = points->x[p * dim + a] + corner->arm[a];
+    at[a]          = points->x0[p * dim + a] + corner->initial[a];
+  }
+  MpmBoundaryDistance(&contacts->boundaries[b], &still, at, &surface);
+  facet.touches = PetscMin(surface.distance, 0.);
+  if (contacts->boundaries[b].bilateral && surface.distance > MPM_TOLERANCE * contacts->cell)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  StartDistance(contacts, b, facet.place, &surface);
+  if (!contacts->boundaries[b].bilateral && surface.distance > margin) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < dim; a++) facet.normal[a] = surface.normal[a];
+  facet.area   = 0.5 * corner->area;
+  facet.corner = points->id[p] + 1;
+  PetscCall(AddFacet(contacts, &facet));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The facets of a point that may touch the boundary in this step. */
 static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points,
                                     const MpmFacet *start)
 {
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim = boundary->dim, p = start->point;
+  Corner             corner = {0};
   MpmSurface         surface;
 
   PetscFunctionBeginUser;
   for (PetscInt face = 0; face < 2 * dim; face++) {
     MpmFacet  facet = *start;
-    PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM];
+    PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM], size = 0.;
     PetscBool touched;
 
-    if (!((PetscInt)points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+    if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
-    if (MpmContactsBody(contacts, b))
-      MpmRigidDistance(MpmContactsBody(contacts, b), boundary, &contacts->before[b], facet.place, &surface);
-    else MpmBoundaryDistance(boundary, &contacts->before[b], facet.place, &surface);
-    if (!boundary->bilateral && surface.distance > margin) continue;
+    StartDistance(contacts, b, facet.place, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       facet.normal[a] = surface.normal[a];
       facet.area -= area[a] * surface.normal[a];
+      size += PetscSqr(area[a]);
     }
     if (!(facet.area > 0.)) continue;
+    if (facet.area > FACING * PetscSqrtReal(size)) {
+      corner.count++;
+      corner.area += facet.area;
+      for (PetscInt a = 0; a < dim; a++) corner.arm[a] += arm[a];
+      corner.initial[face / 2] = (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
+    }
+    if (!boundary->bilateral && surface.distance > margin) continue;
     touched = TouchedAtStart(contacts, b, points, p, face, &facet.touches);
     if (boundary->bilateral && !touched) continue;
     PetscCall(AddFacet(contacts, &facet));
   }
+  PetscCall(CornerFacet(contacts, b, margin, points, start, &corner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -268,6 +324,7 @@ static int CompareFacets(const void *a, const void *b)
 
   if (f->boundary != g->boundary) return f->boundary < g->boundary ? -1 : 1;
   if (f->cell != g->cell) return f->cell < g->cell ? -1 : 1;
+  if (f->corner != g->corner) return f->corner < g->corner ? -1 : 1;
   return f->point < g->point ? -1 : f->point > g->point;
 }
 
@@ -313,7 +370,8 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     const MpmFacet *facet = &contacts->facet[k];
     MpmPatch       *patch;
 
-    if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell) {
+    if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell ||
+        facet->corner != facet[-1].corner) {
       contacts->patch[contacts->patch_count] =
         (MpmPatch){.boundary = facet->boundary, .begin = k, .box = box_begin + contacts->patch_count};
       contacts->patch_count++;
