@@ -209,7 +209,7 @@ def free_sides(test):
         test.check(f"{label}.stress", difference(run.table("stress")[:, 1], stress), None, 1e-8)
         test.check(f"{label}.lateral", np.max(np.abs(run.table("stress")[:, 0])) / abs(stress), None, 1e-8)
         test.near(f"{label}.force", run.results.column("reaction_plate_y")[-1], force, 1e-8)
-        test.near(f"{label}.depth", depth, -0.5 * force * CELL / (PENALTY * YOUNG), 1e-8)
+        test.near(f"{label}.depth", depth, -0.5 * force / np.exp(log_x) * CELL / (PENALTY * YOUNG), 1e-8)
 
 
 def stick(test):
@@ -260,7 +260,7 @@ def closing_ring(test):
         test.check(f"ring_{label}.balance", np.max(np.abs(reaction(run, "ring"))) / abs(stress), None, BALANCE)
         if label != "smooth":  # that may turn
             away = run.table("displacement") - motion - (stretch - 1.0) * (run.table("position0", "first") - 2.0)
-            test.check(f"ring_{label}.displacement", np.max(np.abs(away)), None, 0.002)
+            test.check(f"ring_{label}.displacement", np.max(np.abs(away)), None, 0.003)
     test.check("ring.order", np.log2(errors["coarse"] / errors["fine"]), 0.7, None)
     test.check("ring.same", difference(runs["coarse"].table("displacement"), runs["on_4"].table("displacement")), None, 1e-8)
     half = test.run(RING, snes_rtol=1e-12, mpm_time_end=0.5, mpm_checkpoint_every=1)
