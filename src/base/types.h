@@ -43,6 +43,7 @@ typedef struct MpmDiscretization MpmDiscretization;
 typedef struct MpmLoads          MpmLoads;
 typedef struct MpmLoadActing     MpmLoadActing;
 typedef struct MpmPattern        MpmPattern;
+typedef struct MpmSections       MpmSections;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;
 typedef struct MpmIntegrator     MpmIntegrator;
