@@ -1,9 +1,7 @@
 /*
   Forces in cuts and stresses along lines: which columns and files they have.
 */
-#include "options/options.h"
 #include "grid/grid.h"
-#include "particles/body.h"
 #include "terms/section.h"
 #include "run/lines.h"
 #include "run/run.h"
@@ -17,37 +15,6 @@ static PetscInt SectionCount(const MpmModel model)
 static PetscBool IsRow(const MpmSection *section)
 {
   return (PetscBool)(section->count > 1);
-}
-
-/* ---- reading ---- */
-
-PetscErrorCode MpmLinesRead(MpmModel model, const MpmOptions *options)
-{
-  MpmLines *lines = &model->results->lines;
-  PetscInt  count;
-  char    **names;
-
-  PetscFunctionBeginUser;
-  PetscCall(
-    MpmOptionsBlocks(options, "sections", "names of the cuts whose forces are wanted", MPM_OPTIONAL, &count, &names));
-  if (count) {
-    MpmSections *sections;
-
-    PetscCall(PetscNew(&sections));
-    model->disc.sections = sections;
-    sections->names      = names;
-    PetscCall(PetscCalloc1(count, &sections->at));
-    for (sections->count = 0; sections->count < count; sections->count++)
-      PetscCall(MpmSectionCreate(options, names[sections->count], model->disc.grid, model->scene.bodies,
-                                 &sections->at[sections->count]));
-  } else PetscCall(MpmNamesDestroy(count, &names));
-  PetscCall(MpmOptionsBlocks(options, "profiles", "names of the lines along which stress is wanted", MPM_OPTIONAL,
-                             &count, &lines->profile_names));
-  PetscCall(PetscCalloc1(count, &lines->profiles));
-  for (lines->profile_count = 0; lines->profile_count < count; lines->profile_count++)
-    PetscCall(MpmProfileCreate(options, lines->profile_names[lines->profile_count], model->disc.grid,
-                               model->scene.bodies, &lines->profiles[lines->profile_count]));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmLinesDestroy(MpmModel model)

@@ -9,7 +9,6 @@
   so that a linear field comes out exactly, at the edge of the material, too, where points stand on one side only. Where they stand on
   one line or in one place the gradient across has no part. A place with no point nearer than the size of one is not in the material.
 */
-#include "options/options.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
@@ -19,48 +18,6 @@
 
 #define SUPPORT 1.5  /* cells to each side */
 #define LEAST   1e-8 /* added to the diagonal of the gradient's equations, over the sum of the weights */
-
-/* ---- reading ---- */
-
-PetscErrorCode MpmProfileCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                                const MpmBodies *bodies, MpmProfile *profile)
-{
-  const PetscInt  dim  = grid->dim;
-  const PetscBool help = MpmOptionsHelp();
-  char            prefix[256], field[256];
-  MpmOptions      block = {options->comm, prefix, options->record};
-  PetscReal       span  = 0.;
-  PetscBool       has_normal;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMemzero(profile, sizeof(*profile)));
-  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_profile_%s_", name));
-  PetscCall(PetscSNPrintf(field, sizeof(field), "profile_%s", name));
-  PetscCall(PetscStrallocpy(name, &profile->name));
-  PetscCall(MpmOptionsHeading(&block, "Profile"));
-  PetscCall(MpmOptionsReals(&block, "from", "m", "the line's first place", MPM_RANGE_ANY, MPM_REQUIRED, dim,
-                            profile->first, NULL));
-  PetscCall(
-    MpmOptionsReals(&block, "to", "m", "its last place", MPM_RANGE_ANY, MPM_REQUIRED, dim, profile->last, NULL));
-  profile->count = 50;
-  PetscCall(MpmOptionsInt(&block, "count", "places, evenly spaced", 2, 1000000, MPM_OPTIONAL, &profile->count, NULL));
-  PetscCall(MpmOptionsReals(
-    &block, "normal", "-", "of the plane on which stress acts; default in 2D: at right angles to the line, to its left",
-    MPM_RANGE_ANY, MPM_OPTIONAL, dim, profile->axis[0], &has_normal));
-  for (PetscInt a = 0; a < dim; a++) span += PetscAbsReal(profile->last[a] - profile->first[a]);
-  MpmCheckInput(span > 0. || help, "-%sto: must not be -%sfrom", prefix, prefix);
-  MpmCheckInput(has_normal || dim == 2 || help, "-%snormal is missing: in 3D a line has many", prefix);
-  if (!has_normal && dim == 2) {
-    profile->axis[0][0] = profile->first[1] - profile->last[1];
-    profile->axis[0][1] = profile->last[0] - profile->first[0];
-  }
-  MpmCheckInput(MpmAxesComplete(dim, profile->axis) || help, "-%snormal: must not be zero", prefix);
-  PetscCall(MpmBodyNameRead(&block, "the body whose stress it is; default: all", bodies, &profile->body));
-  if (profile->body >= 0) PetscCall(PetscStrallocpy(field, &profile->chosen_field));
-  profile->size = MpmSymSize(dim);
-  PetscCall(PetscCalloc1((profile->count * profile->size), &profile->stress));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscErrorCode MpmProfileDestroy(MpmProfile *profile)
 {

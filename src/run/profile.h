@@ -15,8 +15,6 @@ typedef struct {
   PetscReal *stress; /* Cauchy, `size` components a place; NaN where there is no material */
 } MpmProfile;
 
-PetscErrorCode MpmProfileCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                                const MpmBodies *bodies, MpmProfile *profile);
 PetscErrorCode MpmProfileDestroy(MpmProfile *profile);
 PetscErrorCode MpmProfileSelect(MpmProfile *profile, const MpmBodies *bodies, MpmParticles *particles);
 /* Stress of the present state at the places. */

@@ -14,7 +14,6 @@
 
   Source: the domain form of a boundary flux, as in Carey, Chow and Seager (1985), doi:10.1016/0045-7825(85)90084-2.
 */
-#include "options/options.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
@@ -24,69 +23,6 @@
 #include "terms/terms.h"
 #include "space/point_loop.h"
 #include "space/unit.h"
-
-/* ---- reading ---- */
-
-static PetscErrorCode ReadPlaces(const MpmOptions *block, PetscInt dim, MpmSection *section)
-{
-  const PetscBool help = MpmOptionsHelp();
-  PetscBool       row, has_normal;
-  PetscReal       span = 0.;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsReals(block, "point", "m", "a place on the plane, or on the first one of a row", MPM_RANGE_ANY,
-                            MPM_REQUIRED, dim, section->first, NULL));
-  PetscCall(MpmOptionsReals(block, "end", "m", "a place on the last plane of a row", MPM_RANGE_ANY, MPM_OPTIONAL, dim,
-                            section->last, &row));
-  section->count = row ? 21 : 1;
-  if (row || help)
-    PetscCall(
-      MpmOptionsInt(block, "count", "planes of a row, evenly spaced", 2, 100000, MPM_OPTIONAL, &section->count, NULL));
-  PetscCall(MpmOptionsReals(block, "normal", "-", "of the planes; default: from point to end", MPM_RANGE_ANY,
-                            MPM_OPTIONAL, dim, section->axis[0], &has_normal));
-  for (PetscInt a = 0; a < dim && row; a++) span += PetscAbsReal(section->last[a] - section->first[a]);
-  MpmCheckInput(!row || span > 0. || help, "-%send: must not be -%spoint", block->prefix, block->prefix);
-  MpmCheckInput(row || has_normal || help, "-%snormal is missing: a single plane needs it", block->prefix);
-  for (PetscInt a = 0; a < dim; a++) {
-    if (!row) section->last[a] = section->first[a];
-    if (!has_normal) section->axis[0][a] = section->last[a] - section->first[a];
-  }
-  MpmCheckInput(MpmAxesComplete(dim, section->axis) || help, "-%snormal: must not be zero", block->prefix);
-  PetscCall(MpmOptionsReals(block, "about", "m", "what moments are about; default: the centroid of each cut",
-                            MPM_RANGE_ANY, MPM_OPTIONAL, dim, section->about, &section->has_about));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSectionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                                const MpmBodies *bodies, MpmSection *section)
-{
-  char       prefix[256], field[256];
-  MpmOptions block = {options->comm, prefix, options->record};
-  PetscReal  tolerance[MPM_MAX_DIM];
-  PetscBool  has_region;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMemzero(section, sizeof(*section)));
-  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_section_%s_", name));
-  PetscCall(PetscSNPrintf(field, sizeof(field), "section_%s", name));
-  PetscCall(PetscStrallocpy(name, &section->name));
-  PetscCall(MpmOptionsHeading(&block, "Section"));
-  PetscCall(ReadPlaces(&block, grid->dim, section));
-  PetscCall(MpmBodyNameRead(&block, "the body that is cut; default: all", bodies, &section->body));
-  PetscCall(MpmOptionsHas(&block, "region", &has_region));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
-  if (has_region || MpmOptionsHelp()) PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &section->region));
-  if (section->body >= 0 || section->region) PetscCall(PetscStrallocpy(field, &section->chosen_field));
-  PetscCall(PetscCalloc1(section->count, &section->cuts));
-  for (PetscInt k = 0; k < section->count; k++) {
-    const PetscReal part = section->count > 1 ? (PetscReal)k / (PetscReal)(section->count - 1) : 0.;
-    PetscReal       d2   = 0.;
-
-    for (PetscInt a = 0; a < grid->dim; a++) d2 += PetscSqr(section->last[a] - section->first[a]);
-    section->cuts[k].distance = part * PetscSqrtReal(d2);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscErrorCode MpmSectionDestroy(MpmSection *section)
 {

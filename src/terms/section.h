@@ -37,8 +37,6 @@ typedef struct MpmSections {
   PetscBool   made; /* do the cuts tell of a step? */
 } MpmSections;
 
-PetscErrorCode MpmSectionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                                const MpmBodies *bodies, MpmSection *section);
 PetscErrorCode MpmSectionDestroy(MpmSection *section);
 /* Finds the points that are cut, in the initial state; the bodies' points have been made. */
 PetscErrorCode MpmSectionSelect(MpmSection *section, const MpmBodies *bodies, MpmParticles *particles);
