@@ -5,7 +5,7 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "terms/load.h"
-#include "terms/rigid.h"
+#include "terms/contact.h"
 #include "time/model.h"
 
 /* ---- loads and reactions ---- */

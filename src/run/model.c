@@ -382,6 +382,8 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     }
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
+    if (model->scene.boundaries->at[k].friction > 0.)
+      model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -464,7 +466,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     fields[extra++] = model->results->tracks.at[t].share_field;
   MpmLinesAddFields(model, fields, &extra);
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
-    for (PetscInt a = 0; model->scene.boundaries->at[k].stick && a < model->disc.dim; a++)
+    for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
 
@@ -473,7 +475,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(model->disc.grid,
                                &(MpmParticleFields){state_size, model->disc.layout->own_size, model->disc.layout->rates,
-                                                    half_length, model->state.predict, extra, fields},
+                                                    half_length, model->state.predict,
+                                                    (PetscBool)(model->scene.boundaries->count > 0), extra, fields},
                                model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */

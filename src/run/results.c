@@ -8,7 +8,7 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "terms/load.h"
-#include "terms/rigid.h"
+#include "terms/contact.h"
 #include "time/time.h"
 #include "run/laboratory.h"
 #include "run/run.h"

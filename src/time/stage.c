@@ -20,6 +20,7 @@
 #include "point/material.h"
 #include "grid/shape.h"
 #include "particles/body.h"
+#include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/walls.h"
@@ -751,6 +752,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
       PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */
   }
   PetscCall(Activate(model, stage));
+  PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
