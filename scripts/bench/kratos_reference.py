@@ -3,11 +3,13 @@
     python kratos_reference.py
 
 Total-Lagrangian nine-node quadrilaterals in plane strain, graded towards the contact, the law of kratos.yaml, and a penalty of
-1e6 E per metre on the nodes of the top that stand in the disc, by their part of the length. It needs scipy.
+1e6 E per metre on the nodes of the top that stand in the disc, by their part of the length. It needs scipy, and some minutes:
+
+    20 elements over the height: 3315.68 N/m, half-width 0.1791 m
+    40 elements over the height: 3320.57 N/m, half-width 0.1685 m
+    80 elements over the height: 3320.18 N/m, half-width 0.1734 m
 """
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import spsolve
 
 E, NU, RADIUS, WIDTH, HEIGHT, DEPTH = 1e6, 0.3, 4.0, 1.5, 1.0, 0.01  # Pa, -, m
 PENALTY = 1e6 * E  # Pa/m
@@ -83,6 +85,9 @@ def contact(place, share, depth):
 
 def force_on_disc(count_x, count_y, depth=DEPTH, steps=4):
     """Force on the half disc, N/m, and the half-width of the contact, m."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import spsolve
+
     axes, elements = mesh(count_x, count_y)
     slopes, areas = gradients(axes, elements)
     x, y = np.meshgrid(*axes)

@@ -6,8 +6,9 @@
 
     sum_p w_p |sigma_0 + g (x_p - x) - sigma_p|^2 -> min ,   w_p = V_p prod_a (1 - |x_p - x|_a/(1.5 h_a))
 
-  so that a linear field comes out exactly, at the edge of the material, too, where points stand on one side only. Where they stand on
-  one line or in one place the gradient across has no part. A place with no point nearer than the size of one is not in the material.
+  so that a linear field comes out exactly, at the edge of the material, too, where points stand on one side only. Where
+  they stand on one line or in one place the gradient across has no part. A place with no point nearer than the size of
+  one is not in the material.
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
