@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the results of a run of Talus: points coloured by a field, as a picture or moving, curves of the history, or a
-laboratory test."""
+"""Draws the results of a run of Talus: points coloured by a field, as a picture or moving, curves of the history,
+forces along a row of cuts, stress along a line, or a laboratory test."""
 import argparse
 import re
 import sys
@@ -17,6 +17,7 @@ from matplotlib.colors import Normalize
 from PIL import Image
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from plot_lines import plot_line
 from plot_laboratory import is_laboratory, plot_laboratory
 from results import Results, ResultsError, component_names, pressure, von_mises
 
@@ -25,6 +26,8 @@ EXAMPLES = """examples:
   plot.py out/cantilever --field von_mises --step 20 --output mises.png
   plot.py out/cantilever --field stress --component xx --animate --output cantilever.gif
   plot.py out/cantilever --history track_tip_ux track_tip_uy --x load --output tip.png
+  plot.py out/wall --section wall --output forces.png
+  plot.py out/wall --profile base --step first --output pressure.png
   plot.py out/triaxial --measured data.csv --output triaxial.png       (a run of one point: physics stress_point)
 
 Animations are GIF, or MP4 and others where ffmpeg is installed; they show the written states, deformed.
@@ -275,6 +278,12 @@ def column_label(name):
     reaction = re.fullmatch(r"reaction_(\w+)_(\w+)", name)
     if track:
         return f"$u_{track[2]}$ of {track[1]}", "m"
+    section = re.fullmatch(r"section_(\w+)_(n|v\d?|m\d?|t)", name)
+    profile = re.fullmatch(r"profile_(\w+)_(n|t\d?)", name)
+    if section:
+        return f"{section[2].upper()} of {section[1]}", "N m" if section[2][0] in "mt" else "N"
+    if profile:
+        return f"mean {profile[2]} of {profile[1]}", "Pa"
     if reaction:
         return f"reaction {reaction[2]} of {reaction[1]}", "N"
     return name.replace("_", " "), {"time": "s", "dt": "s"}.get(name, "")
@@ -330,6 +339,8 @@ def parse(arguments):
     parser.add_argument("--animate", action="store_true", help="all written states as a film (.gif; .mp4 with ffmpeg)")
     parser.add_argument("--fps", type=float, default=8.0, help="pictures a second of a film (8)")
     parser.add_argument("--history", nargs="+", metavar="COLUMN", help="draw columns of the history instead of points")
+    parser.add_argument("--section", metavar="NAME", help="draw N, V and M along a row of cuts at --step")
+    parser.add_argument("--profile", metavar="NAME", help="draw normal and shear stress along a line at --step")
     parser.add_argument("--x", default="time", metavar="COLUMN", help="the column along the x axis (time)")
     parser.add_argument("--measured", metavar="FILE.csv",
                         help="measurements beside a laboratory test: columns strain_yy, p, q, eps_v, e, signs as in the "
@@ -347,6 +358,9 @@ def parse(arguments):
 def draw(results, arguments):
     if arguments.history:
         return plot_history(results, arguments)
+    for kind in ("section", "profile"):
+        if getattr(arguments, kind):
+            return plot_line(results, kind, getattr(arguments, kind), arguments.step, arguments.title)
     if arguments.measured and not is_laboratory(results):
         raise ResultsError("--measured: measurements go with a laboratory test, physics stress_point")
     if is_laboratory(results):

@@ -119,15 +119,23 @@ class Results:
         self._origin = Origin(*map(np.concatenate, zip(self._origin, origin))) if self._origin else origin
         self._ids = np.concatenate([self._ids, born["id"]])
 
+    def _columns(self, suffix):
+        """Columns of a CSV file by name."""
+        with open(self.path(suffix), newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        values = np.array([[float(value) for value in row] for row in rows[1:]]).reshape(-1, len(rows[0]))
+        return {name: values[:, i] for i, name in enumerate(rows[0])}
+
     @property
     def history(self):
         """Columns of the history by name."""
         if self._history is None:
-            with open(self.path("_history.csv"), newline="", encoding="utf-8") as file:
-                rows = list(csv.reader(file))
-            values = np.array([[float(value) for value in row] for row in rows[1:]]).reshape(-1, len(rows[0]))
-            self._history = {name: values[:, i] for i, name in enumerate(rows[0])}
+            self._history = self._columns("_history.csv")
         return self._history
+
+    def table(self, kind, name):
+        """Columns of the file of a row of cuts (kind "section") or of a line ("profile")."""
+        return self._columns(f"_{kind}_{name}.csv")
 
     def column(self, name):
         if name not in self.history:

@@ -46,6 +46,7 @@ typedef struct MpmPattern        MpmPattern;
 typedef struct MpmFreedom        MpmFreedom;
 typedef struct MpmPlacement      MpmPlacement;
 typedef struct MpmRigidBody      MpmRigidBody;
+typedef struct MpmSections       MpmSections;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;
 typedef struct MpmIntegrator     MpmIntegrator;

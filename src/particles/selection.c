@@ -4,6 +4,8 @@
 #include "options/options.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
+#include "particles/body.h"
+#include "particles/particles.h"
 #include "particles/points.h"
 #include "particles/selection.h"
 
@@ -112,5 +114,50 @@ PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *g
                 "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points", prefix, name,
                 selection->nearest, total);
   PetscCall(ShareNearest(selection, grid, points, share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyNameRead(const MpmOptions *block, const char *help, const MpmBodies *bodies, PetscInt *body)
+{
+  char *name, *known = NULL;
+
+  PetscFunctionBeginUser;
+  *body = -1;
+  PetscCall(MpmOptionsText(block, "body", help, NULL, MPM_OPTIONAL, &name));
+  for (PetscInt b = 0; name && b < bodies->count; b++) {
+    if (!strcmp(name, bodies->names[b])) *body = b;
+    PetscCall(MpmTextAppend(&known, "%s%s", b ? ", " : "", bodies->names[b]));
+  }
+  MpmCheckInput(!name || *body >= 0 || MpmOptionsHelp(), "-%sbody %.100s: must be one of %.800s", block->prefix, name,
+                known);
+  PetscCall(PetscFree(known));
+  PetscCall(PetscFree(name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointsChoose(const MpmBodies *bodies, PetscInt body, MpmRegion region, const char *field,
+                               MpmParticles *particles, PetscInt64 *chosen)
+{
+  const PetscInt dim   = particles->dim;
+  PetscInt       first = 0, end = PETSC_INT_MAX;
+  MpmPoints      points;
+  PetscReal     *choice;
+
+  PetscFunctionBeginUser;
+  if (body >= 0) MpmBodyGetIds(bodies->at[body], &first, &end);
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&choice));
+  *chosen = 0;
+  for (PetscInt p = 0; p < points.count; p++) {
+    const PetscBool in = (PetscBool)(points.id[p] >= first && points.id[p] < end &&
+                                     (!region || MpmRegionContains(region, &points.x0[p * dim])));
+
+    choice[p] = in ? 1. : 0.;
+    *chosen += in;
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&choice));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, chosen, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

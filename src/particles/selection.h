@@ -20,3 +20,12 @@ PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, Mp
 */
 PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
                                  PetscInt64 total, const char *prefix, const char *name, PetscReal share[]);
+
+/* Reads -<prefix>body, the name of a body; its number, or -1 where none is given. */
+PetscErrorCode MpmBodyNameRead(const MpmOptions *block, const char *help, const MpmBodies *bodies, PetscInt *body);
+/*
+  Sets a field of the particles to 1 at the points of a body (-1: of any) that lie in a region (NULL: anywhere) in the
+  initial state, and to 0 at the others; `chosen` is how many they are. The bodies' points have been made.
+*/
+PetscErrorCode MpmPointsChoose(const MpmBodies *bodies, PetscInt body, MpmRegion region, const char *field,
+                               MpmParticles *particles, PetscInt64 *chosen);

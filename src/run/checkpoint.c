@@ -155,6 +155,7 @@ static PetscErrorCode MarkResults(MpmModel model, Beside *beside)
   PetscFunctionBeginUser;
   PetscCall(MpmHistoryMark(model->results->history, &place));
   PetscCall(MpmTextFileAppend(&beside->history, "%lld %lld\n", (long long)place.length, (long long)place.hash));
+  PetscCall(MpmLinesMark(model, &beside->history));
   if (!MpmOutputStarted(model->results->output)) PetscFunctionReturn(PETSC_SUCCESS);
   {
     const char        *h5;

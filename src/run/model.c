@@ -148,6 +148,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   if (model->state.particles->swarm) PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
+  PetscCall(MpmLinesDestroy(model));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(PetscFree(model->results->history_row));
   PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));
@@ -428,6 +429,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     PetscCall(
       MpmTrackCreate(options, model->results->tracks.names[t], model->disc.grid, &model->results->tracks.at[t]));
   }
+  PetscCall(MpmLinesRead(model, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -457,9 +459,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
   const char **fields;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(
-    (model->scene.loads->count + model->results->tracks.count + (model->scene.boundaries->count + 1) * MPM_MAX_DIM),
-    &fields));
+  PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
+                          (model->scene.boundaries->count + 1) * MPM_MAX_DIM),
+                         &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
@@ -468,6 +470,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     fields[extra++] = model->results->tracks.at[t].share_field;
+  MpmLinesAddFields(model, fields, &extra);
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
@@ -500,6 +503,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
+  PetscCall(MpmLinesSelect(model));
   PetscCall(MpmStagesSelect(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(MpmStageBegin(model, 0));

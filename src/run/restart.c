@@ -405,18 +405,20 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *const names[])
+PetscErrorCode MpmRestartTable(MpmModel model, const char *path, PetscInt number, PetscInt columns,
+                               const char *const names[], MpmHistory *table)
 {
   MpmRestart      restart = model->results->checkpoint.restart;
   MpmHistoryPlace place   = {0, 0};
-  const char     *why;
+  const char     *why, *line = restart->history.data;
   char           *end;
 
   PetscFunctionBeginUser;
-  place.length = (PetscInt64)strtoll(restart->history.data, &end, 10);
+  for (PetscInt k = 0; k < number && *line; k++) line += strcspn(line, "\n") + 1;
+  MpmCheckInput(*line, "-mpm_restart %s: it does not know %s", restart->path, path);
+  place.length = (PetscInt64)strtoll(line, &end, 10);
   place.hash   = (PetscInt64)strtoll(end, NULL, 10);
-  PetscCall(MpmHistoryContinue(model->comm, path, model->results->history_columns, names, &place,
-                               &model->results->history, &why));
+  PetscCall(MpmHistoryContinue(model->comm, path, columns, names, &place, table, &why));
   MpmCheckInput(!why, "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
                 restart->path, path, why);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -48,6 +48,7 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   PetscCall(MpmFieldsWrite(model));
   if (model->results->output_grid) PetscCall(MpmLatticeWrite(model));
+  PetscCall(MpmLinesWrite(model));
   model->results->output_step = model->state.step;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -72,7 +73,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
-                      model->scene.boundaries->count * (3 * dim + 4) + 2;
+                      model->scene.boundaries->count * (3 * dim + 4) + MpmLinesColumnCount(model) + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -110,6 +111,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
+  PetscCall(MpmLinesAddColumns(model, *names, count));
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -125,13 +127,16 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   PetscCall(HistoryColumns(model, &model->results->history_columns, &names));
   PetscCall(ResultPath(model, "_history.csv", path, sizeof(path)));
-  if (model->results->checkpoint.restart) PetscCall(MpmRestartHistory(model, path, (const char *const *)names));
+  if (model->results->checkpoint.restart)
+    PetscCall(MpmRestartTable(model, path, 0, model->results->history_columns, (const char *const *)names,
+                              &model->results->history));
   else {
     PetscCall(MpmHistoryCreate(model->comm, path, model->results->history_columns, (const char *const *)names,
                                &model->results->history));
   }
   PetscCall(PetscMalloc1(model->results->history_columns, &model->results->history_row));
   PetscCall(MpmNamesDestroy(model->results->history_columns, &names));
+  PetscCall(MpmLinesOpen(model));
   PetscCall(ResultPath(model, "_options.yaml", path, sizeof(path)));
   PetscCall(MpmOptionsWriteYAML(&options, path));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
@@ -171,6 +176,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
+  PetscCall(MpmLinesAddValues(model, row, &k));
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
   if (MpmStagesReduce(model)) row[k] = MpmReductionFactor(model, model->state.time);
   PetscCall(MpmHistoryAppend(model->results->history, row));

@@ -4,6 +4,7 @@
 */
 #include "base/types.h"
 #include "io/io.h"
+#include "run/lines.h"
 #include "run/manual.h"
 #include "run/signals.h"
 #include "run/tracks.h"
@@ -57,7 +58,9 @@ PetscErrorCode MpmCheckpointDestroy(MpmCheckpoint *checkpoint);
 PetscErrorCode MpmRestartOpen(MpmModel model);
 PetscErrorCode MpmRestartReadPoints(MpmModel model);
 PetscErrorCode MpmRestartApply(MpmModel model);
-PetscErrorCode MpmRestartHistory(MpmModel model, const char *path, const char *const names[]);
+/* The history (number 0) or a file of the lines. */
+PetscErrorCode MpmRestartTable(MpmModel model, const char *path, PetscInt number, PetscInt columns,
+                               const char *const names[], MpmHistory *table);
 /* Without `apply` it only looks whether the file can be continued. */
 PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply);
 PetscErrorCode MpmRestartDestroy(MpmRestart *restart);
@@ -104,6 +107,7 @@ struct MpmResults {
   PetscReal     start;
   PetscBool     quiet;
   MpmTracks     tracks;
+  MpmLines      lines;
   MpmCheckpoint checkpoint;
   MpmTerminal   terminal;
 };

@@ -24,6 +24,7 @@ typedef struct MpmDiscretization {
   MpmContacts    *contacts;
   MpmTerms       *terms;
   MpmTrial       *trial;
+  MpmSections    *sections; /* NULL: none */
   PetscReal      *u, *residual, *force;
   PetscReal      *reaction;  /* per condition and component of the block */
   PetscBool       committed; /* do these three tell of the last step that has become the state? */

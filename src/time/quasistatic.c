@@ -13,6 +13,7 @@
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
+#include "terms/section.h"
 #include "terms/terms.h"
 #include "time/integrator.h"
 #include "time/model.h"
@@ -315,6 +316,8 @@ static PetscErrorCode Commit(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(FindTrial(model));
+  if (model->disc.sections)
+    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.u, model->state.particles));
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/plot.py without a screen: pictures in 2D and 3D, films, also of bodies that come and go, curves, laboratory tests;
-and what it says of what is not there."""
+"""scripts/plot.py without a screen: pictures in 2D and 3D, films, also of bodies that come and go, curves, forces in cuts and
+stress along lines, laboratory tests; and what it says of what is not there."""
 import sys
 from pathlib import Path
 
@@ -66,6 +66,14 @@ with Test() as test:
         test.check(f"wrong_{name}", process.returncode == 2 and len(process.stderr.splitlines()) == 1, 1, 1)
     process = plot(plane, "--history", "track_top_uy", "track_toe_ux", "--output", "curves.svg")
     test.check("curves", process.returncode == 0 and "<svg" in (plane.folder / "curves.svg").read_text(), 1, 1)
+    bracket = test.run(ROOT / "tests" / "verification" / "sections.yaml", mpm_quiet=None)
+    for name, words in (("forces", ("--section", "row")), ("stress", ("--profile", "up")), ("start", ("--profile", "up", "--step", "first")),
+                        ("cut", ("--history", "section_mid_n", "section_low_t", "profile_up_n"))):
+        process = plot(bracket, *words, "--output", f"{name}.svg")
+        test.check(f"line_{name}", process.returncode == 0 and "<svg" in (bracket.folder / f"{name}.svg").read_text(), 1, 1)
+    for name, words in (("section", ("--section", "none")), ("section_step", ("--section", "row", "--step", "1"))):
+        process = plot(bracket, *words)
+        test.check(f"wrong_{name}", process.returncode == 2 and len(process.stderr.splitlines()) == 1, 1, 1)
     for name, words in (("field", ("--field", "colour")), ("step", ("--step", "1")), ("column", ("--history", "load_x")),
                         ("component", ("--field", "stress", "--component", "xyz")), ("map", ("--colours", "none")),
                         ("tensor", ("--field", "stress")), ("run", ("--measured", "a.csv"))):

@@ -1,0 +1,45 @@
+#pragma once
+/*
+  Cuts through the material, and the force and moment that it transmits there.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/*
+  What one cut transmits: what the material on the side to which the normal points does to the other one. Forces in N,
+  moments in N m, per metre of thickness in 2D.
+*/
+typedef struct {
+  PetscReal distance;           /* of the place that the scene gives from the section's first one, m */
+  PetscReal place[MPM_MAX_DIM]; /* the cut's centroid, m */
+  PetscReal area;               /* m2, in 2D m */
+  PetscReal force[MPM_MAX_DIM], moment[MPM_MAX_DIM]; /* along the section's axes; 2D: moment[0] about z */
+} MpmCut;
+
+/* One cut, or a row of parallel ones, through all points or some of them. */
+typedef struct {
+  char     *name, *chosen_field; /* 1 at the points that are cut; NULL: all are */
+  MpmRegion region;              /* or NULL */
+  PetscInt  body;                /* or -1 */
+  PetscReal first[MPM_MAX_DIM], last[MPM_MAX_DIM];
+  PetscReal axis[MPM_MAX_DIM][MPM_MAX_DIM]; /* the normal, then the directions of shear: right-handed */
+  PetscReal about[MPM_MAX_DIM];
+  PetscBool has_about; /* otherwise moments are about the cut's centroid */
+  PetscInt  count;
+  MpmCut   *cuts;
+} MpmSection;
+
+/* Sections, with the names of their blocks. */
+typedef struct MpmSections {
+  PetscInt    count;
+  char      **names;
+  MpmSection *at;
+  PetscBool   made; /* do the cuts tell of a step? */
+} MpmSections;
+
+PetscErrorCode MpmSectionDestroy(MpmSection *section);
+/* Finds the points that are cut, in the initial state; the bodies' points have been made. */
+PetscErrorCode MpmSectionSelect(MpmSection *section, const MpmBodies *bodies, MpmParticles *particles);
+/* All cuts at the step's end, from the displacement u at the local nodes; before the step becomes the state. */
+PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmSum *sum, const PetscReal u[],
+                                   MpmParticles *particles);
