@@ -160,8 +160,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
 {
   PetscFunctionBeginUser;
   PetscCall(MpmModelPrescribe(model, time));
-  PetscCall(MpmTermsPrepare(model->disc.terms,
-                            &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
+  PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     PetscCall(MpmLoadApply(&model->scene.loads->at[l], MpmModelLoadFactor(model, l, time), rules, model->disc.sum,
