@@ -231,6 +231,37 @@ static PetscInt RanksAround(const MpmGrid *grid, const PetscInt cell[], PetscMPI
   return MpmGridBoxOwners(grid, lower, upper, rank);
 }
 
+/* Widens the map to hold the cells of received marks: a rank may own cells that none of its own points is near. */
+static PetscErrorCode Widen(const MpmLists *received, CellMap *map)
+{
+  const PetscInt stride = map->dim + 1, end = received->offset[received->count];
+  CellMap        wide = *map;
+  PetscInt       cell[MPM_MAX_DIM], total = 1, upper[MPM_MAX_DIM];
+  PetscBool      wider = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) upper[a] = map->size[a] ? map->lower[a] + map->size[a] : PETSC_INT_MIN;
+  for (PetscInt k = 0; k < end; k++) {
+    const PetscInt a = k % stride, at = received->data[k];
+
+    if (a == map->dim) continue;
+    if (at >= wide.lower[a] && at < upper[a]) continue;
+    upper[a]      = PetscMax(upper[a], at + 1);
+    wide.lower[a] = PetscMin(wide.lower[a], at);
+    wider         = PETSC_TRUE;
+  }
+  if (!wider) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    wide.size[a] = upper[a] - wide.lower[a];
+    total *= wide.size[a];
+  }
+  PetscCall(PetscCalloc1(total, &wide.mark));
+  FOR_BOX(map->lower, map->size, cell) * CellAt(&wide, cell) = *CellAt(map, cell);
+  PetscCall(PetscFree(map->mark));
+  *map = wide;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Tells every rank the marks of cells that it owns or that lie within two cells of its own. */
 static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial materials[], CellMap *map)
 {
@@ -275,6 +306,7 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
     PetscCall(PetscMalloc1(sent.offset[sent.count], &sent.data));
   }
   PetscCall(MpmListsExchange(grid->comm, &sent, &received));
+  PetscCall(Widen(&received, map));
   for (PetscInt k = 0; k < received.offset[received.count]; k += grid->dim + 1) {
     PetscInt at[MPM_MAX_DIM] = {0, 0, 0};
 
