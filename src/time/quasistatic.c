@@ -100,6 +100,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .wall_count = model->state.walls.count,
                     .walls      = model->state.walls.at,
                     .stretch    = model->scene.stretch,
+                    .parts      = model->disc.parts,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
                     .sparse     = model->state.ghost_auto ? MPM_GHOST_SPARSE : 0.,
@@ -160,8 +161,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
 {
   PetscFunctionBeginUser;
   PetscCall(MpmModelPrescribe(model, time));
-  PetscCall(MpmTermsPrepare(model->disc.terms,
-                            &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
+  PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     PetscCall(MpmLoadApply(&model->scene.loads->at[l], MpmModelLoadFactor(model, l, time), rules, model->disc.sum,
@@ -229,7 +229,9 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
 {
   const MpmGrid *grid = model->disc.grid;
   const PetscInt bs   = model->disc.block;
+  PetscInt       first[MPM_MAX_DIM];
 
+  MpmSpaceAt(model->disc.space, group->first, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
     PetscReal reach = 0.;
 
@@ -237,8 +239,8 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
       reach =
         PetscMax(reach, PetscAbsReal(model->disc.u[model->disc.space->group_nodes[group->node_offset + i] * bs + a]));
     reach *= 3. / grid->h[a];
-    if (!(reach < (PetscReal)group->first[a])) return PETSC_FALSE;
-    if (!((PetscReal)(group->first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
+    if (!(reach < (PetscReal)first[a])) return PETSC_FALSE;
+    if (!((PetscReal)(first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
