@@ -23,7 +23,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->group_nodes));
   PetscCall(PetscFree(space->extra.free));
   PetscCall(PetscFree(space->extra.link));
-  PetscCall(PetscFree(space->couple));
+  PetscCall(PetscFree(space->parts.couple));
   PetscCall(PetscFree2(space->node, space->global));
   PetscCall(PetscSFDestroy(&space->sf));
   PetscCall(PetscMemzero(space, sizeof(*space)));
@@ -84,7 +84,7 @@ static PetscErrorCode MakeKeys(const MpmSpace *space, const MpmRules *rules, con
 
     if (rules->mean) {
       MpmGridFindCell(rules->grid, &points->x[p * dim], home);
-      home[dim - 1] += MpmSpaceShift(space, points, p);
+      home[dim - 1] += MpmSpaceShift(space, points->part, p);
     }
     for (PetscInt a = dim - 1; a >= 0; a--) {
       const PetscInt k = p * dim + a, first = boxes->first[k], place = rules->mean ? home[a] : first;
@@ -185,11 +185,11 @@ PetscErrorCode MpmSpaceAppendNodes(MpmSpace *space, PetscInt count, const PetscI
 PetscErrorCode MpmSpaceCouple(MpmSpace *space, PetscInt one, PetscInt other)
 {
   PetscFunctionBeginUser;
-  if (space->couple_count == space->couple_capacity) {
-    space->couple_capacity = 2 * space->couple_capacity + 64;
-    PetscCall(PetscRealloc((size_t)space->couple_capacity * sizeof(MpmCouple), &space->couple));
+  if (space->parts.couple_count == space->parts.couple_capacity) {
+    space->parts.couple_capacity = 2 * space->parts.couple_capacity + 64;
+    PetscCall(PetscRealloc((size_t)space->parts.couple_capacity * sizeof(MpmCouple), &space->parts.couple));
   }
-  space->couple[space->couple_count++] = (MpmCouple){{one, other}};
+  space->parts.couple[space->parts.couple_count++] = (MpmCouple){{one, other}};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

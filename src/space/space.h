@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "particles/points.h"
 #include "talus/point/tables.h"
 
 /*
@@ -46,16 +45,19 @@ typedef struct {
   MpmLink  *link;
 } MpmExtraNodes;
 
-/* Two boxes whose nodes are coupled, beside those of each box with one another. */
-typedef struct {
-  PetscInt box[2];
-} MpmCouple;
-
 /*
   Parts of the material have nodes of their own, also where they stand at the same place: nodes, boxes and pieces of part k
   have lattice indices that are k strides higher on the last axis. MpmSpaceAt() takes that back. Between the parts'
   lattices lie so many indices, half of which count to each.
 */
+typedef struct {
+  PetscInt box[2]; /* whose nodes are coupled, beside those of each box with one another */
+} MpmCouple;
+typedef struct {
+  PetscInt   stride; /* 0: there is one part */
+  PetscInt   couple_count, couple_capacity;
+  MpmCouple *couple;
+} MpmParts;
 #define MPM_PART_GAP 16
 
 /*
@@ -66,7 +68,6 @@ typedef struct {
 */
 typedef struct MpmSpace {
   PetscInt   dim, width; /* most nodes on an axis */
-  PetscInt   stride;     /* from part to part on the last axis; 0: there is one part */
   PetscInt   point_count;
   PetscInt  *first, *count; /* of the nodes touched with the scene's shape, dim values a point */
   PetscInt   shape_count;
@@ -92,8 +93,7 @@ typedef struct MpmSpace {
   PetscInt      unknown_count; /* over all ranks */
   PetscSF       sf;            /* roots: owned nodes; leaves: ghosts; NULL on one rank */
   MpmExtraNodes extra;
-  PetscInt      couple_count, couple_capacity;
-  MpmCouple    *couple;
+  MpmParts      parts;
 } MpmSpace;
 
 /*
@@ -124,21 +124,21 @@ static inline PetscBool MpmSpaceIsExtra(const MpmSpace *space, PetscInt node)
 }
 /* All nodes of two of this rank's boxes are coupled: the sparsity has room for that. To be called like MpmSpaceLink(). */
 PetscErrorCode MpmSpaceCouple(MpmSpace *space, PetscInt one, PetscInt other);
-/* What is added to the last axis' indices of a point's nodes and cell. */
-static inline PetscInt MpmSpaceShift(const MpmSpace *space, const MpmPoints *points, PetscInt p)
+/* What is added to the last axis' indices of the nodes and the cell of point p; `part`: the points' field. */
+static inline PetscInt MpmSpaceShift(const MpmSpace *space, const PetscInt part[], PetscInt p)
 {
-  return space->stride ? space->stride * points->part[p] : 0;
+  return space->parts.stride ? space->parts.stride * part[p] : 0;
 }
 /* The part that a node, box or piece with these lattice indices belongs to. */
 static inline PetscInt MpmSpacePart(const MpmSpace *space, const PetscInt node[])
 {
-  return space->stride ? (node[space->dim - 1] + MPM_PART_GAP / 2) / space->stride : 0;
+  return space->parts.stride ? (node[space->dim - 1] + MPM_PART_GAP / 2) / space->parts.stride : 0;
 }
 /* Where it stands on the grid: the grid's own indices, 0 on unused axes. */
 static inline void MpmSpaceAt(const MpmSpace *space, const PetscInt node[], PetscInt at[])
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = a < space->dim ? node[a] : 0;
-  at[space->dim - 1] -= space->stride * MpmSpacePart(space, node);
+  at[space->dim - 1] -= space->parts.stride * MpmSpacePart(space, node);
 }
 /* Numbers the nodes that the groups touch and builds the scatter (active_nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);

@@ -135,7 +135,7 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
 
       EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
       for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
-      lines->first[k] = line.first + (a == dim - 1 ? MpmSpaceShift(space, points, p) : 0);
+      lines->first[k] = line.first + (a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0);
       lines->count[k] = line.count;
     }
   }
@@ -205,10 +205,10 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
   Lines          lines[MPM_MAX_SHAPES];
 
   PetscFunctionBeginUser;
-  space->dim         = dim;
-  space->point_count = points->count;
-  space->shape_count = rules->layout->shape_count;
-  space->stride      = rules->parts > 1 ? rules->grid->nodes[dim - 1] + MPM_PART_GAP : 0;
+  space->dim          = dim;
+  space->point_count  = points->count;
+  space->shape_count  = rules->layout->shape_count;
+  space->parts.stride = rules->parts > 1 ? rules->grid->nodes[dim - 1] + MPM_PART_GAP : 0;
   if (MpmShapeHasDomain(rules->shape)) {
     PetscCall(PetscMalloc1((points->count * dim), &half));
     HalfLengths(rules, points, half, &longest);

@@ -354,7 +354,7 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   const MpmGrid  *grid  = rules->grid;
   const MpmGroup *group = &space->groups[facet->group];
   const PetscInt  p = facet->point, dim = space->dim, last = group->count[a] - 1;
-  const PetscInt  shift = a == dim - 1 ? MpmSpaceShift(space, points, p) : 0;
+  const PetscInt  shift = a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0;
   PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
   MpmShapeLine    face = {.weight = weight, .gradient = unused};

@@ -83,7 +83,7 @@ static void PieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt de
 {
   const MpmGrid *grid  = rules->grid;
   const PetscInt last  = grid->dim - 1;
-  const PetscInt shift = space->stride * MpmSpacePart(space, piece);
+  const PetscInt shift = space->parts.stride * MpmSpacePart(space, piece);
   PetscInt       at[MPM_MAX_DIM];
   PetscReal      x[MPM_MAX_DIM];
 
@@ -170,7 +170,7 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
                         PetscInt lower[], PetscInt count[])
 {
   const PetscInt p = MpmShapeDegree(rules->shape), one = space->order[group->point_begin] * space->dim;
-  const PetscInt shift             = MpmSpaceShift(space, points, space->order[group->point_begin]);
+  const PetscInt shift             = MpmSpaceShift(space, points->part, space->order[group->point_begin]);
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
   MpmSpaceEdges(rules, &points->x[one], edge, far_edge);

@@ -106,10 +106,10 @@ static void AddAllFar(const MpmSpace *space, PetscInt fill[], PetscInt column[])
       AddFar(box->node_count, nodes, 1, &one, fill, column);
     }
   }
-  for (PetscInt k = 0; k < space->couple_count; k++) {
+  for (PetscInt k = 0; k < space->parts.couple_count; k++) {
     for (PetscInt side = 0; side < 2; side++) {
-      const MpmGroup *one   = &space->groups[space->couple[k].box[side]];
-      const MpmGroup *other = &space->groups[space->couple[k].box[1 - side]];
+      const MpmGroup *one   = &space->groups[space->parts.couple[k].box[side]];
+      const MpmGroup *other = &space->groups[space->parts.couple[k].box[1 - side]];
 
       AddFar(one->node_count, &space->group_nodes[one->node_offset], other->node_count,
              &space->group_nodes[other->node_offset], fill, column);
@@ -123,7 +123,7 @@ static PetscErrorCode MarkFar(MpmPattern *pattern, const MpmSpace *space)
   PetscInt *start, *fill, end = 0;
 
   PetscFunctionBeginUser;
-  if (!space->extra.link_count && !space->couple_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!space->extra.link_count && !space->parts.couple_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1((pattern->local + 1), &pattern->far_start));
   PetscCall(PetscCalloc1(pattern->local, &fill));
   start = pattern->far_start;
