@@ -198,9 +198,11 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   if (!*why) {
     model->disc.sum->dt = dt;
     PetscCall(PrepareConditions(model, &rules, time));
-    /* what free bodies may touch is part of the sparsity */
-    if (model->disc.contacts->bodies) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
-    if (!again || model->disc.contacts->bodies) PetscCall(MpmSolverSetUp(&model->solver));
+    /* what free bodies, and bodies in contact, may touch is part of the sparsity */
+    const PetscBool links = (PetscBool)(model->disc.contacts->bodies || model->disc.parts > 1);
+
+    if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
+    if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
     PetscCall(InitialGuess(model, PETSC_FALSE));
     *why = Adrift(model);
   }
