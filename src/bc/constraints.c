@@ -39,8 +39,10 @@ static PetscBool Holds(const MpmPrescription *step, PetscInt b, const PetscReal 
 
 static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
 {
-  for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * (PetscReal)space->node[node * grid->dim + a];
+  PetscInt at[MPM_MAX_DIM];
+
+  MpmSpaceAt(space, &space->node[node * grid->dim], at);
+  for (PetscInt a = 0; a < grid->dim; a++) x[a] = grid->lower[a] + grid->h[a] * (PetscReal)at[a];
 }
 
 /* The frame of a node from all conditions that hold it; the last one counts first. */

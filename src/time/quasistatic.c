@@ -101,6 +101,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .wall_count = model->state.walls.count,
                     .walls      = model->state.walls.at,
                     .stretch    = model->scene.stretch,
+                    .parts      = model->disc.parts,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
                     .sparse     = model->state.ghost_auto ? MPM_GHOST_SPARSE : 0.,
@@ -198,9 +199,11 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   if (!*why) {
     model->disc.sum->dt = dt;
     PetscCall(PrepareConditions(model, &rules, time));
-    /* what free bodies may touch is part of the sparsity */
-    if (model->disc.contacts->bodies) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
-    if (!again || model->disc.contacts->bodies) PetscCall(MpmSolverSetUp(&model->solver));
+    /* what free bodies, and bodies in contact, may touch is part of the sparsity */
+    const PetscBool links = (PetscBool)(model->disc.contacts->bodies || model->disc.parts > 1);
+
+    if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
+    if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
     PetscCall(InitialGuess(model, PETSC_FALSE));
     *why = Adrift(model);
   }
@@ -229,7 +232,9 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
 {
   const MpmGrid *grid = model->disc.grid;
   const PetscInt bs   = model->disc.block;
+  PetscInt       first[MPM_MAX_DIM];
 
+  MpmSpaceAt(model->disc.space, group->first, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
     PetscReal reach = 0.;
 
@@ -237,8 +242,8 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
       reach =
         PetscMax(reach, PetscAbsReal(model->disc.u[model->disc.space->group_nodes[group->node_offset + i] * bs + a]));
     reach *= 3. / grid->h[a];
-    if (!(reach < (PetscReal)group->first[a])) return PETSC_FALSE;
-    if (!((PetscReal)(group->first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
+    if (!(reach < (PetscReal)first[a])) return PETSC_FALSE;
+    if (!((PetscReal)(first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
