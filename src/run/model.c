@@ -478,9 +478,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
   const char **fields;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(
-    (model->scene.loads->count + model->results->tracks.count + (model->scene.boundaries->count + 1) * MPM_MAX_DIM),
-    &fields));
+  PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count +
+                          (model->scene.boundaries->count + 1) * (MPM_MAX_DIM + 1)),
+                         &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
@@ -492,6 +492,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
 
   model->state.particles->has_mass = MpmStagesKeepMass(model);

@@ -21,6 +21,7 @@ typedef struct {
 typedef struct {
   PetscInt  boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
   PetscReal area, stiffness;           /* m^(dim-1), Pa/m */
+  PetscReal shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
 } MpmPatch;
 
 /* Those of this rank's points, and what they do. */
@@ -47,6 +48,12 @@ typedef struct MpmContacts {
 /* That whose place is solved for, or NULL. */
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 
+/*
+  Method augmented, after Newton's: where the worst depth over what is wanted, at the local unknowns u, is above 1, the
+  pressures become those that the patches have there, and Newton's method has to go on. `worst` holds the last one on entry,
+  infinity before the first. Collective.
+*/
+PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst);
 /* What a patch does at displacements of its facets: those that the body sees where its boundary is free. */
 typedef struct {
   PetscBool active, any;                                            /* the mean acts; a facet does */

@@ -124,6 +124,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     Project(dim, facet->normal, at);
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + at[a]);
   }
+  answer->gap -= patch->shift;
   if (!boundary->bilateral) answer->active = (PetscBool)(answer->gap <= contacts->touch);
   if (!answer->active) {
     answer->gap = 0.;

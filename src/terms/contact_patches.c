@@ -421,6 +421,29 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The pressures with which the step starts, of boundaries with method augmented: those of the patches' points. */
+static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const char *field = contacts->boundaries[b].pressure_field;
+    PetscReal  *pressure;
+
+    if (!contacts->boundaries[b].augmented) continue;
+    PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&pressure));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmPatch *patch = &contacts->patch[k];
+
+      if (patch->boundary != b) continue;
+      patch->shift = 0.;
+      for (PetscInt f = patch->begin; f < patch->end; f++)
+        patch->shift += contacts->facet[f].area / patch->area * pressure[contacts->facet[f].point] / patch->stiffness;
+    }
+    PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&pressure));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The weights of all facets; they stay while the points do. */
 static PetscErrorCode WeighFacets(MpmContacts *contacts, const MpmTermStep *step)
 {
@@ -461,6 +484,7 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
   SetPoses(contacts, step->rules->time_n, step->rules->time);
   if (!again) PetscCall(WeighFacets(contacts, step));
   PetscCall(LoadSlips(contacts, step->particles, step->sum->space->dim));
+  PetscCall(LoadPressures(contacts, step->particles));
   if (!again || !contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
   MpmRigidBegin(contacts, step->rules->time);
   while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));

@@ -246,29 +246,34 @@ static PetscInt RanksAround(const MpmSpace *space, const MpmGrid *grid, const Pe
   return MpmGridBoxOwners(grid, lower, upper, rank);
 }
 
-/* Makes the map reach to the received cells: this rank may own some that are far from its points. */
+/* Widens the map to hold the cells of received marks: a rank may own cells that none of its own points is near. */
 static PetscErrorCode Widen(const MpmLists *received, CellMap *map)
 {
-  CellMap  old = *map;
-  PetscInt cell[MPM_MAX_DIM], upper[MPM_MAX_DIM], total = 1;
+  const PetscInt stride = map->dim + 1, end = received->offset[received->count];
+  CellMap        wide = *map;
+  PetscInt       cell[MPM_MAX_DIM], total = 1, upper[MPM_MAX_DIM];
+  PetscBool      wider = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  if (!received->count) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) upper[a] = old.size[a] ? old.lower[a] + old.size[a] : PETSC_INT_MIN;
-  for (PetscInt k = 0; k < received->offset[received->count]; k++) {
-    const PetscInt a = k % (map->dim + 1);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) upper[a] = map->size[a] ? map->lower[a] + map->size[a] : PETSC_INT_MIN;
+  for (PetscInt k = 0; k < end; k++) {
+    const PetscInt a = k % stride, at = received->data[k];
 
     if (a == map->dim) continue;
-    map->lower[a] = PetscMin(map->lower[a], received->data[k]);
-    upper[a]      = PetscMax(upper[a], received->data[k] + 1);
+    if (at >= wide.lower[a] && at < upper[a]) continue;
+    upper[a]      = PetscMax(upper[a], at + 1);
+    wide.lower[a] = PetscMin(wide.lower[a], at);
+    wider         = PETSC_TRUE;
   }
+  if (!wider) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    map->size[a] = upper[a] - map->lower[a];
-    total *= map->size[a];
+    wide.size[a] = upper[a] - wide.lower[a];
+    total *= wide.size[a];
   }
-  PetscCall(PetscCalloc1(total, &map->mark));
-  FOR_BOX(old.lower, old.size, cell) * CellAt(map, cell) = *CellAt(&old, cell);
-  PetscCall(PetscFree(old.mark));
+  PetscCall(PetscCalloc1(total, &wide.mark));
+  FOR_BOX(map->lower, map->size, cell) * CellAt(&wide, cell) = *CellAt(map, cell);
+  PetscCall(PetscFree(map->mark));
+  *map = wide;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -16,7 +16,10 @@ typedef struct {
   PetscBool   stick, tangential, bilateral; /* tangential: something acts along the surface */
   MpmRegion   region;                       /* of the contact candidates, at the start */
   MpmMotion   motion;
-  MpmFreedom *freedom; /* NULL: all of its motion is prescribed */
+  MpmFreedom *freedom;        /* NULL: all of its motion is prescribed */
+  PetscBool   augmented;      /* the pressures are found to which no depth belongs, to the next: */
+  PetscReal   penetration;    /* m */
+  char       *pressure_field; /* of the particles, where augmented */
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */

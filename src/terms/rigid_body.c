@@ -165,17 +165,24 @@ void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
   MpmRigidCouple(body, &contacts->facet[f], q, work->u[f - patch->begin], &law, derivative, coupled);
 }
 
-/* Adds `share` of a covector, in the body's frame, of a facet: to its nodes and to the body. */
-static void AddCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal A[3][3], const PetscReal y[3],
-                        const PetscReal covector[3], PetscReal share, const PetscReal weight[], PetscInt n,
-                        PetscReal vector[])
+/* A body at an increment, and its axes. */
+typedef struct {
+  const MpmRigidBody      *body;
+  const MpmRigidIncrement *q;
+  PetscReal                A[3][3];
+} Frame;
+
+/* Adds `share` of a covector, in the body's frame, of a facet at the arm y: to its nodes and to the body. */
+static void AddCovector(Frame *frame, const PetscReal y[3], const PetscReal covector[3], PetscReal share,
+                        const PetscReal weight[], PetscInt n, PetscReal vector[])
 {
   PetscReal c[3], by[2][3];
 
-  for (PetscInt a = 0; a < 3; a++) c[a] = A[a][0] * covector[0] + A[a][1] * covector[1] + A[a][2] * covector[2];
-  MpmRigidCovector(body, q, y, c, by);
+  for (PetscInt a = 0; a < 3; a++)
+    c[a] = frame->A[a][0] * covector[0] + frame->A[a][1] * covector[1] + frame->A[a][2] * covector[2];
+  MpmRigidCovector(frame->body, frame->q, y, c, by);
   for (PetscInt i = 0; i < n; i++)
-    for (PetscInt a = 0; weight[i] != 0. && a < body->dim; a++) vector[3 * i + a] += share * weight[i] * c[a];
+    for (PetscInt a = 0; weight[i] != 0. && a < frame->body->dim; a++) vector[3 * i + a] += share * weight[i] * c[a];
   for (PetscInt k = 0; k < 6; k++) vector[3 * n + k] += share * by[k / 3][k % 3];
 }
 
@@ -186,22 +193,22 @@ void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmR
   const MpmPatchAnswer *answer = &work->answer;
   const PetscInt        dim = body->dim, size = 3 * (n + 2);
   const PetscInt        slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
-  PetscReal             A[3][3];
+  Frame                 frame = {.body = body, .q = q};
 
   for (PetscInt k = 0; k < 4 * size; k++) work->left[k] = work->right[k] = 0.;
-  MpmRigidAxes(body, q, A);
+  MpmRigidAxes(body, q, frame.A);
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet  *facet  = &contacts->facet[f];
     const PetscReal *weight = n ? MpmFacetWeights(contacts, f) : NULL, share = facet->area / patch->area;
     PetscReal        y[3];
 
     MpmRigidArmAfter(body, facet, q, work->u[f - patch->begin], y);
-    AddCovector(body, q, A, y, work->law.surface[f - patch->begin].normal, share, weight, n, work->left);
+    AddCovector(&frame, y, work->law.surface[f - patch->begin].normal, share, weight, n, work->left);
     for (PetscInt e = 0; e < slips; e++) {
       PetscReal along[3] = {0., 0., 0.};
 
       for (PetscInt a = 0; a < dim; a++) along[a] = (e == a ? 1. : 0.) - facet->normal[e] * facet->normal[a];
-      AddCovector(body, q, A, y, along, share, weight, n, &work->left[(1 + e) * size]);
+      AddCovector(&frame, y, along, share, weight, n, &work->left[(1 + e) * size]);
     }
   }
   for (PetscInt k = 0; k < size; k++) {
@@ -377,38 +384,58 @@ static void Element(const MpmContacts *contacts, const MpmPatch *patch, const Mp
   }
 }
 
-/* Room for the largest of these. */
-static PetscErrorCode ElementCreate(const MpmContacts *contacts, const MpmSum *sum, PetscReal **element,
-                                    PetscInt **nodes)
+/* The tangents of patches, one after the other, with the nodes that they are of. */
+typedef struct {
+  MpmRigidWork work;
+  PetscReal   *element, *block; /* the same with the components of the nodes' blocks */
+  PetscInt    *nodes, count;
+} Elements;
+
+static PetscErrorCode ElementsCreate(const MpmContacts *contacts, const MpmSum *sum, Elements *elements)
 {
-  const PetscInt bs   = PetscMax(sum->block, 3);
+  const PetscInt bs   = sum->block;
   PetscInt       most = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     most = PetscMax(most, sum->space->groups[contacts->patch[k].box].node_count + 2);
-  PetscCall(PetscMalloc2((2 * most * most * bs * bs), element, most, nodes));
+  PetscCall(MpmRigidWorkCreate(contacts, sum, &elements->work));
+  PetscCall(PetscMalloc3((most * most * 9), &elements->element, (most * most * bs * bs), &elements->block, most,
+                         &elements->nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The patch's tangent, and the nodes that it is of; 0: it does nothing. */
+static PetscErrorCode ElementsDestroy(Elements *elements)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree3(elements->element, elements->block, elements->nodes));
+  PetscCall(MpmRigidWorkDestroy(&elements->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes that of a patch at the local unknowns u; its count is 0 where it does nothing. */
 static PetscErrorCode PatchElement(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum,
-                                   const PetscReal u[], MpmRigidWork *work, PetscReal element[], PetscInt nodes[],
-                                   PetscInt *count)
+                                   const PetscReal u[], Elements *of)
 {
   const MpmRigidBody *body = MpmContactsBody(contacts, patch->boundary);
   const MpmGroup     *box  = &sum->space->groups[patch->box];
   MpmRigidIncrement   q;
 
   PetscFunctionBeginUser;
-  *count = 0;
-  if (!body || !PatchAt(contacts, patch, sum, u, &q, work)) PetscFunctionReturn(PETSC_SUCCESS);
-  *count = box->node_count + 2;
-  Element(contacts, patch, &q, box->node_count, work, element);
-  PetscCall(PetscArraycpy(nodes, &sum->space->group_nodes[box->node_offset], box->node_count));
-  nodes[*count - 2] = body->node;
-  nodes[*count - 1] = body->node + 1;
+  of->count = 0;
+  if (!body || !PatchAt(contacts, patch, sum, u, &q, &of->work)) PetscFunctionReturn(PETSC_SUCCESS);
+  of->count = box->node_count + 2;
+  Element(contacts, patch, &q, box->node_count, &of->work, of->element);
+  PetscCall(PetscArraycpy(of->nodes, &sum->space->group_nodes[box->node_offset], box->node_count));
+  of->nodes[of->count - 2] = body->node;
+  of->nodes[of->count - 1] = body->node + 1;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The value of (i, a) by (j, c) */
+static PetscReal ElementAt(const Elements *of, PetscInt i, PetscInt a, PetscInt c, PetscInt j)
+{
+  return of->element[((i * 3 + a) * 3 + c) * of->count + j];
 }
 
 /* Adds what the bodies have without contacts to the blocks of their nodes, or, where these are NULL, times du to y. */
@@ -441,23 +468,19 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const PetscInt     bs = sum->block, dim = sum->space->dim;
-  MpmRigidWork       work;
-  PetscReal         *element;
-  PetscInt          *nodes, n;
+  Elements           of;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmRigidWorkCreate(contacts, sum, &work));
-  PetscCall(ElementCreate(contacts, sum, &element, &nodes));
+  PetscCall(ElementsCreate(contacts, sum, &of));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &work, element, nodes, &n));
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt j = 0; nodes[i] >= 0 && j < n; j++)
-        for (PetscInt ac = 0; nodes[j] >= 0 && ac < dim * dim; ac++)
-          y[nodes[i] * bs + ac / dim] +=
-            element[((i * 3 + ac / dim) * 3 + ac % dim) * n + j] * du[nodes[j] * bs + ac % dim];
+    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
+    for (PetscInt i = 0; i < of.count; i++)
+      for (PetscInt j = 0; of.nodes[i] >= 0 && j < of.count; j++)
+        for (PetscInt a = 0; of.nodes[j] >= 0 && a < dim; a++)
+          for (PetscInt c = 0; c < dim; c++)
+            y[of.nodes[i] * bs + a] += ElementAt(&of, i, a, c, j) * du[of.nodes[j] * bs + c];
   }
-  PetscCall(PetscFree2(element, nodes));
-  PetscCall(MpmRigidWorkDestroy(&work));
+  PetscCall(ElementsDestroy(&of));
   AddOwn(contacts, sum, u, du, y, NULL);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -467,22 +490,18 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const PetscInt     bs = sum->block, dim = sum->space->dim;
-  MpmRigidWork       work;
-  PetscReal         *element;
-  PetscInt          *nodes, n;
+  Elements           of;
 
   PetscFunctionBeginUser;
   (void)failed;
-  PetscCall(MpmRigidWorkCreate(contacts, sum, &work));
-  PetscCall(ElementCreate(contacts, sum, &element, &nodes));
+  PetscCall(ElementsCreate(contacts, sum, &of));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &work, element, nodes, &n));
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt ac = 0; nodes[i] >= 0 && ac < dim * dim; ac++)
-        blocks[(nodes[i] * bs + ac / dim) * bs + ac % dim] += element[((i * 3 + ac / dim) * 3 + ac % dim) * n + i];
+    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
+    for (PetscInt i = 0; i < of.count; i++)
+      for (PetscInt a = 0; of.nodes[i] >= 0 && a < dim; a++)
+        for (PetscInt c = 0; c < dim; c++) blocks[(of.nodes[i] * bs + a) * bs + c] += ElementAt(&of, i, a, c, i);
   }
-  PetscCall(PetscFree2(element, nodes));
-  PetscCall(MpmRigidWorkDestroy(&work));
+  PetscCall(ElementsDestroy(&of));
   AddOwn(contacts, sum, u, NULL, NULL, blocks);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -516,27 +535,23 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const PetscInt     bs = sum->block, dim = sum->space->dim;
-  MpmRigidWork       work;
-  PetscReal         *element, *block;
-  PetscInt          *nodes, n;
+  Elements           of;
 
   PetscFunctionBeginUser;
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
-  PetscCall(MpmRigidWorkCreate(contacts, sum, &work));
-  PetscCall(ElementCreate(contacts, sum, &element, &nodes));
+  PetscCall(ElementsCreate(contacts, sum, &of));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &work, element, nodes, &n));
-    if (!n) continue;
-    block = element + n * n * 9; /* the same with the block's components */
-    for (PetscInt i = 0; i < n * n * bs * bs; i++) block[i] = 0.;
+    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
+    const PetscInt n = of.count;
+
+    for (PetscInt i = 0; i < n * n * bs * bs; i++) of.block[i] = 0.;
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt ac = 0; ac < dim * dim; ac++)
         for (PetscInt j = 0; j < n; j++)
-          block[((i * bs + ac / dim) * bs + ac % dim) * n + j] = element[((i * 3 + ac / dim) * 3 + ac % dim) * n + j];
-    MpmPatternAddNodes(pattern, sum->space, n, nodes, block);
+          of.block[((i * bs + ac / dim) * bs + ac % dim) * n + j] = ElementAt(&of, i, ac / dim, ac % dim, j);
+    if (n) MpmPatternAddNodes(pattern, sum->space, n, of.nodes, of.block);
   }
-  PetscCall(PetscFree2(element, nodes));
-  PetscCall(MpmRigidWorkDestroy(&work));
+  PetscCall(ElementsDestroy(&of));
   PetscCall(OwnTangent(contacts, sum, u, pattern));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -50,6 +50,8 @@ typedef struct {
   PetscReal residual[3][3], derivative[3][3][3][3]; /* [of][component][by][component] */
 } MpmRigidAnswer;
 
+/* A length of the body's order, m: a radius, half a diagonal; 1 where it has none. */
+PetscReal      MpmBoundarySize(const MpmBoundary *boundary);
 PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *boundary, MpmFreedom **freedom);
 PetscErrorCode MpmFreedomDestroy(MpmFreedom **freedom);
 /* Has what pushes it a potential? A moment that keeps its direction has none where a body turns about several axes. */

@@ -359,9 +359,87 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
     if (work->beyond[f - patch->begin] != 0.)
       *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
   }
-  *depth = PetscMax(*depth, PetscAbsReal(answer->gap));
+  *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
   MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
   if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
+}
+
+#define SLOW  0.1 /* of the depth that a correction leaves at most, or the penalty is raised */
+#define RAISE 10.
+
+/* Depths over what is wanted, the worst of all, and the shifts that would make up for them. */
+static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal shift[],
+                                 PetscReal *worst)
+{
+  MpmPatchWork work;
+
+  PetscFunctionBeginUser;
+  *worst = 0.;
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch    *patch    = &contacts->patch[k];
+    const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+    MpmPatchAnswer     answer;
+
+    shift[k] = 0.;
+    if (!boundary->augmented) continue;
+    if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer);
+    else Evaluate(contacts, patch, sum, u, &work, &answer);
+    if (!answer.active) continue;
+    shift[k] = -answer.gap;
+    *worst   = PetscMax(*worst, PetscAbsReal(answer.gap + patch->shift) / boundary->penetration);
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, sum->grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst)
+{
+  const PetscReal last = *worst;
+  PetscReal      *shift;
+  PetscBool       any = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  *worst = 0.;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || contacts->boundaries[b].augmented);
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(contacts->patch_count, &shift));
+  PetscCall(FindShifts(contacts, sum, u, shift, worst));
+  for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) {
+    MpmPatch          *patch    = &contacts->patch[k];
+    const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+
+    patch->shift = shift[k];
+    if (!boundary->augmented || boundary->tangential || *worst < SLOW * last) continue; /* slips are measured by it */
+    patch->stiffness *= RAISE;
+    patch->shift /= RAISE;
+  }
+  PetscCall(PetscFree(shift));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points of a patch keep its pressure. */
+static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                                    MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const char *field = contacts->boundaries[b].pressure_field;
+    PetscReal  *pressure;
+
+    if (!contacts->boundaries[b].augmented) continue;
+    PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&pressure));
+    PetscCall(PetscArrayzero(pressure, sum->points->count));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
+        pressure[contacts->facet[f].point] = -patch->stiffness * answers[k].gap;
+    }
+    PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&pressure));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reactions, moments and depths of the converged step; keeps the slips. */
@@ -383,6 +461,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   PetscCall(KeepSlips(contacts, sum, answers, particles));
+  PetscCall(KeepPressures(contacts, sum, answers, particles));
   PetscCall(PetscFree(answers));
   PetscCall(MpmPatchWorkDestroy(&work));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));

@@ -25,8 +25,7 @@ static PetscErrorCode TakeComponent(const MpmOptions *block, PetscInt dim, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* m: what a rotation's unknown is measured by; any length of the body's order will do. */
-static PetscReal Size(const MpmBoundary *boundary)
+PetscReal MpmBoundarySize(const MpmBoundary *boundary)
 {
   const MpmSolid *solid = &boundary->solid;
   PetscReal       middle[MPM_MAX_DIM], size = 0.;
@@ -105,7 +104,7 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
     freedom->moment[0] = 0.;
   }
   PetscCall(MpmRampCreate(block, "load_ramp", "0:0,1:1", &freedom->ramp));
-  freedom->size = Size(boundary);
+  freedom->size = MpmBoundarySize(boundary);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

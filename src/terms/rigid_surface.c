@@ -85,6 +85,29 @@ static PetscErrorCode ReadFriction(const MpmOptions *block, MpmBoundary *boundar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How it holds the material. */
+static PetscErrorCode ReadMethod(const MpmOptions *block, const char *name, MpmBoundary *boundary)
+{
+  static const char *const methods[] = {"penalty", "augmented", NULL};
+  PetscReal                share     = 1e-8;
+  PetscInt                 augmented = 0;
+  char                     field[256];
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(block, "method",
+                           "penalty: a depth for a pressure; augmented: pressures are corrected until depths are below "
+                           "`penetration`",
+                           methods, MPM_OPTIONAL, &augmented, NULL));
+  boundary->augmented = (PetscBool)augmented;
+  if (!augmented && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsReal(block, "penetration", "of its size", "mean depth in a cell that method augmented leaves",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &share, NULL));
+  boundary->penetration = share * MpmBoundarySize(boundary);
+  PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", name));
+  PetscCall(PetscStrallocpy(field, &boundary->pressure_field));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary)
 {
@@ -109,6 +132,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->penalty, NULL));
   PetscCall(ReadMotion(&block, boundary));
   PetscCall(MpmFreedomRead(&block, boundary, &boundary->freedom));
+  PetscCall(ReadMethod(&block, name, boundary));
   PetscCall(ReadPoints(options, name, grid, boundary));
   for (PetscInt a = 0; boundary->tangential && a < grid->dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
@@ -121,6 +145,7 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(boundary->name));
+  PetscCall(PetscFree(boundary->pressure_field));
   PetscCall(MpmSolidDestroy(&boundary->solid));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(boundary->slip_field[a]));
   PetscCall(MpmRegionDestroy(&boundary->region));

@@ -382,6 +382,23 @@ static PetscErrorCode PredictStep(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define AUGMENTATIONS 40 /* of one step */
+
+/* The pressures of boundaries with method augmented, corrected between solutions until what touches has no depth. */
+static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
+{
+  PetscReal worst = PETSC_INFINITY;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
+    PetscCall(MpmContactsAugment(model->disc.contacts, model->disc.sum, model->disc.u, &worst));
+    if (worst <= 1.) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmSolverSolve(&model->solver, reason));
+  }
+  if (*reason >= 0) *reason = SNES_DIVERGED_MAX_IT;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *retryable)
 {
   SNESConvergedReason reason;
@@ -389,6 +406,7 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *ret
   PetscFunctionBeginUser;
   *why = NULL;
   PetscCall(Solve(model, &reason));
+  PetscCall(Augment(model, &reason));
   if (reason < 0) {
     *retryable = PETSC_TRUE;
     *why       = MpmNewtonReason(reason);

@@ -63,6 +63,10 @@ PLANE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "plane", "mpm_bound
          "mpm_boundary_wall_normal": "-1,0"}
 DISC = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "sphere", "mpm_boundary_wall_center": "3,1",
         "mpm_boundary_wall_radius": "1"}
+BOX = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "box", "mpm_boundary_wall_lower": "2,0",
+       "mpm_boundary_wall_upper": "3,3"}
+CONE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "cone", "mpm_boundary_wall_tip": "1,2.5",
+        "mpm_boundary_wall_radius": "0.3"}
 WALL_POINTS = {**PLANE, "mpm_boundary_wall_points_region": "box", "mpm_boundary_wall_points_lower": "3,3",
                "mpm_boundary_wall_points_upper": "4,4"}
 ON_REGION = {"mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_region": "box"}
@@ -267,6 +271,22 @@ CASES = [
     ("polygon that grows", {**PLANE, "mpm_boundary_wall_point": None, "mpm_boundary_wall_normal": None,
                             "mpm_boundary_wall_type": "polygon", "mpm_boundary_wall_vertices": "2,0,2.5,0,2.5,2,2,2",
                             "mpm_boundary_wall_growth": "0.1"}, "-mpm_boundary_wall_growth"),
+    ("box as boundary without an upper corner", {**BOX, "mpm_boundary_wall_upper": None}, "-mpm_boundary_wall_upper"),
+    ("box as boundary without width", {**BOX, "mpm_boundary_wall_upper": "2,3"}, "-mpm_boundary_wall_upper 2 on axis x"),
+    ("box as boundary that grows", {**BOX, "mpm_boundary_wall_growth": "0.1"}, "-mpm_boundary_wall_growth"),
+    ("box as boundary within the body", {**BOX, "mpm_boundary_wall_lower": "1,0"}, "-mpm_boundary_wall_type"),
+    ("cone without a tip", {**CONE, "mpm_boundary_wall_tip": None}, "-mpm_boundary_wall_tip"),
+    ("cone without a radius", {**CONE, "mpm_boundary_wall_radius": None}, "-mpm_boundary_wall_radius"),
+    ("cone with an angle of 180 degrees", {**CONE, "mpm_boundary_wall_angle": "180"}, "-mpm_boundary_wall_angle"),
+    ("cone with an angle of zero", {**CONE, "mpm_boundary_wall_angle": "0"}, "-mpm_boundary_wall_angle"),
+    ("cone with an axis of no length", {**CONE, "mpm_boundary_wall_axis": "0,0"}, "-mpm_boundary_wall_axis"),
+    ("cone turned into the body", {**CONE, "mpm_boundary_wall_axis": "0,-1"}, "-mpm_boundary_wall_type"),
+    ("triangles as boundary in 2D", {**PLANE, "mpm_boundary_wall_type": "stl"}, "-mpm_boundary_wall_type stl"),
+    ("rotation of three components in 2D", {**BOX, "mpm_boundary_wall_rotation": "0,0,1"}, "-mpm_boundary_wall_rotation"),
+    ("rotation that is no number", {**BOX, "mpm_boundary_wall_rotation": "nan"}, "-mpm_boundary_wall_rotation"),
+    ("pivot of one component", {**BOX, "mpm_boundary_wall_pivot": "1"}, "-mpm_boundary_wall_pivot"),
+    ("table of a motion that is not there", {**BOX, "mpm_boundary_wall_motion_table": "none.csv"},
+     "-mpm_boundary_wall_motion_table none.csv: cannot be read"),
     ("penalty zero", {**PLANE, "mpm_boundary_wall_penalty": "0"}, "-mpm_boundary_wall_penalty"),
     ("unknown friction", {**PLANE, "mpm_boundary_wall_friction": "sticky"}, "-mpm_boundary_wall_friction"),
     ("unknown contact", {**PLANE, "mpm_boundary_wall_contact": "loose"}, "-mpm_boundary_wall_contact"),
@@ -469,7 +489,45 @@ POINTS = [
     ("points of several materials", "x,y,volume,material\n1,1,1,0\n1,2,1,1\n", "file_material"),
 ]
 
-TWO_RANKS = {"points with NaN", "points with a short line", "points outside the grid", "file of points without points",
+# The good scene in 3D, with a surface from a file beside it.
+SURFACE = {
+    "mpm_dim": "3", "mpm_grid_lower": "0,0,0", "mpm_grid_upper": "4,4,4", "mpm_grid_cells": "4,4,4",
+    "mpm_body_block_lower": "0,0,0", "mpm_body_block_upper": "2,2,2", "mpm_body_block_points_per_cell": "2,2,2",
+    "mpm_bc_base_lower": "0,0,0", "mpm_bc_base_upper": "4,4,0", "mpm_bc_base_components": "x,y,z",
+    "mpm_load_weight_value": "0,0,-1", "mpm_load_push_at": "2,2,2", "mpm_load_push_value": "10,0,0",
+    "mpm_track_top_at": "2,2,2", "mpm_time_end": "0.5", "mpm_boundaries": "wall", "mpm_boundary_wall_type": "stl",
+    "mpm_boundary_wall_file": "surface.stl",
+}
+TETRAHEDRON = (("2.5 0 0", "2.5 0 1", "2.5 1 0"), ("2.5 0 0", "2.5 1 0", "3.5 0 0"), ("2.5 0 0", "3.5 0 0", "2.5 0 1"),
+               ("2.5 0 1", "3.5 0 0", "2.5 1 0"))
+
+
+def facets(triangles, turned=()):
+    """An ASCII STL file; those `turned` look inwards."""
+    lines = ["solid surface"]
+    for number, corners in enumerate(triangles):
+        corners = corners[::-1] if number in turned else corners
+        lines += ["facet normal 0 0 0", "outer loop", *(f"vertex {corner}" for corner in corners), "endloop", "endfacet"]
+    return "\n".join([*lines, "endsolid surface", ""])
+
+
+# name, text of surface.stl (None: not there), what the line must contain besides option and file
+SURFACES = [
+    ("surface that is not there", None, "cannot be read"),
+    ("empty surface", "", "is no STL file"),
+    ("surface without triangles", facets(()), "has no triangles"),
+    ("open surface", facets(TETRAHEDRON[:3]), "open: the edge from (2.5, 0, 1) to (2.5, 1, 0) belongs to triangle 1 alone"),
+    ("inverted surface", facets(TETRAHEDRON, range(4)), "the part with triangle 4, at (2.5, 1, 0), is inverted"),
+    ("surface with one triangle turned", facets(TETRAHEDRON, [2]), "disagree about the outside"),
+    ("surface with a triangle twice", facets(TETRAHEDRON + TETRAHEDRON[:1]), "belongs to 3 triangles"),
+    ("surface with a triangle without area", facets(TETRAHEDRON[:3] + (("2.5 0 1", "3 0 0.5", "3.5 0 0"),)), "triangle 4"),
+    ("surface with a word for a number", facets(TETRAHEDRON).replace("vertex 3.5 0 0", "vertex 3.5 o 0", 1), "line 13, 'vertex"),
+    ("surface that breaks off", facets(TETRAHEDRON)[:200], "is not what an ASCII STL file has there"),
+]
+
+SUFFIXES = {"scene": "scene.yaml", "points": "points.csv", "surface": "surface.stl"}
+
+TWO_RANKS = {"open surface", "surface that is not there", "points with NaN", "points with a short line", "points outside the grid", "file of points without points",
              "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
              "condition between the nodes", "normal without length", "plane through the body",
              "boundary for no points", "results in a folder that is not there", "broken YAML", "option twice"}
@@ -495,11 +553,12 @@ def faults(run, expected, ranks):
         yield f"{len(told)} lines 'talus: error:'"
     if ranks == 1 and len(lines) != len(told):  # mpiexec adds lines of its own
         yield "more on stderr"
-    if told and expected not in told[0]:
-        yield f"no {expected}"
+    for words in expected.split(" ... "):
+        if told and words not in told[0]:
+            yield f"no {words}"
     if "PETSC ERROR" in run.errors + run.output or "Caught signal" in run.errors:
         yield "traceback"
-    extra = [name for name in run.files if name not in ("scene.yaml", "points.csv")]
+    extra = [name for name in run.files if name not in SUFFIXES.values()]
     if extra:
         yield "wrote " + ", ".join(extra)
 
@@ -533,8 +592,6 @@ class Refusals:
         self.pool.shutdown()
 
 
-SUFFIXES = {"scene": "scene.yaml", "points": "points.csv"}
-
 with Test() as test:
     place = test.folder()
     good = Run(test.program, write_scene(place, GOOD), 1, {}, place)
@@ -549,6 +606,15 @@ with Test() as test:
         refusals.add(case, contains, scene=head + lines + tail)
     for case, text, contains in POINTS:
         refusals.add(case, contains, FROM_FILE, points=text)
+    (place / "surface.stl").write_text(facets(TETRAHEDRON), encoding="utf-8")
+    surface = Run(test.program, write_scene(place, changed(SURFACE)), 1, {}, place)
+    lacking = "this build cannot search triangles" if surface.status == 2 else None  # built without Embree
+    if lacking:
+        refusals.add("triangles without the library", lacking, SURFACE, surface=facets(TETRAHEDRON))
+    else:
+        test.check("the_good_surface", surface.status, 0, 0)
+    for case, text, contains in () if lacking else SURFACES:
+        refusals.add(case, f"-mpm_boundary_wall_file surface.stl ... {contains}", SURFACE, surface=text)
     refusals.finish()
     for case, head, tail in ONCE:
         (place / "scene.yaml").write_text(head + lines + tail, encoding="utf-8")

@@ -1,13 +1,16 @@
 /*
   Shapes of rigid things: distances against what is found by looking everywhere, and their derivatives against differences.
+  How they move.
 */
-#include "geometry/pose.h"
+#include "geometry/motion.h"
 #include "geometry/solid.h"
 #include "options/options.h"
+#include "terms/rigid.h"
 #include "unit.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #define TRIALS 400
 
@@ -392,9 +395,158 @@ START_TEST(rotations)
 }
 END_TEST
 
+/* A boundary that has turned and moved: its distances are those of the places that were carried along. */
+START_TEST(turned_boundaries)
+{
+  static const char *const shapes[] = {
+    "-mpm_a_type plane -mpm_a_point 0.1,0.2,0.3 -mpm_a_normal 1,2,-1",
+    "-mpm_a_type box -mpm_a_lower -0.5,-0.3,-0.8 -mpm_a_upper 0.5,0.9,0.4",
+    "-mpm_a_type cone -mpm_a_tip 0.1,0.2,0.3 -mpm_a_axis 0.3,-1,0.2 -mpm_a_radius 0.4",
+    "-mpm_a_type cylinder -mpm_a_point 0.1,0.2,0.3 -mpm_a_axis 3,0.1,0.2 -mpm_a_radius 0.7 -mpm_a_side inside"};
+  const PetscReal pivot[3] = {0.3, -0.2, 0.5}, vector[3] = {0.5, 1.1, -0.7}, e = 1e-5;
+  const MpmPose   rest = {.growth = 0.};
+  MpmPose         pose = {.translation = {0.1, 0.2, -0.3}};
+
+  MpmPoseSetRotation(&pose, pivot, vector);
+  for (size_t k = 0; k < sizeof(shapes) / sizeof(shapes[0]); k++) {
+    const MpmBoundary boundary = {.dim = 3, .solid = Make(3, shapes[k])};
+
+    for (PetscInt trial = 0; trial < 50; trial++) {
+      const PetscReal x[3] = {Random(-1., 1.), Random(-1., 1.), Random(-1., 1.)};
+      PetscReal       y[3], normal[3];
+      MpmSurface      at, carried, side[2];
+
+      MpmPoseCarry(3, &rest, &pose, x, y);
+      MpmBoundaryDistance(&boundary, &rest, x, &at);
+      MpmBoundaryDistance(&boundary, &pose, y, &carried);
+      ck_assert_double_eq_tol(at.distance, carried.distance, 1e-14);
+      MpmPoseTurn(3, &rest, &pose, at.normal, normal);
+      for (PetscInt a = 0; a < 3; a++) ck_assert_double_eq_tol(normal[a], carried.normal[a], 1e-12);
+      if (IsKink(&boundary.solid, x)) continue;
+      for (PetscInt a = 0; a < 3; a++) {
+        for (PetscInt s = 0; s < 2; s++) {
+          PetscReal near[3] = {y[0], y[1], y[2]};
+
+          near[a] += s ? e : -e;
+          MpmBoundaryDistance(&boundary, &pose, near, &side[s]);
+        }
+        ck_assert_double_eq_tol((side[1].distance - side[0].distance) / (2. * e), carried.normal[a], 1e-7);
+        for (PetscInt b = 0; b < 3; b++)
+          ck_assert_double_eq_tol((side[1].normal[b] - side[0].normal[b]) / (2. * e), carried.second[a][b], 1e-5);
+      }
+    }
+  }
+}
+END_TEST
+
+/* ---- motions ---- */
+
+static const char table_path[] = "test_solid.csv";
+
+static PetscErrorCode ReadMotion(PetscInt dim, const char text[], MpmMotion *motion)
+{
+  const MpmOptions options = {PETSC_COMM_WORLD, "mpm_a_", NULL};
+
+  PetscFunctionBeginUser;
+  *motion = (MpmMotion){.pivot = {1., 2., 3.}};
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, text));
+  PetscCall(MpmMotionRead(&options, dim, motion));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void WriteTable(const char text[])
+{
+  FILE *file = fopen(table_path, "w");
+
+  ck_assert_ptr_nonnull(file);
+  ck_assert_int_ge(fputs(text, file), 0);
+  ck_assert_int_eq(fclose(file), 0);
+}
+
+/* Where a place stands at a time. */
+static void CheckPlace(const MpmMotion *motion, PetscReal time, const PetscReal x[3], const PetscReal expected[3])
+{
+  const MpmPose rest = {.growth = 0.}, pose = MpmMotionPose(motion, time);
+  PetscReal     y[3];
+
+  MpmPoseCarry(3, &rest, &pose, x, y);
+  for (PetscInt a = 0; a < 3; a++) ck_assert_double_eq_tol(y[a], expected[a], 1e-14);
+}
+
+START_TEST(motions)
+{
+  const PetscReal x[3] = {2., 2., 3.};
+  MpmMotion       motion;
+
+  UNIT_CALL(ReadMotion(2, "-mpm_a_motion 0.5,1 -mpm_a_rotation 180 -mpm_a_ramp 0:0,2:1", &motion));
+  CheckPlace(&motion, 1., x, (const PetscReal[]){1.25, 3.5, 3.});
+  CheckPlace(&motion, 5., x, (const PetscReal[]){0.5, 3., 3.});
+  ck_assert(!MpmMotionPose(&motion, 0.).turned);
+  UNIT_CALL(MpmMotionDestroy(&motion));
+  UNIT_CALL(ReadMotion(3, "-mpm_a_rotation 0,-90,0 -mpm_a_pivot 0,0,0", &motion));
+  CheckPlace(&motion, 1., x, (const PetscReal[]){-3., 2., 2.});
+  UNIT_CALL(MpmMotionDestroy(&motion));
+  WriteTable("# a remark\ntime, rz, uy\n1,0,0\n2, 90,1\n4,90,-1\n");
+  UNIT_CALL(ReadMotion(2, "-mpm_a_motion_table test_solid.csv", &motion));
+  ck_assert(!MpmMotionPose(&motion, 0.5).turned);
+  CheckPlace(&motion, 1.5, x, (const PetscReal[]){1. + PETSC_SQRT2 / 2., 2.5 + PETSC_SQRT2 / 2., 3.});
+  CheckPlace(&motion, 2., x, (const PetscReal[]){1., 4., 3.});
+  CheckPlace(&motion, 2.5, x, (const PetscReal[]){1., 3.5, 3.});
+  CheckPlace(&motion, 9., x, (const PetscReal[]){1., 2., 3.});
+  UNIT_CALL(MpmMotionDestroy(&motion));
+  WriteTable("time,ux,uz,rx\n0,1,2,0\n");
+  UNIT_CALL(ReadMotion(3, "-mpm_a_motion_table test_solid.csv", &motion));
+  CheckPlace(&motion, 7., x, (const PetscReal[]){3., 2., 5.});
+  UNIT_CALL(MpmMotionDestroy(&motion));
+  ck_assert_int_eq(unlink(table_path), 0);
+}
+END_TEST
+
+START_TEST(motions_refused)
+{
+  static const struct {
+    PetscInt    dim;
+    const char *more, *table, *message;
+  } cases[] = {
+    {2, "-mpm_a_ramp 0:0,1:1", "time,ux\n0,0\n",
+     "-mpm_a_ramp: must not be given beside -mpm_a_motion_table, which has the motion by time"},
+    {2, "-mpm_a_rotation 3", "time,ux\n0,0\n",
+     "-mpm_a_rotation: must not be given beside -mpm_a_motion_table, which has the motion by time"},
+    {2, "", "ux\n0\n", "-mpm_a_motion_table test_solid.csv: has no column time"},
+    {2, "", "time\n0\n", "-mpm_a_motion_table test_solid.csv: has no column that moves anything: ux, uy or rz"},
+    {2, "", "time,ux\n", "-mpm_a_motion_table test_solid.csv: has no rows"},
+    {2, "", "time,uz\n0,0\n", "-mpm_a_motion_table test_solid.csv: column uz is unknown: must be time, ux, uy or rz"},
+    {3, "", "time,u\n0,0\n",
+     "-mpm_a_motion_table test_solid.csv: column u is unknown: must be time, ux, uy, uz, rx, ry or rz"},
+    {3, "", "time,ux,ux\n0,0,0\n", "-mpm_a_motion_table test_solid.csv: has column ux twice"},
+    {3, "", "time,ux\n0,0\n0,1\n",
+     "-mpm_a_motion_table test_solid.csv: time must grow from row to row: 0 s of row 2 follows 0 s"},
+    {3, "", "time,ux\n0,0\n1,inf\n", "-mpm_a_motion_table test_solid.csv: ux of row 2 is not a finite number"},
+  };
+  MpmMotion motion;
+
+  for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+    char text[200];
+
+    WriteTable(cases[k].table);
+    snprintf(text, sizeof(text), "-mpm_a_motion_table %s %s", table_path, cases[k].more);
+    UNIT_FAILS(ReadMotion(cases[k].dim, text, &motion), MPM_ERR_INPUT, cases[k].message);
+  }
+  ck_assert_int_eq(unlink(table_path), 0);
+  UNIT_FAILS(ReadMotion(2, "-mpm_a_motion_table test_solid.csv", &motion), MPM_ERR_INPUT,
+             "-mpm_a_motion_table test_solid.csv: cannot be read: No such file or directory");
+  UNIT_FAILS(
+    ReadMotion(2, "-mpm_a_rotation 1,2,3", &motion), MPM_ERR_INPUT,
+    "-mpm_a_rotation 1,2,3: must have 1 value, has 3: rotation in total: about z in 2D, its axis times its angle in "
+    "3D (degrees)");
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {round_and_flat, boxes, cones, polygons, poses, rotations};
+  const TTest *const tests[] = {round_and_flat,    boxes,   cones,          polygons, poses, rotations,
+                                turned_boundaries, motions, motions_refused};
 
   return UnitRun(&argc, &argv, "solid", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""Rigid bodies under force and moment: they come to rest where the forces of their contacts are in balance with what
+pushes them, whatever solver, ranks or restart; an augmented Lagrangian leaves no depth; and where nothing can hold them, or they make no sense, a line says so.
+
+Quick.
+"""
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, example  # noqa: E402
+
+BALANCE = 1e-10  # of the load
+SOLVERS = {"boomeramg": {"mpm_solver": "boomeramg"}, "matfree": {"mpm_jacobian": "matfree"},
+           "baij": {"mpm_mat_type": "baij", "pc_type": "lu"}}
+SAME = 1e-7  # of the radius, between solvers that iterate to a tolerance
+RANKS = 1e-9
+
+# A lid on a block, under a force beside its middle and a moment: what acts at its pivot, and where it has none to turn.
+LID = """
+mpm:
+  dim: 3
+  grid: {lower: "0,0,0", upper: "2,2,1.5", cells: "4,4,3"}
+  materials: soil
+  material_soil: {type: hencky, E: 1e6, nu: 0.3, density: 1000}
+  bodies: block
+  body_block: {region: box, lower: "0,0,0", upper: "2,2,1", points_per_cell: "2,2,2", material: soil}
+  bcs: base
+  bc_base: {region: box, lower: "0,0,0", upper: "2,2,0", components: "x,y,z"}
+  boundaries: lid
+  boundary_lid: {type: plane, point: "1,1,1.1", normal: "0,0,-1", pivot: "1.1,0.9,1.1", friction: stick,
+                 free: "x,y,z,rx,ry,rz", load: "100,50,-10e3", moment: "300,-500,100"}
+  time: {end: 1, step: 0.5}
+  output: {prefix: lid, every: 0}
+"""
+# The same force at an eccentricity: that of the moment. Smooth, and free to sink and to turn.
+PLATE = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "3,3", cells: "12,12"}
+  materials: soil
+  material_soil: {type: linear_elastic, E: 1e7, nu: 0, density: 1000}
+  bodies: block
+  body_block: {region: box, lower: "0,0", upper: "2,2", points_per_cell: "2,2", material: soil}
+  bcs: base
+  bc_base: {region: box, lower: "0,0", upper: "2,0", components: "x,y"}
+  boundaries: plate
+  boundary_plate: {type: box, lower: "-0.5,2", upper: "2.5,2.5", pivot: "1,2", free: "y,rz", load: "0,-10e3",
+                   moment: "1e3", load_ramp: "0:0,1:1"}
+  time: {end: 1, step: 0.5}
+  output: {prefix: plate, every: 0}
+"""
+
+
+def column(run, names):
+    return np.array([run.results.column(name) for name in names])
+
+
+def near_balance(test, label, run, body, load, moment, axes, turns):
+    """Every step: the reaction on the material is the load, and its moment about the pivot the moment."""
+    force = column(run, [f"reaction_{body}_{axis}" for axis in axes])
+    about = column(run, [f"moment_{body}_{axis}" for axis in turns])
+    factor = run.results.column("time")
+    size = np.linalg.norm(load)
+    test.check(f"{label}.force", np.max(np.abs(force - np.outer(load, factor))) / size, None, BALANCE)
+    test.check(f"{label}.moment", np.max(np.abs(about - np.outer(moment, factor))) / size, None, BALANCE)
+
+
+def lid(test):
+    scene = test.folder() / "lid.yaml"
+    scene.write_text(LID, encoding="utf-8")
+    alone = test.run(scene, mpm_quiet=None)
+    near_balance(test, "lid", alone, "lid", np.array([100.0, 50.0, -1e4]), np.array([300.0, -500.0, 100.0]), "xyz", "xyz")
+    test.check("lid.sinks", alone.results.column("position_lid_z")[-1], None, 1.0)
+    test.check("lid.newton", np.mean(alone.newton), None, 6)
+    for ranks in (2, 3):
+        other = test.run(scene, ranks=ranks, mpm_quiet=None)
+        for name in ("position_lid_z", "rotation_lid_x", "rotation_lid_z", "depth_lid"):
+            one, two = alone.results.column(name), other.results.column(name)
+            test.check(f"lid_on_{ranks}.{name}", np.max(np.abs(one - two)) / np.max(np.abs(one)), None, 10 * RANKS)
+
+
+def plate(test):
+    """A block of no lateral strain under a rigid plate: its stiffness K = E B/H, and E B^3/(12 H) against rotation."""
+    scene = test.folder() / "plate.yaml"
+    scene.write_text(PLATE, encoding="utf-8")
+    run = test.run(scene, mpm_quiet=None)
+    eccentric = test.run(scene, mpm_quiet=None, mpm_boundary_plate_pivot="1.1,2", mpm_boundary_plate_moment=0)
+    near_balance(test, "plate", run, "plate", np.array([-1e4]), np.array([1e3]), "y", "z")
+    sink = 2.0 - run.results.column("position_plate_y")[-1]
+    test.near("plate.sinks", sink, 1e4 * 2.0 / (1e7 * 2.0), relative=0.05)
+    # a force at +0.1 m turns the other way round than a moment of as much about the middle
+    for name in ("rotation_plate_z",):
+        one, two = run.results.column(name)[-1], eccentric.results.column(name)[-1]
+        test.near(f"plate.{name}", two, -one, relative=1e-3)
+    test.check("plate.turns", run.results.column("rotation_plate_z")[-1], 1e-3, None)
+
+
+def augmented(test):
+    """No depth is left, whatever the penalty and the solver; and a restart goes on with the pressures."""
+    scene = test.folder() / "plate.yaml"
+    scene.write_text(PLATE, encoding="utf-8")
+    size = np.hypot(1.5, 0.25)
+    places, options = [], {"mpm_quiet": None, "mpm_boundary_plate_method": "augmented"}
+    for label, more in (("default", {"mpm_checkpoint_every": 1}), ("soft", {"mpm_boundary_plate_penalty": 0.5}),
+                        ("amg", {"mpm_solver": "amg"}), ("ranks", {"ranks": 2})):
+        run = test.run(scene, **options, **more)
+        test.check(f"augmented_{label}.depth", np.max(run.results.column("depth_plate")) / size, None, 1e-8)
+        near_balance(test, f"augmented_{label}", run, "plate", np.array([-1e4]), np.array([1e3]), "y", "z")
+        places.append(run.results.column("position_plate_y")[-1])
+        if label == "default":
+            first = run
+    test.check("augmented.places_differ", np.ptp(places), None, 3e-8)
+    half = test.folder() / "half.h5"
+    shutil.copy(f"{first.prefix}_checkpoint_000001.h5", half)
+    again = test.run(scene, mpm_restart=half, mpm_output_prefix="again", **options)
+    for name in ("position_plate_y", "rotation_plate_z"):
+        test.near(f"augmented_restart.{name}", again.results.column(name)[-1], first.results.column(name)[-1])
+
+
+def disc(test):
+    path = example("two_supports")
+    alone = test.run(path, mpm_quiet=None, mpm_output_every=0, mpm_checkpoint_every=1)
+    test.check_example("two_supports", alone, "two_supports")
+    place = column(alone, ["position_disc_x", "position_disc_y"])
+    for ranks in (4,):
+        other = test.run(path, ranks=ranks, mpm_quiet=None, mpm_output_every=0)
+        test.check(f"disc_on_{ranks}.place", np.max(np.abs(column(other, ["position_disc_x", "position_disc_y"]) - place)),
+                   None, 10 * RANKS)
+    for name, options in SOLVERS.items():
+        other = test.run(path, mpm_quiet=None, mpm_output_every=0, **options)
+        test.check(f"disc_by_{name}.place", np.max(np.abs(column(other, ["position_disc_x", "position_disc_y"]) - place)),
+                   None, SAME)
+    half = test.folder() / "half.h5"
+    shutil.copy(f"{alone.prefix}_checkpoint_000003.h5", half)
+    for ranks in (1, 3):
+        other = test.run(path, ranks=ranks, mpm_quiet=None, mpm_output_every=0, mpm_restart=half, mpm_output_prefix="again")
+        for axis in "xy":
+            name = f"position_disc_{axis}"
+            test.near(f"disc_restart_on_{ranks}.{name}", other.results.column(name)[-1], alone.results.column(name)[-1],
+                      absolute=0.0 if ranks == 1 else 1e-8)
+
+
+def refusals(test):
+    """Exit status 2 and one line that names the option; 3 where the run gives up."""
+    path = example("two_supports")
+    for label, status, words, options in (
+            ("component", 2, "free q", {"mpm_boundary_disc_free": "x,q"}),
+            ("not_free", 2, "disc_load", {"mpm_boundary_disc_free": "x"}),
+            ("moment", 2, "disc_moment", {"mpm_boundary_disc_moment": 5}),
+            ("inside", 2, "behind it", {"mpm_boundary_disc_center": "1.2,1.5"}),
+            ("adrift", 3, "nothing holds boundary disc", {"mpm_boundary_disc_center": "5.5,2.5"})):
+        run = test.run(path, status=status, mpm_quiet=None, mpm_output_every=0, **options)
+        lines = [line for line in run.errors.splitlines() if line.startswith("talus")]
+        test.check(f"{label}.lines", len(lines), 1, 1)
+        test.check(f"{label}.says", words in run.errors, 1, 1)
+
+
+with Test() as check:
+    disc(check)
+    lid(check)
+    plate(check)
+    augmented(check)
+    refusals(check)
