@@ -42,6 +42,8 @@ typedef struct MpmContacts       MpmContacts;
 typedef struct MpmDiscretization MpmDiscretization;
 typedef struct MpmLoads          MpmLoads;
 typedef struct MpmLoadActing     MpmLoadActing;
+typedef struct MpmPairs          MpmPairs;
+typedef struct MpmPairContacts   MpmPairContacts;
 typedef struct MpmPattern        MpmPattern;
 typedef struct MpmFreedom        MpmFreedom;
 typedef struct MpmPlacement      MpmPlacement;

@@ -5,6 +5,7 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "terms/load.h"
+#include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "time/model.h"
 
@@ -56,7 +57,9 @@ PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal 
     if (!strcmp(model->scene.bcs->names[b], name)) from = &model->disc.reaction[b * model->disc.block];
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     if (!strcmp(model->scene.boundaries->names[b], name)) from = model->disc.contacts->reaction[b];
-  PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition and no boundary %s", name);
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
+    if (!strcmp(model->scene.pairs->names[k], name)) from = model->disc.pairs->force[k];
+  PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition, boundary or contact %s", name);
   PetscCall(PetscArraycpy(reaction, from, dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,7 @@
 */
 #include "options/options.h"
 #include "particles/body.h"
+#include "terms/body_contact.h"
 #include "time/time.h"
 #include "run/run.h"
 
@@ -35,26 +36,30 @@ static PetscErrorCode ReadPair(const MpmOptions *block, const MpmBodies *bodies,
 PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options)
 {
   MpmBodies *bodies = model->scene.bodies;
-  PetscInt   count;
-  char     **names;
+  MpmPairs  *pairs  = model->scene.pairs;
 
   PetscFunctionBeginUser;
   bodies->parts = 1;
   PetscCall(PetscCalloc1(bodies->count, &bodies->part));
   PetscCall(MpmOptionsBlocks(options, "contacts", "names of the contacts of bodies with one another", MPM_OPTIONAL,
-                             &count, &names));
-  for (PetscInt k = 0; k < count; k++) {
+                             &pairs->count, &pairs->names));
+  PetscCall(PetscCalloc1(pairs->count, &pairs->at));
+  for (PetscInt k = 0; k < pairs->count; k++) {
     char       prefix[256];
     MpmOptions block = {options->comm, prefix, options->record};
-    PetscInt   pair[2];
+    MpmPair   *pair  = &pairs->at[k];
 
-    PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_contact_%s_", names[k]));
+    PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_contact_%s_", pairs->names[k]));
+    PetscCall(PetscStrallocpy(pairs->names[k], &pair->name));
     PetscCall(MpmOptionsHeading(&block, "Contact of bodies"));
-    PetscCall(ReadPair(&block, bodies, pair));
+    PetscCall(ReadPair(&block, bodies, pair->body));
+    PetscCall(MpmPairRead(&block, model->disc.dim, pair));
+    if (pair->friction > 0.) model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
     /* the first body of each has a part of its own, so the two differ */
-    if (!MpmOptionsHelp() && !bodies->part[pair[0]]) bodies->part[pair[0]] = bodies->parts++;
+    if (!MpmOptionsHelp() && !bodies->part[pair->body[0]]) bodies->part[pair->body[0]] = bodies->parts++;
   }
+  for (PetscInt k = 0; k < 2 * pairs->count; k++)
+    pairs->at[k / 2].part[k % 2] = bodies->part[pairs->at[k / 2].body[k % 2]];
   model->disc.parts = bodies->parts;
-  PetscCall(MpmNamesDestroy(count, &names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

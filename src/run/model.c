@@ -14,6 +14,7 @@
 #include "space/walls.h"
 #include "bc/bc.h"
 #include "terms/load.h"
+#include "terms/body_contact.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
 #include "time/integrator.h"
@@ -34,6 +35,7 @@ static PetscErrorCode CreateParts(MpmModel model)
   PetscCall(PetscNew(&model->scene.bodies));
   PetscCall(PetscNew(&model->scene.bcs));
   PetscCall(PetscNew(&model->scene.boundaries));
+  PetscCall(PetscNew(&model->scene.pairs));
   PetscCall(PetscNew(&model->scene.loads));
   PetscCall(PetscNew(&model->state.particles));
   PetscCall(PetscNew(&grid));
@@ -191,6 +193,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.bcs));
   PetscCall(MpmNamesDestroy(model->scene.boundaries->count, &model->scene.boundaries->names));
   PetscCall(PetscFree(model->scene.boundaries));
+  PetscCall(MpmPairsDestroy(model->scene.pairs));
+  PetscCall(PetscFree(model->scene.pairs));
   PetscCall(MpmNamesDestroy(model->scene.loads->count, &model->scene.loads->names));
   PetscCall(PetscFree(model->scene.loads));
   PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
@@ -386,6 +390,10 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.bcs->names[b]),
                     "-mpm_boundaries %s: there is a condition of this name", model->scene.boundaries->names[k]);
     }
+    for (PetscInt p = 0; p < model->scene.pairs->count && !MpmOptionsHelp(); p++) {
+      MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.pairs->names[p]),
+                    "-mpm_boundaries %s: there is a contact of this name", model->scene.boundaries->names[k]);
+    }
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
@@ -481,7 +489,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
-                          (model->scene.boundaries->count + 1) * (MPM_MAX_DIM + 1)),
+                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 1)),
                          &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
@@ -492,6 +500,11 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     fields[extra++] = model->results->tracks.at[t].share_field;
   MpmLinesAddFields(model, fields, &extra);
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++) {
+    fields[extra++] = model->scene.pairs->at[k].gap_field;
+    for (PetscInt a = 0; model->scene.pairs->at[k].tangential && a < model->disc.dim; a++)
+      fields[extra++] = model->scene.pairs->at[k].slip_field[a];
+  }
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
@@ -622,7 +635,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
-  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries,
+  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
                                    model->state.placements, model->state.particles->state_size));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));

@@ -8,6 +8,7 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "terms/load.h"
+#include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "time/time.h"
@@ -73,7 +74,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
-                      model->scene.boundaries->count * (3 * dim + 4) + MpmLinesColumnCount(model) + 2;
+                      model->scene.boundaries->count * (3 * dim + 4) + model->scene.pairs->count * dim +
+                      MpmLinesColumnCount(model) + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -105,6 +107,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
     for (PetscInt a = dim == 2 ? 2 : 0; model->scene.boundaries->at[b].freedom && a < 3; a++)
       PetscCall(AddColumn("rotation", model->scene.boundaries->names[b], a, count, *names));
   }
+  for (PetscInt k = 0; k < model->scene.pairs->count * dim; k++)
+    PetscCall(AddColumn("force", model->scene.pairs->names[k / dim], k % dim, count, *names));
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
     for (PetscInt a = 0; a < dim; a++) {
       PetscCall(PetscSNPrintf(name, sizeof(name), "track_%s_u%c", model->results->tracks.names[t], "xyz"[a]));
@@ -174,6 +178,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
     for (PetscInt a = model->disc.dim == 2 ? 2 : 0; a < 3; a++) row[k++] = model->disc.contacts->moment[b][a];
     k += MpmRigidReport(model->disc.contacts, b, &row[k]);
   }
+  for (PetscInt p = 0; p < model->scene.pairs->count * model->disc.dim; p++)
+    row[k++] = model->disc.pairs->force[p / model->disc.dim][p % model->disc.dim];
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
   PetscCall(MpmLinesAddValues(model, row, &k));

@@ -29,10 +29,10 @@
 
 /* What a patch does at a mean relative displacement w. */
 typedef struct {
-  PetscBool active, refused;    /* refused: the barrier has no answer */
+  PetscBool active, refused; /* refused: the barrier has no answer */
   PetscReal gap, pressure;
-  PetscReal force[MPM_MAX_DIM]; /* on the first body */
-  PetscReal slip[MPM_MAX_DIM];  /* what is kept of it */
+  PetscReal force[MPM_MAX_DIM];                  /* on the first body */
+  PetscReal slip[MPM_MAX_DIM];                   /* what is kept of it */
   PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM]; /* -d force/dw */
 } Answer;
 
@@ -51,22 +51,22 @@ static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch,
   answer->active  = (PetscBool)(x > 0. && x < 1.);
   if (!answer->active) return;
   answer->pressure = patch->stiffness * reach * (2. * (x - 1.) * PetscLogReal(x) + (x - 1.) * (x - 1.) / x);
-  *rate = patch->stiffness * (-2. * PetscLogReal(x) - 4. * (x - 1.) / x + (x - 1.) * (x - 1.) / (x * x));
+  *rate            = patch->stiffness * (-2. * PetscLogReal(x) - 4. * (x - 1.) / x + (x - 1.) * (x - 1.) / (x * x));
 }
 
 /* Adds the traction along the surface, its derivative, and what is kept of the slip. */
 static void Friction(const MpmPair *pair, const MpmPairPatch *patch, PetscInt dim, PetscReal rate, Answer *answer)
 {
-  const PetscBool  slides = (PetscBool)(!pair->stick || patch->strength < PETSC_INFINITY);
-  const PetscReal  k = slides ? SLIDING * patch->stiffness : patch->stiffness, *n = patch->normal;
-  PetscReal        size = 0., limit = pair->friction * PetscMax(answer->pressure, 0.) + pair->adhesion, growth = 0.;
+  const PetscBool slides = (PetscBool)(!pair->stick || patch->strength < PETSC_INFINITY);
+  const PetscReal k = slides ? SLIDING * patch->stiffness : patch->stiffness, *n = patch->normal;
+  PetscReal       size = 0., limit = pair->friction * PetscMax(answer->pressure, 0.) + pair->adhesion, growth = 0.;
 
   for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
   size = PetscSqrtReal(size);
   if (pair->stick || limit > patch->strength) limit = patch->strength;
   else growth = pair->friction * rate; /* of the limit with n . w */
   for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal along = size > 0. ? answer->slip[a] / size : 0.;
+    const PetscReal along  = size > 0. ? answer->slip[a] / size : 0.;
     const PetscBool sticks = (PetscBool)(k * size <= limit);
 
     answer->force[a] -= patch->side[0].area * (sticks ? k * answer->slip[a] : limit * along);
@@ -103,8 +103,8 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
 /* ---- sums ---- */
 
 /* sum_i w_i u_i of the first side less that of the second */
-static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
-                     const PetscReal u[], PetscReal w[])
+static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, const PetscReal u[],
+                     PetscReal w[])
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) w[a] = 0.;
   for (PetscInt s = 0; s < 2; s++) {
@@ -145,7 +145,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
 
     Relative(contacts, &contacts->patch[k], sum, u, w);
     Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
-    *failed += answer.refused;
+    if (answer.refused) (*failed)++;
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) answer.force[a] = -answer.force[a];
     if (answer.active) AddForce(contacts, &contacts->patch[k], sum, answer.force, residual);
   }
@@ -194,7 +194,8 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     Evaluate(contacts, patch, dim, w, &answer);
     for (PetscInt i = 0; answer.active && i < box->node_count; i++)
       for (PetscInt cd = 0; weight[i] != 0. && cd < dim * dim; cd++)
-        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += weight[i] * weight[i] * answer.stiffness[cd / dim][cd % dim];
+        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] +=
+          weight[i] * weight[i] * answer.stiffness[cd / dim][cd % dim];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -256,7 +257,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
-  PetscReal (*slip)[MPM_MAX_DIM];
+  PetscReal(*slip)[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(contacts->patch_count, &slip));

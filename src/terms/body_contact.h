@@ -16,23 +16,24 @@ typedef struct {
 } MpmPair;
 
 /* Contacts, with the names of their blocks. */
-typedef struct MpmPairs {
+struct MpmPairs {
   PetscInt count;
   char   **names;
   MpmPair *at;
-} MpmPairs;
+};
 
 /* The facets of one side of a patch: the nodes of a box, and the weights of the mean over the facets at them. */
 typedef struct {
-  PetscInt  begin, end, box, weight; /* begin, end: in the contacts' list of facets */
+  PetscInt  begin, end, box, weight;                       /* begin, end: in the contacts' list of facets */
   PetscReal area, place[MPM_MAX_DIM], vector[MPM_MAX_DIM]; /* projected; mean place; sum of the outward area vectors */
 } MpmPatchSide;
 
 /* The facets of the first body in one cell, and those of the second that lie across. */
 typedef struct {
-  PetscInt     pair;
-  PetscReal    normal[MPM_MAX_DIM], gap, slip[MPM_MAX_DIM]; /* at the step's start; the normal is outward of the first body */
-  PetscReal    touches, stiffness, strength;                /* gap at which it touches, m; Pa/m; Pa */
+  PetscInt  pair;
+  PetscReal normal[MPM_MAX_DIM], gap,
+    slip[MPM_MAX_DIM];                       /* at the step's start; the normal is outward of the first body */
+  PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
   MpmPatchSide side[2];
 } MpmPairPatch;
 
@@ -40,19 +41,19 @@ typedef struct {
 typedef struct MpmPairFacet MpmPairFacet;
 
 /* Those of this rank. */
-typedef struct MpmPairContacts {
+struct MpmPairContacts {
   const MpmPairs *pairs;
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
   PetscReal     cell, touch;       /* the smallest size of a cell; a patch no further away touches */
   PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
-  PetscInt      state_size; /* of a point's history */
+  PetscInt      state_size;        /* of a point's history */
   PetscInt      facet_count, list_count, patch_count, most; /* most: nodes of a patch */
-  MpmPairFacet *facet;      /* by cells */
-  PetscInt     *list;       /* of facets, by patches and their sides */
+  MpmPairFacet *facet;                                      /* by cells */
+  PetscInt     *list;                                       /* of facets, by patches and their sides */
   MpmPairPatch *patch;
   PetscInt      weight_count;
   PetscReal    *weight;
-} MpmPairContacts;
+};
 
 /* Reads friction, penalty and method of a pair's block. */
 PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair);

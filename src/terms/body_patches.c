@@ -36,9 +36,10 @@
 struct MpmPairFacet {
   PetscInt  part, id, point, patch; /* point: on this rank, -1: a copy; patch: of the second body's facets, or -1 */
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
-  PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size, cell[MPM_MAX_DIM]; /* size: half the edge of a face; cell: of its point */
-  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH];                               /* weights by axis */
-  PetscReal modulus, strength, plastic;                                     /* of the material: Pa, Pa, does it flow? */
+  PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
+    cell[MPM_MAX_DIM];                        /* size: half the edge of a face; cell: of its point */
+  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
+  PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, does it flow? */
 };
 
 /* ---- reading ---- */
@@ -53,13 +54,14 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
   pair->penalty = FIRM;
   PetscCall(MpmFrictionRead(block, &pair->friction, &pair->adhesion, &pair->stick));
   pair->tangential = (PetscBool)(pair->stick || pair->friction > 0. || pair->adhesion > 0.);
-  PetscCall(MpmOptionsWord(block, "method", "penalty: bodies push where they overlap; barrier: before they meet", methods,
-                           MPM_OPTIONAL, &method, NULL));
+  PetscCall(MpmOptionsWord(block, "method", "penalty: bodies push where they overlap; barrier: before they meet",
+                           methods, MPM_OPTIONAL, &method, NULL));
   pair->barrier = (PetscBool)method;
-  PetscCall(MpmOptionsReal(block, "penalty", "E/h",
-                           "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
-                           "10 where one of them flows",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
+  PetscCall(
+    MpmOptionsReal(block, "penalty", "E/h",
+                   "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
+                   "10 where one of them flows",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
   PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
   PetscCall(PetscStrallocpy(field, &pair->gap_field));
   for (PetscInt a = 0; pair->tangential && a < dim; a++) {
@@ -112,8 +114,8 @@ static PetscBool InContact(const MpmPairs *pairs, PetscInt part)
   return PETSC_FALSE;
 }
 
-static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points, const MpmSpace *space, PetscInt group,
-                              PetscInt p, PetscInt face)
+static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                              const MpmSpace *space, PetscInt group, PetscInt p, PetscInt face)
 {
   const PetscInt     dim      = space->dim;
   const MpmGroup    *nodes    = &space->groups[group];
@@ -202,7 +204,8 @@ static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid
       owners = MpmGridBoxOwners(grid, lower, upper, owner);
       for (PetscInt i = 0; i < owners; i++) {
         if (owner[i] == grid->rank) continue;
-        if (pass) PetscCall(PetscMemcpy(&sent.data[WORDS * place[owner[i]]++], &contacts->facet[k], sizeof(MpmPairFacet)));
+        if (pass)
+          PetscCall(PetscMemcpy(&sent.data[WORDS * place[owner[i]]++], &contacts->facet[k], sizeof(MpmPairFacet)));
         else count[owner[i]]++;
       }
     }
@@ -246,19 +249,21 @@ static int CompareFacets(const void *a, const void *b)
 /* How far the middle of a facet of the second body is from one of the first; infinite where it does not lie before it. */
 static PetscReal Across(PetscInt dim, const MpmPairFacet *one, const MpmPairFacet *other, PetscReal reach)
 {
-  PetscReal dot = 0., area = 0., along = 0., square = 0.;
+  PetscReal dot = 0., area = 0., size = 0., along = 0., square = 0.;
 
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal d = other->place[a] - one->place[a];
 
     dot += one->area[a] * other->area[a];
     area += PetscSqr(one->area[a]);
+    size += PetscSqr(other->area[a]);
     along += d * one->area[a];
     square += d * d;
   }
-  if (dot >= 0. || square > reach * reach) return PETSC_INFINITY;
+  if (dot > -FACING * PetscSqrtReal(area * size) || square > reach * reach) return PETSC_INFINITY;
   along /= PetscSqrtReal(area);
-  if (PetscSqrtReal(PetscMax(square - along * along, 0.)) > (one->size + other->size) * PetscSqrtReal((PetscReal)dim - 1.))
+  if (PetscSqrtReal(PetscMax(square - along * along, 0.)) >
+      (one->size + other->size) * PetscSqrtReal((PetscReal)dim - 1.))
     return PETSC_INFINITY;
   return square;
 }
@@ -294,7 +299,8 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
           const MpmPairFacet *one = &contacts->facet[f];
           PetscReal           distance;
 
-          if (one->cell[0] != (PetscReal)cell[0] || one->cell[1] != (PetscReal)cell[1] || one->cell[2] != (PetscReal)cell[2])
+          if (one->cell[0] != (PetscReal)cell[0] || one->cell[1] != (PetscReal)cell[1] ||
+              one->cell[2] != (PetscReal)cell[2])
             break;
           if (one->part != pair->part[0]) continue;
           distance = Across(grid->dim, one, other, SEARCH * contacts->cell);
@@ -354,8 +360,8 @@ static void Describe(const MpmPairContacts *contacts, PetscInt dim, MpmPairPatch
   }
   patch->gap = 0.;
   for (PetscInt a = 0; a < dim; a++)
-    patch->gap +=
-      patch->normal[a] * (patch->side[1].place[a] / patch->side[1].area - patch->side[0].place[a] / patch->side[0].area);
+    patch->gap += patch->normal[a] *
+                  (patch->side[1].place[a] / patch->side[1].area - patch->side[0].place[a] / patch->side[0].area);
   patch->stiffness = (flows > 0. && !pair->firm ? SOFT : pair->penalty) * modulus / contacts->cell;
 }
 
@@ -377,10 +383,11 @@ static void IncludeNodes(MpmGroup *box, const MpmPairFacet *facet)
 }
 
 /* The mean's weights at the nodes of a box: those of a facet, times its share of the area. */
-static void AddWeights(PetscInt dim, const MpmPairFacet *facet, const MpmGroup *box, PetscReal share, PetscReal weight[])
+static void AddWeights(PetscInt dim, const MpmPairFacet *facet, const MpmGroup *box, PetscReal share,
+                       PetscReal weight[])
 {
   for (PetscInt i = 0; i < box->node_count; i++) {
-    const PetscInt row = i / box->count[0];
+    const PetscInt row             = i / box->count[0];
     const PetscInt at[MPM_MAX_DIM] = {i % box->count[0], row % box->count[1], row / box->count[1]};
     PetscReal      w               = share;
 
@@ -464,7 +471,8 @@ static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *spac
 /* Do the two have the same cell? */
 static PetscBool SameCell(const MpmPairFacet *one, const MpmPairFacet *other)
 {
-  return (PetscBool)(one->cell[0] == other->cell[0] && one->cell[1] == other->cell[1] && one->cell[2] == other->cell[2]);
+  return (PetscBool)(one->cell[0] == other->cell[0] && one->cell[1] == other->cell[1] &&
+                     one->cell[2] == other->cell[2]);
 }
 
 /* Does the facet look against the direction, by more than 60 degrees off being along? */
@@ -484,8 +492,8 @@ static PetscBool Faces(PetscInt dim, const MpmPairFacet *facet, const PetscReal 
 static PetscErrorCode AddPatch(MpmPairContacts *contacts, PetscInt dim, PetscInt pair, PetscInt seed, PetscInt count,
                                const PetscInt others[])
 {
-  const MpmPair *bodies = &contacts->pairs->at[pair];
-  MpmPairPatch   patch  = {.pair = pair};
+  const MpmPair *bodies           = &contacts->pairs->at[pair];
+  MpmPairPatch   patch            = {.pair = pair};
   PetscReal      sum[MPM_MAX_DIM] = {0., 0., 0.};
   PetscInt       f                = seed;
 
@@ -516,8 +524,7 @@ static PetscErrorCode PatchesOfPair(MpmPairContacts *contacts, const MpmGrid *gr
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(contacts->facet_count, &opposite, contacts->facet_count, &other));
   for (PetscInt k = 0; k < contacts->facet_count; k++) {
-    const PetscInt found =
-      contacts->facet[k].part == bodies->part[1] ? Opposite(contacts, grid, bodies, k) : -1;
+    const PetscInt found = contacts->facet[k].part == bodies->part[1] ? Opposite(contacts, grid, bodies, k) : -1;
 
     if (found < 0 || contacts->facet[found].point < 0) continue; /* another rank's */
     opposite[count] = found;
@@ -550,7 +557,7 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   if (rules->grid->size > 1) PetscCall(ShareFacets(contacts, rules->grid));
   qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmPairFacet), CompareFacets);
   PetscCall(PetscFree(contacts->list));
-  PetscCall(PetscMalloc1(2 * contacts->facet_count * contacts->pairs->count, &contacts->list));
+  PetscCall(PetscMalloc1((2 * contacts->facet_count * contacts->pairs->count), &contacts->list));
   for (PetscInt k = 0; k < contacts->pairs->count; k++) PetscCall(PatchesOfPair(contacts, rules->grid, k));
   if (contacts->patch_count) PetscCall(MakeSides(contacts, space));
   if (contacts->patch_count) PetscCall(WeighSides(contacts, space));
@@ -650,7 +657,8 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair = &contacts->pairs->at[p];
 
-    for (PetscInt a = -1; a < MPM_MAX_DIM; a++) { /* -1: the gap */
+    for (PetscInt field = 0; field <= MPM_MAX_DIM; field++) { /* the gap, then the slip */
+      const PetscInt a = field - 1;
       const char *name = a < 0 ? pair->gap_field : pair->slip_field[a];
       PetscReal  *value;
 

@@ -491,8 +491,7 @@ void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints
 
   line[2][0] = 1.;
   if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
-  for (PetscInt a = 0; a < space->dim; a++)
-    AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
+  for (PetscInt a = 0; a < space->dim; a++) AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
 }
 
 static void Weights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,

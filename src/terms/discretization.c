@@ -9,6 +9,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
+#include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
@@ -22,6 +23,7 @@ PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *
   PetscCall(PetscNew(&disc->space));
   PetscCall(PetscNew(&disc->constraints));
   PetscCall(PetscNew(&disc->contacts));
+  PetscCall(PetscNew(&disc->pairs));
   PetscCall(PetscNew(&disc->trial));
   PetscCall(PetscNew(&disc->sum));
   *disc->sum = (MpmSum){.grid = grid, .space = disc->space, .layout = layout, .points = disc->points};
@@ -39,7 +41,8 @@ PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc)
 }
 
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, MpmPlacement *placements, PetscInt state_size)
+                                      const MpmBoundaries *boundaries, const MpmPairs *pairs, MpmPlacement *placements,
+                                      PetscInt state_size)
 {
   PetscFunctionBeginUser;
   disc->material_count  = materials->count;
@@ -52,6 +55,8 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
+  PetscCall(MpmPairContactsCreate(pairs, state_size, disc->pairs));
+  if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -82,11 +87,13 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(MpmTrialReset(disc->trial));
   PetscCall(PetscFree(disc->reaction));
   PetscCall(MpmContactsDestroy(disc->contacts));
+  PetscCall(MpmPairContactsDestroy(disc->pairs));
   PetscCall(MpmTermsDestroy(&disc->terms));
   PetscCall(PetscFree(disc->points));
   PetscCall(PetscFree(disc->space));
   PetscCall(PetscFree(disc->constraints));
   PetscCall(PetscFree(disc->contacts));
+  PetscCall(PetscFree(disc->pairs));
   PetscCall(PetscFree(disc->trial));
   PetscCall(PetscFree(disc->sum));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,27 +10,28 @@
   points work with. Arrays of nodal values are those of the local nodes, along the axes.
 */
 typedef struct MpmDiscretization {
-  MPI_Comm        comm;
-  PetscInt        dim, block;     /* directions, and unknowns a node */
-  PetscReal       h[MPM_MAX_DIM]; /* of a cell, m */
-  MpmGrid        *grid;
-  MpmLayout      *layout;
-  PetscInt        material_count; /* of the scene's, sum->materials */
-  MpmPoints      *points;
-  MpmSpace       *space;
-  MpmConstraints *constraints;
-  MpmPattern     *pattern; /* NULL before the first assembled matrix */
-  MpmSum         *sum;
-  MpmContacts    *contacts;
-  MpmTerms       *terms;
-  MpmTrial       *trial;
-  MpmSections    *sections; /* NULL: none */
-  PetscReal      *u, *residual, *force;
-  PetscReal      *reaction;  /* per condition and component of the block */
-  PetscBool       committed; /* do these three tell of the last step that has become the state? */
-  PetscReal       diagonal;  /* of prescribed unknowns: a typical stiffness */
-  PetscReal       ghost;     /* factor of the ghost penalty, 0: none */
-  PetscInt        parts;     /* of the material, with nodes of their own; 1: all bodies share them */
+  MPI_Comm         comm;
+  PetscInt         dim, block;     /* directions, and unknowns a node */
+  PetscReal        h[MPM_MAX_DIM]; /* of a cell, m */
+  MpmGrid         *grid;
+  MpmLayout       *layout;
+  PetscInt         material_count; /* of the scene's, sum->materials */
+  MpmPoints       *points;
+  MpmSpace        *space;
+  MpmConstraints  *constraints;
+  MpmPattern      *pattern; /* NULL before the first assembled matrix */
+  MpmSum          *sum;
+  MpmContacts     *contacts;
+  MpmPairContacts *pairs; /* of bodies */
+  MpmTerms        *terms;
+  MpmTrial        *trial;
+  MpmSections     *sections; /* NULL: none */
+  PetscReal       *u, *residual, *force;
+  PetscReal       *reaction;  /* per condition and component of the block */
+  PetscBool        committed; /* do these three tell of the last step that has become the state? */
+  PetscReal        diagonal;  /* of prescribed unknowns: a typical stiffness */
+  PetscReal        ghost;     /* factor of the ghost penalty, 0: none */
+  PetscInt         parts;     /* of the material, with nodes of their own; 1: all bodies share them */
 } MpmDiscretization;
 
 /*
@@ -40,7 +41,8 @@ typedef struct MpmDiscretization {
 PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, MpmPlacement *placements, PetscInt state_size);
+                                      const MpmBoundaries *boundaries, const MpmPairs *pairs, MpmPlacement *placements,
+                                      PetscInt state_size);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Where a local node is, m. */
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);

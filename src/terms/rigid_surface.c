@@ -73,8 +73,8 @@ PetscErrorCode MpmFrictionRead(const MpmOptions *block, PetscReal *friction, Pet
     *friction             = strtod(text, &end);
     const PetscBool angle = (PetscBool)!strcmp(end, "deg");
 
-    MpmCheckInput(MpmOptionsHelp() || (end != text && (angle || !*end) && *friction >= 0. &&
-                                       *friction < (angle ? 90. : PETSC_INFINITY)),
+    MpmCheckInput(MpmOptionsHelp() ||
+                    (end != text && (angle || !*end) && *friction >= 0. && *friction < (angle ? 90. : PETSC_INFINITY)),
                   "-%sfriction %s: must be frictionless, stick, a coefficient >= 0 or an angle in [0deg, 90deg)",
                   block->prefix, text);
     if (angle) *friction = tan(*friction * PETSC_PI / 180.);
@@ -126,7 +126,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
   PetscCall(MpmFrictionRead(&block, &boundary->friction, &boundary->adhesion, &boundary->stick));
   boundary->tangential = (PetscBool)(boundary->stick || boundary->friction > 0. || boundary->adhesion > 0.);
-  boundary->bilateral = (PetscBool)bilateral;
+  boundary->bilateral  = (PetscBool)bilateral;
   PetscCall(MpmOptionsReal(&block, "penalty", "E/h",
                            "pressure by depth, times Young's modulus over the cell size; unless given, 10 on materials "
                            "that flow, whose pressures are small beside it",

@@ -57,6 +57,7 @@ typedef struct {
   MpmBodies     *bodies;
   MpmConditions *bcs;
   MpmBoundaries *boundaries;
+  MpmPairs      *pairs; /* contacts of bodies */
   MpmLoads      *loads;
   MpmBodyForce   body_force;
   void          *body_force_ctx;
