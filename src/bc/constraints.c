@@ -37,10 +37,10 @@ static PetscBool Holds(const MpmPrescription *step, PetscInt b, const PetscReal 
   return (PetscBool)(step->acting[b].active && MpmRegionContains(step->conditions->at[b].region, x));
 }
 
+/* By which regions select a node: conditions go with the grid. */
 static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
 {
-  for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * (PetscReal)space->node[node * grid->dim + a];
+  MpmGridNodeAtStart(grid, &space->node[node * grid->dim], x);
 }
 
 /* The frame of a node from all conditions that hold it; the last one counts first. */

@@ -450,7 +450,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(
-    (model->scene.loads->count + model->results->tracks.count + (model->scene.boundaries->count + 1) * MPM_MAX_DIM),
+    (model->scene.loads->count + model->results->tracks.count + (model->scene.boundaries->count + 1) * MPM_MAX_DIM + 1),
     &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
@@ -464,6 +464,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     for (PetscInt a = 0; model->scene.boundaries->at[k].stick && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
+
+  if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);
 
   model->state.particles->has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
@@ -491,6 +493,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
+  PetscCall(MpmMovingGridSelect(model));
   PetscCall(MpmStagesSelect(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(MpmStageBegin(model, 0));
@@ -534,6 +537,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, options));
   PetscCall(ReadConditions(model, options));
+  PetscCall(MpmMovingGridRead(model, options));
   PetscCall(MpmStagesRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));

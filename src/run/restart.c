@@ -341,6 +341,8 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   PetscBool     same, moved;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmScalarsRestore(&restart->scalars, "grid_", model));
+  MpmMovingGridPlace(model);
   if (restart->together) {
     first = (PetscInt)((PetscInt64)restart->points * model->rank / model->size);
     rows  = (PetscInt)((PetscInt64)restart->points * (model->rank + 1) / model->size) - first;
@@ -380,7 +382,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmScalarsRestore(&restart->scalars, model));
+  PetscCall(MpmScalarsRestore(&restart->scalars, "", model));
   if (!may_rescue || model->state.rescue.ghost || model->disc.ghost != MPM_GHOST_RESCUE) {
     model->disc.ghost         = ghost;
     model->state.rescue.ghost = may_rescue;

@@ -60,7 +60,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
-                      model->scene.boundaries->count * (dim + 1) + 2;
+                      model->scene.boundaries->count * (dim + 1) + 2 * dim + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -91,6 +91,11 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
       PetscCall(PetscSNPrintf(name, sizeof(name), "track_%s_u%c", model->results->tracks.names[t], "xyz"[a]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
+  }
+  for (PetscInt k = 0; k < 2 * dim; k++) {
+    if (!model->scene.follow.axis[k / 2]) continue;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "grid_%s_%c", k % 2 ? "upper" : "lower", "xyz"[k / 2]));
+    PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
   }
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
@@ -151,6 +156,11 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
+    if (!model->scene.follow.axis[a]) continue;
+    row[k++] = model->disc.grid->lower[a];
+    row[k++] = model->disc.grid->upper[a];
+  }
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
   if (MpmStagesReduce(model)) row[k] = MpmReductionFactor(model, model->state.time);
   PetscCall(MpmHistoryAppend(model->results->history, row));

@@ -47,6 +47,13 @@ static const struct {
   MODEL("factor_of_safety", REAL, state.safety.factor),
   MODEL("reduction_moved", REAL, state.safety.moved),
   MODEL("reduction_last", REAL, state.safety.reduced),
+  MODEL("grid_known", BOOL, state.grid.known),
+  MODEL("grid_start_x", REAL, state.grid.start[0]),
+  MODEL("grid_start_y", REAL, state.grid.start[1]),
+  MODEL("grid_start_z", REAL, state.grid.start[2]),
+  MODEL("grid_moved_x", REAL, state.grid.moved[0]),
+  MODEL("grid_moved_y", REAL, state.grid.moved[1]),
+  MODEL("grid_moved_z", REAL, state.grid.moved[2]),
 #undef MODEL
 #undef RESULTS
 };
@@ -79,13 +86,13 @@ PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, MpmModel model)
+PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, const char *begin, MpmModel model)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < scalars->count; k++) {
     void *member = Member(model, k);
 
-    if (!scalars->there[k]) continue;
+    if (!scalars->there[k] || strncmp(scalars->name[k], begin, strlen(begin))) continue;
     if (table[k].kind == KIND_REAL) *(PetscReal *)member = scalars->value[k];
     if (table[k].kind == KIND_INT) *(PetscInt *)member = (PetscInt)scalars->number[k];
     if (table[k].kind == KIND_INT64) *(PetscInt64 *)member = scalars->number[k];

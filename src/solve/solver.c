@@ -5,6 +5,7 @@
 #include "options/options.h"
 #include "options/record.h"
 #include "point/layout.h"
+#include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
@@ -386,7 +387,8 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
     for (PetscInt i = 0; i < solver->disc->space->owned; i++) {
       PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
 
-      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->h[a] * (PetscReal)solver->disc->space->node[i * dim + a];
+      for (PetscInt a = 0; a < dim; a++)
+        x[a] = solver->disc->grid->h[a] * (PetscReal)solver->disc->space->node[i * dim + a];
       SetMode(layout, k, x, &values[i * bs]);
     }
     MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, values);

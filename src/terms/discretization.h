@@ -12,7 +12,7 @@
 typedef struct MpmDiscretization {
   MPI_Comm        comm;
   PetscInt        dim, block;     /* directions, and unknowns a node */
-  PetscReal       h[MPM_MAX_DIM]; /* of a cell, m */
+  PetscReal       h[MPM_MAX_DIM]; /* of a cell as the grid was read, m */
   MpmGrid        *grid;
   MpmLayout      *layout;
   PetscInt        material_count; /* of the scene's, sum->materials */

@@ -62,8 +62,10 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
 /* Do the scene's points suit it? */
 PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
-MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
-void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
+/* Where it is about, before it moves: a point of a plane or of an axis, a centre, the middle of the vertices. */
+void    MpmBoundaryPlace(const MpmBoundary *boundary, PetscReal x[]);
+MpmPose MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
+void    MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
 /* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
 PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);

@@ -185,6 +185,13 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmBoundaryPlace(const MpmBoundary *boundary, PetscReal x[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) x[a] = boundary->point[a];
+  for (PetscInt k = 0; k < 2 * boundary->vertex_count; k++)
+    x[k % 2] += boundary->vertices[k] / (PetscReal)boundary->vertex_count;
+}
+
 MpmPose MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time)
 {
   const PetscReal factor = MpmRampEvaluate(boundary->ramp, time);

@@ -99,7 +99,7 @@ static MpmRules Rules(MpmModel model)
                     .stretch    = model->scene.stretch,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
-                    .sparse     = model->state.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                    .sparse     = model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                     .mean       = (PetscBool)(model->disc.layout->means > 0)};
 }
 

@@ -46,6 +46,19 @@ typedef struct MpmStage {
   MpmReduction   reduction;
 } MpmStage;
 
+typedef enum { MPM_FOLLOW_NOTHING, MPM_FOLLOW_MOTION, MPM_FOLLOW_BOUNDARY, MPM_FOLLOW_BODY } MpmFollowed;
+
+/* What the grid follows, and how (moving_grid.c). */
+typedef struct {
+  MpmFollowed what;
+  PetscInt    index;             /* into the scene's list of its kind */
+  PetscBool   axis[MPM_MAX_DIM]; /* does the grid move along it? */
+  PetscBool   stretch; /* one side stays, and the cells change their size; otherwise the grid moves as a whole */
+  PetscInt    fixed[MPM_MAX_DIM]; /* the side that stays: -1 lower, 1 upper, 0: the further one at the start */
+  PetscBool   has_at;
+  PetscReal   at[MPM_MAX_DIM]; /* what moves with the followed, in the grid as it was read; by default the other side */
+} MpmFollow;
+
 /* What was read: constant from then on. */
 typedef struct {
   char          *title, *prefix;
@@ -58,6 +71,7 @@ typedef struct {
   MpmConditions *bcs;
   MpmBoundaries *boundaries;
   MpmLoads      *loads;
+  MpmFollow      follow;
   MpmBodyForce   body_force;
   void          *body_force_ctx;
   PetscBool      fbar, fbar_auto;

@@ -13,10 +13,18 @@ typedef struct {
   PetscReal reduced; /* the reduction there */
 } MpmSafety;
 
+/* How far the grid has moved with what it follows. */
+typedef struct {
+  PetscBool known;              /* what it follows has been there; */
+  PetscReal start[MPM_MAX_DIM]; /* here then */
+  PetscReal moved[MPM_MAX_DIM]; /* m, since then, at the step's start */
+} MpmGridMotion;
+
 /* What is left to try where steps fail again and again. */
 typedef struct {
-  PetscBool ghost;    /* a firmer ghost penalty */
-  PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
+  PetscBool ghost_auto; /* nobody has set the ghost penalty */
+  PetscBool ghost;      /* a firmer ghost penalty */
+  PetscBool dilation;   /* F-bar leaves dilation to the points: it may average that, too */
 } MpmRescue;
 
 /* What moves on: points, time, and how steps go. */
@@ -40,8 +48,8 @@ typedef struct {
   PetscReal            run_end;
   PetscReal            load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
   PetscBool            reference_output; /* position0 goes into the next state that is written */
-  PetscBool            ghost_auto;       /* nobody has set the ghost penalty */
   MpmRescue            rescue;
   PetscInt64           active_dofs_max;
   MpmSafety            safety;
+  MpmGridMotion        grid;
 } MpmState;

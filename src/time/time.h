@@ -34,6 +34,17 @@ PetscErrorCode MpmStagesSelect(MpmModel model);
   loads push along such a motion and no boundary may catch it.
 */
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable);
+/*
+  The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Place puts the
+  grid where they have moved by the state's motion, and Follow finds that motion first, at a step's start; `why` is NULL,
+  or the reason for which the grid cannot follow.
+*/
+PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmMovingGridSelect(MpmModel model);
+void           MpmMovingGridPlace(MpmModel model);
+PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why);
+/* The field of the points that a followed body has, NULL where the scene has none. */
+const char *MpmMovingGridField(const MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
