@@ -33,10 +33,12 @@ struct MpmActing {
   PetscReal start;
 };
 
-/* The conditions as a step from time_n to `time` takes them; `acting` by condition. */
+/* Conditions and motions as a step from time_n to `time` takes them; `acting` by condition, then by motion. */
 typedef struct {
   const MpmConditions *conditions;
+  const MpmMotions    *motions;
   const MpmActing     *acting;
+  MpmParticles        *particles;
   PetscReal            time_n, time;
   PetscReal            diagonal; /* a typical stiffness of a node, N/m */
 } MpmPrescription;
@@ -57,7 +59,7 @@ typedef struct {
   its components in the frame.
 */
 typedef struct MpmConstraints {
-  PetscInt  *condition; /* per local unknown: which condition holds it, or one of the two below */
+  PetscInt  *condition; /* per local unknown: which condition or, behind them, motion holds it, or one of these two */
   PetscReal *value;     /* the value that it takes */
   PetscBool  any;
   PetscInt   dim, block;
@@ -72,8 +74,9 @@ PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
                                     MpmWall *walls);
+/* `contradicts` is a motion that another one, or a condition, contradicts at a node, or -1; the same on all ranks. */
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space);
+                                   const MpmLayout *layout, const MpmSpace *space, PetscInt *contradicts);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
 /* Is the local unknown solved for? */
 static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, PetscInt unknown)

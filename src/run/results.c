@@ -7,6 +7,7 @@
 #include "grid/shape.h"
 #include "particles/particles.h"
 #include "bc/bc.h"
+#include "bc/motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/time.h"
@@ -60,7 +61,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
-                      model->scene.boundaries->count * (dim + 1) + 2 * dim + 2;
+                      (model->scene.boundaries->count + model->scene.motions->count) * (dim + 1) + 2 * dim + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -75,6 +76,13 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
     }
     if (model->scene.bcs->at[b].inclined) { /* along the normal */
       PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->scene.bcs->names[b]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+  }
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.motions->names[m],
+                              "xyz"[model->scene.motions->at[m].component[k]]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
@@ -149,6 +157,12 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
     row[k] = 0.;
     for (PetscInt a = 0; a < model->disc.dim; a++) row[k] += reaction[a] * model->scene.bcs->at[b].normal[a];
     k++;
+  }
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    const PetscReal *reaction = &model->disc.reaction[(model->scene.bcs->count + m) * model->disc.block];
+
+    for (PetscInt c = 0; c < model->scene.motions->at[m].component_count; c++)
+      row[k++] = reaction[model->scene.motions->at[m].component[c]];
   }
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
     for (PetscInt a = 0; a < model->disc.dim; a++) row[k++] = model->disc.contacts->reaction[b][a];

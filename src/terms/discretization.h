@@ -25,7 +25,7 @@ typedef struct MpmDiscretization {
   MpmTerms       *terms;
   MpmTrial       *trial;
   PetscReal      *u, *residual, *force;
-  PetscReal      *reaction;  /* per condition and component of the block */
+  PetscReal      *reaction;  /* per condition or, behind them, motion, and component of the block */
   PetscBool       committed; /* do these three tell of the last step that has become the state? */
   PetscReal       diagonal;  /* of prescribed unknowns: a typical stiffness */
   PetscReal       ghost;     /* factor of the ghost penalty, 0: none */

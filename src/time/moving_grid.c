@@ -16,8 +16,10 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/particles.h"
+#include "bc/motion.h"
 #include "terms/rigid.h"
 #include "time/model.h"
+#include "time/stage_lists.h"
 #include "time/time.h"
 
 #define FIELD    "follow" /* 1 at the points of a followed body */
@@ -25,22 +27,18 @@
 
 /* ---- reading ---- */
 
-static PetscInt FindName(PetscInt count, char *const names[], const char *name)
-{
-  for (PetscInt k = 0; k < count; k++)
-    if (!strcmp(names[k], name)) return k;
-  return -1;
-}
-
 static void FindFollowed(const MpmModel model, const char *name, MpmFollow *follow)
 {
   const MpmScene *scene = &model->scene;
 
+  follow->what  = MPM_FOLLOW_MOTION;
+  follow->index = MpmStageFindName(scene->motions->count, scene->motions->names, name);
+  if (follow->index >= 0) return;
   follow->what  = MPM_FOLLOW_BOUNDARY;
-  follow->index = FindName(scene->boundaries->count, scene->boundaries->names, name);
+  follow->index = MpmStageFindName(scene->boundaries->count, scene->boundaries->names, name);
   if (follow->index >= 0) return;
   follow->what  = MPM_FOLLOW_BODY;
-  follow->index = FindName(scene->bodies->count, scene->bodies->names, name);
+  follow->index = MpmStageFindName(scene->bodies->count, scene->bodies->names, name);
 }
 
 /* Axes by their letters. */
@@ -211,6 +209,9 @@ static PetscErrorCode FindPlace(MpmModel model, const PetscReal from[], PetscRea
     for (PetscInt a = 0; a < model->disc.dim; a++) place[a] += pose.motion[a] - from[a];
     break;
   }
+  case MPM_FOLLOW_MOTION:
+    PetscCall(MeanPlace(model, model->scene.motions->at[follow->index].share_field, from, place, there));
+    break;
   default:
     PetscCall(MeanPlace(model, FIELD, from, place, there));
   }

@@ -10,6 +10,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "bc/motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/terms.h"
@@ -140,21 +141,31 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time)
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why)
 {
-  const MpmPrescription step = {model->scene.bcs, model->state.bcs, model->state.time, time, model->disc.diagonal};
+  const MpmPrescription step = {model->scene.bcs,       model->scene.motions, model->state.bcs,
+                                model->state.particles, model->state.time,    time,
+                                model->disc.diagonal};
+  PetscInt              contradicts;
 
   PetscFunctionBeginUser;
-  PetscCall(
-    MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space));
+  *why = NULL;
+  PetscCall(MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space,
+                                &contradicts));
+  if (contradicts < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                          "motion %s meets nodes that a condition or another motion moves otherwise",
+                          model->scene.motions->names[contradicts]));
+  *why = model->solver.lost;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Conditions and loads at the step's end. */
-static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
+static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmModelPrescribe(model, time));
+  PetscCall(MpmModelPrescribe(model, time, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTermsPrepare(model->disc.terms,
                             &(MpmTermStep){rules, model->disc.sum, model->state.particles, model->state.time, time}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
@@ -181,8 +192,8 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   if (!*why) {
     model->disc.sum->dt = dt;
     if (!again) PetscCall(MpmSolverSetUp(&model->solver));
-    PetscCall(PrepareConditions(model, &rules, time));
-    PetscCall(InitialGuess(model, PETSC_FALSE));
+    PetscCall(PrepareConditions(model, &rules, time, why));
+    if (!*why) PetscCall(InitialGuess(model, PETSC_FALSE));
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
@@ -288,8 +299,9 @@ static PetscErrorCode FindTrial(MpmModel model)
 /* The converged step becomes the state; reactions are the residual at the constrained nodes. */
 static PetscErrorCode Commit(MpmModel model)
 {
-  const PetscInt bs  = model->disc.block;
-  const PetscInt dim = model->disc.dim;
+  const PetscInt bs    = model->disc.block;
+  const PetscInt dim   = model->disc.dim;
+  const PetscInt count = (model->scene.bcs->count + model->scene.motions->count) * bs; /* of reactions */
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
@@ -298,11 +310,10 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
-  PetscCall(PetscArrayzero(model->disc.reaction, model->scene.bcs->count * bs));
+  PetscCall(PetscArrayzero(model->disc.reaction, count));
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)(model->scene.bcs->count * bs), MPIU_REAL,
-                           MPIU_SUM, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
   for (PetscInt k = 0; k < model->disc.points->count * dim; k++)
     model->disc.points->x[k] =
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);

@@ -38,10 +38,10 @@ typedef struct {
 typedef struct MpmStage {
   char          *name;
   MpmTimeControl time;
-  PetscBool     *bcs, *loads;    /* by the model's lists: does it act? */
-  PetscBool     *removed, *adds; /* by the model's bodies */
-  PetscInt      *material;       /* by the model's bodies: of its points from here on, or -1 */
-  PetscBool      reset;          /* displacements start at zero again */
+  PetscBool     *bcs, *motions, *loads; /* by the model's lists: does it act? */
+  PetscBool     *removed, *adds;        /* by the model's bodies */
+  PetscInt      *material;              /* by the model's bodies: of its points from here on, or -1 */
+  PetscBool      reset;                 /* displacements start at zero again */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
 } MpmStage;
@@ -69,6 +69,7 @@ typedef struct {
   MpmMaterials  *materials;
   MpmBodies     *bodies;
   MpmConditions *bcs;
+  MpmMotions    *motions;
   MpmBoundaries *boundaries;
   MpmLoads      *loads;
   MpmFollow      follow;

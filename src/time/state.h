@@ -40,7 +40,7 @@ typedef struct {
   PetscInt             step, cuts, cuts_total;
   PetscInt             stage;  /* the one under way */
   MpmParked           *parked; /* per body: points that a later stage adds */
-  MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way */
+  MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way; motions behind conditions */
   MpmLoadActing       *loads;
   PetscInt             wall_count; /* that follow from it */
   MpmWall             *walls;

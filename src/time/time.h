@@ -85,8 +85,8 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
 /* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
-/* What the conditions prescribe in a step to `time`; the space stands. */
-PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time);
+/* What conditions and motions prescribe in a step to `time`; the space stands. `why` is NULL, or why they cannot. */
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why);
 /* The space of the points where they are now, without a step. */
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* Where a run would give up, once: a firmer ghost penalty from here on. */
