@@ -27,10 +27,12 @@ typedef struct MpmConditions {
   MpmCondition *at;
 } MpmConditions;
 
-/* Whether a condition acts in the stage, and from when its ramp counts. */
+/* Whether a condition acts in the stage, and from when its ramp counts; and what it moves (lost_material.c). */
 struct MpmActing {
   PetscBool active;
   PetscReal start;
+  PetscInt  first, end; /* ids of the body of which its nodes held most as it began to move in the stage, */
+  PetscReal volume;     /* and how much of it, m3; 0: it has not begun to */
 };
 
 /* Conditions and motions as a step from time_n to `time` takes them; `acting` by condition, then by motion. */
@@ -77,6 +79,19 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
 /* `contradicts` is a motion that another one, or a condition, contradicts at a node, or -1; the same on all ranks. */
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
                                    const MpmLayout *layout, const MpmSpace *space, PetscInt *contradicts);
+/* What the ramp of condition or motion b adds in the step, or its factor at the step's end for unknowns that are totals. */
+PetscReal MpmStepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment);
+/* Does condition b act at a node, which is given by its place in the grid as it was read? */
+PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const PetscReal x[]);
+/* Does the condition ever prescribe a displacement other than zero, along one of `dim` axes? */
+PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim);
+/*
+  Looks whether each condition that moves the material in the step still holds the body that it began to move, and notes in
+  `acting` which that is. `lost` is the first that does not, or -1, and `left` what its nodes hold of what they held then, 0
+  where no active node is left; the same on all ranks.
+*/
+PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
+                                     const MpmSum *sum, PetscInt *lost, PetscReal *left);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
 /* Is the local unknown solved for? */
 static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, PetscInt unknown)

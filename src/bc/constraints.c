@@ -22,8 +22,7 @@ PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the ramp of condition or motion b adds in the step, or its factor at the step's end for unknowns that are totals. */
-static PetscReal StepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment)
+PetscReal MpmStepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment)
 {
   const PetscInt  count  = step->conditions->count;
   const MpmRamp   ramp   = b < count ? step->conditions->at[b].ramp : step->motions->at[b - count].ramp;
@@ -33,8 +32,7 @@ static PetscReal StepFactor(const MpmPrescription *step, PetscInt b, PetscBool i
   return MpmRampEvaluate(ramp, step->time - start) - before;
 }
 
-/* Does condition b act, with a normal or without, at x? */
-static PetscBool Holds(const MpmPrescription *step, PetscInt b, const PetscReal x[])
+PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const PetscReal x[])
 {
   return (PetscBool)(step->acting[b].active && MpmRegionContains(step->conditions->at[b].region, x));
 }
@@ -73,7 +71,7 @@ static NodeMotion MotionAt(const MpmPrescription *step, const PetscReal *mark)
 
     for (PetscInt k = 0; k < motion->component_count && mark[m] > 0.; k++) {
       const PetscInt  c     = motion->component[k];
-      const PetscReal value = motion->value[k] * StepFactor(step, index, PETSC_TRUE);
+      const PetscReal value = motion->value[k] * MpmStepFactor(step, index, PETSC_TRUE);
 
       node.any = PETSC_TRUE;
       if (node.motion[c] >= 0 && Differ(node.value[c], value)) node.contradicts = m;
@@ -132,9 +130,9 @@ static void MakeFrame(const MpmPrescription *step, const PetscReal x[], PetscInt
   }
   for (PetscInt b = step->conditions->count - 1; b >= 0; b--) {
     const MpmCondition *bc     = &step->conditions->at[b];
-    const PetscReal     factor = StepFactor(step, b, PETSC_TRUE);
+    const PetscReal     factor = MpmStepFactor(step, b, PETSC_TRUE);
 
-    if (!Holds(step, b, x)) continue;
+    if (!MpmConditionHolds(step, b, x)) continue;
     if (bc->inclined) {
       CheckEquation(node, step->conditions->count, dim, bc->normal, bc->value[0] * factor);
       MpmFrameAdd(frame, dim, bc->normal, bc->value[0] * factor, b);
@@ -167,7 +165,7 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescrip
     constraints->frame_of[i] = -1;
     NodePosition(grid, space, i, x);
     for (PetscInt b = 0; b < step->conditions->count && constraints->frame_of[i] < 0; b++)
-      if (step->conditions->at[b].inclined && Holds(step, b, x)) constraints->frame_of[i] = count++;
+      if (step->conditions->at[b].inclined && MpmConditionHolds(step, b, x)) constraints->frame_of[i] = count++;
   }
   PetscCall(PetscCalloc1(count, &constraints->frames));
   for (PetscInt i = 0; i < space->local; i++) {
@@ -211,12 +209,12 @@ static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescripti
     PetscReal x[MPM_MAX_DIM];
 
     NodePosition(grid, space, i, x);
-    if (!Holds(step, b, x)) continue;
+    if (!MpmConditionHolds(step, b, x)) continue;
     for (PetscInt k = 0; k < bc->component_count; k++) {
       const PetscInt c = bc->component[k];
 
       constraints->condition[i * bs + c] = b;
-      constraints->value[i * bs + c]     = bc->value[k] * StepFactor(step, b, layout->increment[c]);
+      constraints->value[i * bs + c]     = bc->value[k] * MpmStepFactor(step, b, layout->increment[c]);
       constraints->any                   = PETSC_TRUE;
     }
   }

@@ -30,11 +30,11 @@ typedef struct {
 
 /* The model's numbers by name, as they stand in a checkpoint (run_state.c). */
 typedef struct {
-  PetscInt     count;
-  const char **name;
-  PetscBool   *real, *there; /* a real number or an integer; is it in the checkpoint? */
-  PetscReal   *value;
-  PetscInt64  *number;
+  PetscInt    count;
+  char      **name;
+  PetscBool  *real, *there; /* a real number or an integer; is it in the checkpoint? */
+  PetscReal  *value;
+  PetscInt64 *number;
 } MpmScalars;
 PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars);
 /* Those whose names begin so. */

@@ -5,6 +5,7 @@
   model's value as it is.
 */
 #include <stddef.h>
+#include "bc/bc.h"
 #include "run/run.h"
 
 typedef enum { KIND_REAL, KIND_INT, KIND_INT64, KIND_BOOL } Kind;
@@ -58,15 +59,44 @@ static const struct {
 #undef RESULTS
 };
 
+/* Numbers of a condition that moves material, behind the table; what stands in their places in the model. */
+static const struct {
+  const char *name;
+  Kind        kind;
+  size_t      offset;
+} moving[] = {{"first", KIND_INT, offsetof(MpmActing, first)},
+              {"end", KIND_INT, offsetof(MpmActing, end)},
+              {"volume", KIND_REAL, offsetof(MpmActing, volume)}};
+#define TABLE  ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(table))
+#define MOVING ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(moving))
+
+static Kind KindOf(PetscInt k)
+{
+  return k < TABLE ? table[k].kind : moving[(k - TABLE) % MOVING].kind;
+}
+
 /* Where the number stands in a model. */
 static void *Member(MpmModel model, PetscInt k)
 {
-  return (table[k].results ? (char *)model->results : (char *)model) + table[k].offset;
+  if (k < TABLE) return (table[k].results ? (char *)model->results : (char *)model) + table[k].offset;
+  return (char *)&model->state.bcs[(k - TABLE) / MOVING] + moving[(k - TABLE) % MOVING].offset;
+}
+
+/* Its name in a checkpoint. */
+static PetscErrorCode NameOf(MpmModel model, PetscInt k, char **name)
+{
+  PetscFunctionBeginUser;
+  *name = NULL;
+  if (k < TABLE) PetscCall(MpmTextAppend(name, "%s", table[k].name));
+  else
+    PetscCall(MpmTextAppend(name, "condition_%s_%s", model->scene.bcs->names[(k - TABLE) / MOVING],
+                            moving[(k - TABLE) % MOVING].name));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars)
 {
-  const PetscInt count = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(table);
+  const PetscInt count = TABLE + MOVING * model->scene.bcs->count;
 
   PetscFunctionBeginUser;
   scalars->count = count;
@@ -75,13 +105,13 @@ PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars)
   for (PetscInt k = 0; k < count; k++) {
     const void *member = Member(model, k);
 
-    scalars->name[k]  = table[k].name;
-    scalars->real[k]  = (PetscBool)(table[k].kind == KIND_REAL);
+    PetscCall(NameOf(model, k, &scalars->name[k]));
+    scalars->real[k]  = (PetscBool)(KindOf(k) == KIND_REAL);
     scalars->there[k] = PETSC_TRUE;
-    if (table[k].kind == KIND_REAL) scalars->value[k] = *(const PetscReal *)member;
-    if (table[k].kind == KIND_INT) scalars->number[k] = *(const PetscInt *)member;
-    if (table[k].kind == KIND_INT64) scalars->number[k] = *(const PetscInt64 *)member;
-    if (table[k].kind == KIND_BOOL) scalars->number[k] = *(const PetscBool *)member;
+    if (KindOf(k) == KIND_REAL) scalars->value[k] = *(const PetscReal *)member;
+    if (KindOf(k) == KIND_INT) scalars->number[k] = *(const PetscInt *)member;
+    if (KindOf(k) == KIND_INT64) scalars->number[k] = *(const PetscInt64 *)member;
+    if (KindOf(k) == KIND_BOOL) scalars->number[k] = *(const PetscBool *)member;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -93,10 +123,10 @@ PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, const char *begin, M
     void *member = Member(model, k);
 
     if (!scalars->there[k] || strncmp(scalars->name[k], begin, strlen(begin))) continue;
-    if (table[k].kind == KIND_REAL) *(PetscReal *)member = scalars->value[k];
-    if (table[k].kind == KIND_INT) *(PetscInt *)member = (PetscInt)scalars->number[k];
-    if (table[k].kind == KIND_INT64) *(PetscInt64 *)member = scalars->number[k];
-    if (table[k].kind == KIND_BOOL) *(PetscBool *)member = (PetscBool)scalars->number[k];
+    if (KindOf(k) == KIND_REAL) *(PetscReal *)member = scalars->value[k];
+    if (KindOf(k) == KIND_INT) *(PetscInt *)member = (PetscInt)scalars->number[k];
+    if (KindOf(k) == KIND_INT64) *(PetscInt64 *)member = scalars->number[k];
+    if (KindOf(k) == KIND_BOOL) *(PetscBool *)member = (PetscBool)scalars->number[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -104,6 +134,7 @@ PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, const char *begin, M
 PetscErrorCode MpmScalarsDestroy(MpmScalars *scalars)
 {
   PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < scalars->count; k++) PetscCall(PetscFree(scalars->name[k]));
   PetscCall(PetscFree5(scalars->name, scalars->real, scalars->there, scalars->value, scalars->number));
   scalars->count = 0;
   PetscFunctionReturn(PETSC_SUCCESS);

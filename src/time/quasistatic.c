@@ -141,11 +141,20 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static MpmPrescription Prescription(const MpmModel model, PetscReal time)
+{
+  return (MpmPrescription){.conditions = model->scene.bcs,
+                           .motions    = model->scene.motions,
+                           .acting     = model->state.bcs,
+                           .particles  = model->state.particles,
+                           .time_n     = model->state.time,
+                           .time       = time,
+                           .diagonal   = model->disc.diagonal};
+}
+
 PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why)
 {
-  const MpmPrescription step = {model->scene.bcs,       model->scene.motions, model->state.bcs,
-                                model->state.particles, model->state.time,    time,
-                                model->disc.diagonal};
+  const MpmPrescription step = Prescription(model, time);
   PetscInt              contradicts;
 
   PetscFunctionBeginUser;
@@ -160,11 +169,36 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **wh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Conditions that move what they no longer hold. */
+static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const char **why)
+{
+  const MpmPrescription step = Prescription(model, time);
+  PetscInt              lost;
+  PetscReal             left;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmConditionsFindLost(&step, model->state.bcs, model->scene.bodies, model->disc.sum, &lost, &left));
+  if (lost < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (left > 0.)
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            "condition %s has lost the material that it moves: its nodes hold %.2g %% of what they "
+                            "held; a motion follows a body's points",
+                            model->scene.bcs->names[lost], (double)(100. * left)));
+  else
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            "condition %s prescribes a displacement where there is no material; a motion follows a "
+                            "body's points",
+                            model->scene.bcs->names[lost]));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Conditions and loads at the step's end. */
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmModelPrescribe(model, time, why));
+  if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTermsPrepare(model->disc.terms,
                             &(MpmTermStep){rules, model->disc.sum, model->state.particles, model->state.time, time}));

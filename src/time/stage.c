@@ -652,6 +652,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
       PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */
   }
   PetscCall(Activate(model, stage));
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
