@@ -85,13 +85,15 @@ static NodeMotion MotionAt(const MpmPrescription *step, const PetscReal *mark)
 /* Do the motions of the node, behind so many conditions, contradict a . u = g? */
 static void CheckEquation(NodeMotion *node, PetscInt conditions, PetscInt dim, const PetscReal a[], PetscReal g)
 {
-  PetscReal along = 0.;
+  PetscReal along = 0., scale = PetscAbsReal(g);
 
   for (PetscInt c = 0; c < dim; c++) {
     if (a[c] != 0. && node->motion[c] < 0) return;
-    if (a[c] != 0.) along += a[c] * node->value[c];
+    if (a[c] == 0.) continue;
+    along += a[c] * node->value[c];
+    scale += PetscAbsReal(a[c] * node->value[c]);
   }
-  for (PetscInt c = 0; c < dim && Differ(along, g); c++)
+  for (PetscInt c = 0; c < dim && PetscAbsReal(along - g) > SAME * scale; c++)
     if (a[c] != 0.) node->contradicts = node->motion[c] - conditions;
 }
 

@@ -7,6 +7,8 @@
 
 #define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
 
+#define MPM_GRID_SLACK 1e-9 /* of a cell: by so much a point may be outside of the grid, from rounding */
+
 /*
   The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested splits, which
   follow the points. It may be placed anew between steps; conditions on nodes and walls go with the lattice.

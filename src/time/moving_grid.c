@@ -16,6 +16,8 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/particles.h"
+#include "space/space.h"
+#include "space/sum.h"
 #include "bc/motion.h"
 #include "terms/rigid.h"
 #include "time/model.h"
@@ -193,6 +195,23 @@ static PetscErrorCode MeanPlace(MpmModel model, const char *field, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where the boundary is at a time. */
+static void BoundaryPlace(const MpmBoundary *boundary, PetscReal time, PetscReal place[])
+{
+  const MpmPose pose = MpmBoundaryPose(boundary, time);
+
+  MpmBoundaryPlace(boundary, place);
+  for (PetscInt a = 0; a < boundary->dim; a++) place[a] += pose.motion[a];
+}
+
+/* The field of the points that are followed. */
+static const char *Field(const MpmModel model)
+{
+  const MpmFollow *follow = &model->scene.follow;
+
+  return follow->what == MPM_FOLLOW_MOTION ? model->scene.motions->at[follow->index].share_field : FIELD;
+}
+
 /* Where what is followed is at the step's start, less `from`. */
 static PetscErrorCode FindPlace(MpmModel model, const PetscReal from[], PetscReal place[], PetscBool *there)
 {
@@ -200,21 +219,41 @@ static PetscErrorCode FindPlace(MpmModel model, const PetscReal from[], PetscRea
 
   PetscFunctionBeginUser;
   *there = PETSC_TRUE;
-  switch (follow->what) {
-  case MPM_FOLLOW_BOUNDARY: {
-    const MpmBoundary *boundary = &model->scene.boundaries->at[follow->index];
-    const MpmPose      pose     = MpmBoundaryPose(boundary, model->state.time);
+  if (follow->what == MPM_FOLLOW_BOUNDARY) {
+    BoundaryPlace(&model->scene.boundaries->at[follow->index], model->state.time, place);
+    for (PetscInt a = 0; a < model->disc.dim; a++) place[a] -= from[a];
+  } else PetscCall(MeanPlace(model, Field(model), from, place, there));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    MpmBoundaryPlace(boundary, place);
-    for (PetscInt a = 0; a < model->disc.dim; a++) place[a] += pose.motion[a] - from[a];
-    break;
+/* The mean displacement of the marked points by the solution of the step. */
+static PetscErrorCode MeanIncrement(MpmModel model, PetscReal mean[])
+{
+  const MpmSpace *space = model->disc.space;
+  const PetscInt  dim = model->disc.dim, bs = model->disc.block, most = PetscPowInt(space->width, dim);
+  PetscReal      *share, *storage, sum[MPM_MAX_DIM + 1]               = {0., 0., 0., 0.};
+  MpmBasis        basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * MPM_BASES), &storage));
+  for (PetscInt b = 0; b < MPM_BASES; b++) basis.basis[b] = storage + most * b;
+  PetscCall(DMSwarmGetField(model->state.particles->swarm, Field(model), NULL, NULL, (void **)&share));
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      if (share[space->order[s]] == 0.) continue;
+      MpmSpaceEvaluate(space, group, space->order[s], &basis);
+      sum[MPM_MAX_DIM] += 1.;
+      for (PetscInt i = 0; i < group->node_count; i++)
+        for (PetscInt a = 0; a < dim; a++) sum[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
+    }
   }
-  case MPM_FOLLOW_MOTION:
-    PetscCall(MeanPlace(model, model->scene.motions->at[follow->index].share_field, from, place, there));
-    break;
-  default:
-    PetscCall(MeanPlace(model, FIELD, from, place, there));
-  }
+  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, Field(model), NULL, NULL, (void **)&share));
+  PetscCall(PetscFree(storage));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, MPM_MAX_DIM + 1, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt a = 0; a < dim; a++) mean[a] = sum[MPM_MAX_DIM] > 0. ? sum[a] / sum[MPM_MAX_DIM] : 0.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -233,15 +272,15 @@ static void FindEnds(const MpmModel model, PetscInt a, PetscReal *at, PetscReal 
   *at    = follow->has_at ? follow->at[a] : side < 0 ? grid->start_upper[a] : grid->start_lower[a];
 }
 
-void MpmMovingGridPlace(MpmModel model)
+/* The grid where what is followed has moved by so much. */
+static void PlaceBy(const MpmModel model, const PetscReal moved[], MpmGrid *grid)
 {
   const MpmFollow *follow = &model->scene.follow;
-  MpmGrid         *grid   = model->disc.grid;
   PetscReal        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscBool        any = grid->moved;
 
   for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal d = follow->axis[a] ? model->state.grid.moved[a] : 0.;
+    const PetscReal d = follow->axis[a] ? moved[a] : 0.;
     PetscReal       at, fixed;
 
     lower[a] = grid->start_lower[a];
@@ -258,6 +297,51 @@ void MpmMovingGridPlace(MpmModel model)
     }
   }
   if (any) MpmGridPlace(grid, lower, upper);
+}
+
+void MpmMovingGridPlace(MpmModel model)
+{
+  PlaceBy(model, model->state.grid.moved, model->disc.grid);
+}
+
+PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next)
+{
+  const MpmFollow *follow = &model->scene.follow;
+  PetscReal        moved[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  *next = *model->disc.grid;
+  if (follow->what == MPM_FOLLOW_NOTHING) PetscFunctionReturn(PETSC_SUCCESS);
+  if (follow->what == MPM_FOLLOW_BOUNDARY) {
+    BoundaryPlace(&model->scene.boundaries->at[follow->index], model->state.time + model->disc.sum->dt, moved);
+    for (PetscInt a = 0; a < model->disc.dim; a++) moved[a] -= model->state.grid.start[a];
+  } else {
+    PetscCall(MeanIncrement(model, moved));
+    for (PetscInt a = 0; a < model->disc.dim; a++) moved[a] += model->state.grid.moved[a];
+  }
+  PlaceBy(model, moved, next);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points that stand on the grid's edge but for rounding are put there. */
+static PetscErrorCode ForgiveRounding(MpmModel model)
+{
+  const MpmGrid *grid  = model->disc.grid;
+  DM             swarm = model->state.particles->swarm;
+  PetscReal     *x;
+  PetscInt       count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(swarm, &count));
+  PetscCall(DMSwarmGetField(swarm, "position", NULL, NULL, (void **)&x));
+  for (PetscInt k = 0; k < count * grid->dim; k++) {
+    const PetscInt  a    = k % grid->dim;
+    const PetscReal edge = PetscMin(PetscMax(x[k], grid->lower[a]), grid->upper[a]);
+
+    if (PetscAbsReal(x[k] - edge) <= MPM_GRID_SLACK * grid->h[a]) x[k] = edge;
+  }
+  PetscCall(DMSwarmRestoreField(swarm, "position", NULL, NULL, (void **)&x));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Is enough left of the grid? */
@@ -287,6 +371,7 @@ PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why)
   PetscCall(PetscArraycpy(motion->known ? motion->moved : motion->start, place, model->disc.dim));
   motion->known = PETSC_TRUE;
   MpmMovingGridPlace(model);
+  PetscCall(ForgiveRounding(model));
   if (!IsSqueezed(model, &axis)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
                           "the moving grid is squeezed to less than %g of its extent along %c", SMALLEST, "xyz"[axis]));

@@ -239,7 +239,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
 static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
 {
   for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal slack = 1e-9 * grid->h[a];
+    const PetscReal slack = MPM_GRID_SLACK * grid->h[a];
 
     if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return PETSC_FALSE;
   }
@@ -275,15 +275,17 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
   PetscMPIInt    rank = model->size;
   PetscReal     *storage;
   MpmBasis       basis;
+  MpmGrid        next;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmMovingGridNext(model, &next));
   PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
   for (PetscInt g = 0; g < model->disc.space->group_count && rank == model->size; g++) {
     const MpmGroup *group = &model->disc.space->groups[g];
     const PetscInt *nodes = &model->disc.space->group_nodes[group->node_offset];
 
-    if (FarFromEdge(model, group)) continue;
+    if (model->scene.follow.what == MPM_FOLLOW_NOTHING && FarFromEdge(model, group)) continue;
     for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
       const PetscInt p              = model->disc.space->order[s];
       PetscReal      x[MPM_MAX_DIM] = {0.};
@@ -293,7 +295,7 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
         x[a] = model->disc.points->x[p * dim + a];
         for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
       }
-      if (IsInside(model->disc.grid, x)) continue;
+      if (IsInside(&next, x)) continue;
       rank = model->rank;
       PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
                               dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
@@ -348,7 +350,7 @@ static PetscErrorCode Commit(MpmModel model)
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
-  for (PetscInt k = 0; k < model->disc.points->count * dim; k++)
+  for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
     model->disc.points->x[k] =
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

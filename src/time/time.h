@@ -43,6 +43,8 @@ PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmMovingGridSelect(MpmModel model);
 void           MpmMovingGridPlace(MpmModel model);
 PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why);
+/* After the solution of a step: the grid as the next one will have it; it borrows the model's grid's parts. */
+PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next);
 /* The field of the points that a followed body has, NULL where the scene has none. */
 const char *MpmMovingGridField(const MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
