@@ -299,11 +299,6 @@ static void PlaceBy(const MpmModel model, const PetscReal moved[], MpmGrid *grid
   if (any) MpmGridPlace(grid, lower, upper);
 }
 
-void MpmMovingGridPlace(MpmModel model)
-{
-  PlaceBy(model, model->state.grid.moved, model->disc.grid);
-}
-
 PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next)
 {
   const MpmFollow *follow = &model->scene.follow;
@@ -370,7 +365,7 @@ PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why)
   if (!there) PetscFunctionReturn(PETSC_SUCCESS); /* a body that is not there yet, or no longer: the grid stays */
   PetscCall(PetscArraycpy(motion->known ? motion->moved : motion->start, place, model->disc.dim));
   motion->known = PETSC_TRUE;
-  MpmMovingGridPlace(model);
+  PlaceBy(model, motion->moved, model->disc.grid);
   PetscCall(ForgiveRounding(model));
   if (!IsSqueezed(model, &axis)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),

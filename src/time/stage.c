@@ -562,7 +562,8 @@ PetscErrorCode MpmStagesSelect(MpmModel model)
 
 static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
 {
-  PetscInt first, end;
+  PetscInt    first, end;
+  const char *why; /* the next step tells of it */
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
@@ -570,6 +571,7 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
     if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
     if (stage->removed[b]) PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
   }
+  PetscCall(MpmMovingGridFollow(model, &why));
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -35,13 +35,12 @@ PetscErrorCode MpmStagesSelect(MpmModel model);
 */
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable);
 /*
-  The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Place puts the
-  grid where they have moved by the state's motion, and Follow finds that motion first, at a step's start; `why` is NULL,
-  or the reason for which the grid cannot follow.
+  The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Follow puts the
+  grid where it belongs for the points as they are, at a step's start or where points come and go; `why` is NULL, or the reason
+  for which it cannot.
 */
 PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmMovingGridSelect(MpmModel model);
-void           MpmMovingGridPlace(MpmModel model);
 PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why);
 /* After the solution of a step: the grid as the next one will have it; it borrows the model's grid's parts. */
 PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next);

@@ -127,6 +127,19 @@ def translation(test):
         test.check(label + ".grid", run.results.column("grid_lower_x")[-1] - 0.9 * 7.3, -1e-12, 1e-12)
 
 
+def stages(test):
+    """Across a restart and a change of stage, each of which finds the points outside of the last step's grid."""
+    scene = PLANE % 'follow: column, axes: "x,y", mode: shift' + ALL
+    two = scene.replace("time: {end: 1", "time: {end: 0.5") + "  stages: one,two\n  stage_two: {reset_displacement: true}\n"
+    half = run_text(test, scene, mpm_time_end=0.5, mpm_checkpoint_every=1, mpm_quiet=None)
+    runs = {"restart_on_2": run_text(test, scene, ranks=2, mpm_restart=half.prefix + "_checkpoint.h5", mpm_quiet=None),
+            "stages": run_text(test, two, mpm_quiet=None), "stages_on_2": run_text(test, two, ranks=2, mpm_quiet=None)}
+    for label, run in runs.items():
+        moved = run.table("position") - run_text(test, scene, mpm_quiet=None).table("position")
+        test.check(label + ".position", np.max(np.abs(moved)), None, 1e-12)
+        test.check(label + ".cuts", run.results.summary["step_cuts"], None, 0)
+
+
 def boundary(test):
     """A plate presses the column: the grid's upper side goes with it, until little of the grid is left."""
     text = PLANE % 'follow: plate, axes: "y"' + SIDES % "base" + BASE % ""
@@ -143,4 +156,5 @@ with Test() as test:
     load(test)
     ranks_and_restart(test)
     translation(test)
+    stages(test)
     boundary(test)
