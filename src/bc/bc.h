@@ -37,12 +37,12 @@ struct MpmActing {
 
 /* Conditions and motions as a step from time_n to `time` takes them; `acting` by condition, then by motion. */
 typedef struct {
-  const MpmConditions *conditions;
-  const MpmMotions    *motions;
-  const MpmActing     *acting;
-  MpmParticles        *particles;
-  PetscReal            time_n, time;
-  PetscReal            diagonal; /* a typical stiffness of a node, N/m */
+  const MpmConditions  *conditions;
+  const MpmBodyMotions *motions;
+  const MpmActing      *acting;
+  MpmParticles         *particles;
+  PetscReal             time_n, time;
+  PetscReal             diagonal; /* a typical stiffness of a node, N/m */
 } MpmPrescription;
 
 /* The frame of a node with a condition along a normal; rows q_r, of which the first `constrained` are (node_frames.c). */

@@ -9,7 +9,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
 {
@@ -66,8 +66,8 @@ static NodeMotion MotionAt(const MpmPrescription *step, const PetscReal *mark)
   NodeMotion node = {.motion = {-1, -1, -1}, .contradicts = -1};
 
   for (PetscInt m = 0; mark && m < step->motions->count; m++) {
-    const MpmMotion *motion = &step->motions->at[m];
-    const PetscInt   index  = step->conditions->count + m;
+    const MpmBodyMotion *motion = &step->motions->at[m];
+    const PetscInt       index  = step->conditions->count + m;
 
     for (PetscInt k = 0; k < motion->component_count && mark[m] > 0.; k++) {
       const PetscInt  c     = motion->component[k];
@@ -258,7 +258,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
     else PrescribeComponents(constraints, step, b, grid, layout, space);
   }
   PetscCall(
-    MpmMotionsTouch(step->motions, &step->acting[step->conditions->count], grid, space, step->particles, &marks));
+    MpmBodyMotionsTouch(step->motions, &step->acting[step->conditions->count], grid, space, step->particles, &marks));
   if (inclined) PetscCall(SetUpFrames(constraints, step, marks, grid, space, contradicts));
   if (marks) PrescribeMotions(constraints, step, marks, space, contradicts);
   LeaveOutUnsupported(constraints, layout, space);

@@ -14,6 +14,7 @@ typedef struct MpmPoints {
   PetscReal *x, *x0;      /* position now and at the start, m */
   PetscReal *F;           /* dim x dim, row-major */
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
+  PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */
   PetscReal *volume0;
   PetscReal *mass;   /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
   PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */

@@ -4,9 +4,9 @@
 #include "point/material.h"
 #include "particles/particles.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
-#include "terms/rigid.h"
+#include "terms/contact.h"
 #include "time/model.h"
 
 /* ---- loads and reactions ---- */

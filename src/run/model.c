@@ -13,7 +13,7 @@
 #include "particles/points.h"
 #include "space/walls.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/integrator.h"
@@ -166,7 +166,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   for (PetscInt k = 0; model->scene.bcs->at && k < model->scene.bcs->count; k++)
     PetscCall(MpmConditionDestroy(&model->scene.bcs->at[k]));
   for (PetscInt k = 0; model->scene.motions->at && k < model->scene.motions->count; k++)
-    PetscCall(MpmMotionDestroy(&model->scene.motions->at[k]));
+    PetscCall(MpmBodyMotionDestroy(&model->scene.motions->at[k]));
   for (PetscInt k = 0; model->scene.boundaries->at && k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryDestroy(&model->scene.boundaries->at[k]));
   for (PetscInt k = 0; model->scene.loads->at && k < model->scene.loads->count; k++)
@@ -392,6 +392,8 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     }
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
+    if (model->scene.boundaries->at[k].friction > 0.)
+      model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -399,7 +401,7 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
 /* Their reactions are columns by name, too. */
 static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
 {
-  MpmMotions *motions = model->scene.motions;
+  MpmBodyMotions *motions = model->scene.motions;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(motions->count, &motions->at));
@@ -407,7 +409,7 @@ static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
     for (PetscInt b = 0; b < model->scene.bcs->count && !MpmOptionsHelp(); b++)
       MpmCheckInput(strcmp(motions->names[m], model->scene.bcs->names[b]),
                     "-mpm_motions %s: there is a condition of this name", motions->names[m]);
-    PetscCall(MpmMotionCreate(options, motions->names[m], model->disc.grid, model->scene.bodies, &motions->at[m]));
+    PetscCall(MpmBodyMotionCreate(options, motions->names[m], model->disc.grid, model->scene.bodies, &motions->at[m]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -492,7 +494,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     fields[extra++] = model->results->tracks.at[t].share_field;
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
-    for (PetscInt a = 0; model->scene.boundaries->at[k].stick && a < model->disc.dim; a++)
+    for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
 
@@ -504,7 +506,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(model->disc.grid,
                                &(MpmParticleFields){state_size, model->disc.layout->own_size, model->disc.layout->rates,
-                                                    half_length, model->state.predict, extra, fields},
+                                                    half_length, model->state.predict,
+                                                    (PetscBool)(model->scene.boundaries->count > 0), extra, fields},
                                model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
@@ -526,7 +529,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
   for (PetscInt m = 0; m < model->scene.motions->count; m++)
-    PetscCall(MpmMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
+    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
   PetscCall(MpmMovingGridSelect(model));
   PetscCall(MpmStagesSelect(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));

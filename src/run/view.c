@@ -10,7 +10,7 @@
 #include "particles/particles.h"
 #include "space/space.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/terms.h"

@@ -9,7 +9,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
-#include "terms/rigid.h"
+#include "terms/contact.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 

@@ -1,369 +1,245 @@
 /*
-  Contact of material points with boundaries that do not follow the grid, by a penalty.
+  Contact of the material with rigid surfaces that do not follow the grid, by a penalty on patches (contact_patches.c).
 
-  A point meets a boundary with its face, not with its centre: the face stands at y = x - d n, where n is the boundary's
-  normal and d how far the point's domain reaches along it, d = min_a l_a/|n_a|. What lies nearer than that at the start
-  (a lattice of points cut at an angle) keeps its initial share of d, so that a body that is put on a boundary sits on it.
+  With d_q the distance of facet q from the surface at the step's end, less the distance at which it touches, s_q its slip
+  along the surface since it touched, and A_q its area, a patch of area A = sum A_q has
 
-  With g the distance of the face from the boundary at the step's end, and A the point's area, the energy
+    g = sum_q A_q d_q / A ,   s = sum_q A_q s_q / A ,   pressure p = -k g ,   traction t = k s ,   k = penalty E/h
 
-    (k A/2) (g^2 + |s|^2) ,   k = penalty E/h ,   s = slip along the tangent plane at the step's start (stick only)
+  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral). Coulomb friction bounds the
+  traction: where |k s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k. So a patch that sticks
+  gives by t/k, which is all the regularisation there is. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
+  the step's start; the reaction is the sum of these forces.
 
-  counts where g < 0 (unilateral), or for all points that touch at the start (bilateral). The force on the body is
-  t = -k A (g n + s), its derivative -k A (n n^T + g grad n + I - n n^T (stick)): symmetric. The reaction is the sum of t.
-  A pressure p thus makes a depth of p h/(penalty E), while forces balance as well as Newton's method has converged.
+  Without slip the force has the potential A (k/2) (g^2 + s^2), and the tangent is symmetric:
 
-  The face's displacement comes from the nodes by the weights of the part of the domain about the face that is in the
-  domain: the face's middle across, the domain's mean along. That makes a uniform pressure on an even face consistent with
-  uniform stress, in every node. Shapes without a domain take the point's own weights.
+    A (k B_g B_g^T + B_s^T dt/ds B_s + B_s^T dt/dg B_g^T) + sum_q A_q k g w_q w_q^T grad n_q
 
-  Each contact is pointwise, like the kernel, so all forms of the Jacobian take its derivative from here.
+  with B_g = dg/du, B_s = ds/du. A pressure p makes a depth of p h/(penalty E), while forces balance as well as Newton's method has
+  converged. All forms of the Jacobian take the derivative from here.
 */
-#include "geometry/geometry.h"
-#include "point/material.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "terms/rigid.h"
+#include "terms/contact.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 
-#define TOUCH 1e-12 /* of a cell: rounding of a face that stands on the boundary */
+/* ---- one patch ---- */
 
-PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
+/* What a patch does at a displacement of its nodes. */
+typedef struct {
+  PetscBool active, any;                                            /* the mean acts; a facet does */
+  PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
+  PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: what is kept of it */
+  PetscReal traction[MPM_MAX_DIM];                                  /* along the surface */
+  PetscReal by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_gap[MPM_MAX_DIM]; /* its derivatives */
+} Answer;
+
+/* Room for the facets of a patch. */
+typedef struct {
+  MpmSurface *surface; /* at the step's end */
+  PetscReal
+    *beyond; /* how far they are beyond what the patch may tilt: < 0 too deep; > 0, of a bilateral one, too far */
+} Work;
+
+static PetscErrorCode WorkCreate(const MpmContacts *contacts, Work *work)
 {
   PetscFunctionBeginUser;
-  contacts->boundary_count = count;
-  contacts->boundaries     = boundaries;
-  PetscCall(PetscCalloc1(count, &contacts->before));
-  PetscCall(PetscCalloc1(count, &contacts->after));
-  PetscCall(PetscCalloc1(count, &contacts->reaction));
-  PetscCall(PetscCalloc1(count, &contacts->depth));
+  PetscCall(PetscMalloc2(contacts->most, &work->surface, contacts->most, &work->beyond));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
+static PetscErrorCode WorkDestroy(Work *work)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(contacts->before));
-  PetscCall(PetscFree(contacts->after));
-  PetscCall(PetscFree(contacts->reaction));
-  PetscCall(PetscFree(contacts->depth));
-  PetscCall(PetscFree(contacts->contact));
-  PetscCall(PetscFree(contacts->weight));
+  PetscCall(PetscFree2(work->surface, work->beyond));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- which points ---- */
-
-/* How far a box of these half-lengths reaches along n. */
-static PetscReal Reach(PetscInt dim, const PetscReal half[], const PetscReal n[])
+static const PetscReal *WeightsOf(const MpmContacts *contacts, PetscInt facet)
 {
-  PetscReal reach = PETSC_INFINITY;
-
-  for (PetscInt a = 0; a < dim; a++)
-    if (n[a] != 0.) reach = PetscMin(reach, half[a] / PetscAbsReal(n[a]));
-  return reach;
+  return &contacts->weight[contacts->facet[facet].weight];
 }
 
-/* The share of its reach at which the point stands at the start: 1 for all but those that lie nearer. Also its distance. */
-static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *points, PetscInt p, PetscReal *distance,
-                              PetscReal *reach)
+/* sum_i w_i u_i over the nodes of a box */
+static void FacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
+                       PetscReal value[])
 {
-  const MpmPose still = {.growth = 0.};
-  MpmSurface    surface;
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
-  MpmBoundaryDistance(boundary, &still, &points->x0[p * boundary->dim], &surface);
-  *distance = surface.distance;
-  *reach    = Reach(boundary->dim, &points->half_length[p * boundary->dim], surface.normal);
-  return PetscMin(1., PetscMax(0., *distance / *reach));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = 0.;
+  for (PetscInt i = 0; i < box->node_count; i++)
+    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+      value[a] += weight[i] * u[nodes[i] * sum->block + a];
 }
 
-PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles)
+/* P v, v less its part along n */
+static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
 {
-  PetscInt  count[3] = {0, 0, 0}; /* contact candidates, behind the boundary, at it */
-  MpmPoints points;
+  PetscReal dot = 0.;
 
-  PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) {
-    PetscReal distance, reach;
-
-    if (!MpmRegionContains(boundary->region, &points.x0[p * grid->dim])) continue;
-    (void)InitialShare(boundary, &points, p, &distance, &reach);
-    count[0]++;
-    count[1] += distance < -MPM_TOLERANCE * reach;
-    count[2] += distance <= (1. + MPM_TOLERANCE) * reach;
-  }
-  PetscCall(MpmParticlesRestoreArrays(particles, &points));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 3, MPIU_INT, MPI_SUM, grid->comm));
-  MpmCheckInput(count[0], "-mpm_boundary_%s_points_region: there is no point in it", boundary->name);
-  MpmCheckInput(!count[1],
-                "-mpm_boundary_%s_type: %" PetscInt_FMT
-                " points lie behind it at the start; turn its normal or side, or "
-                "choose the contact candidates with its points_region",
-                boundary->name, count[1]);
-  MpmCheckInput(!boundary->bilateral || count[2],
-                "-mpm_boundary_%s_contact bilateral: no point lies at it at the start", boundary->name);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < dim; a++) dot += v[a] * n[a];
+  for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
 }
 
-/* Is the point a contact candidate of this step, and where does its face stand? */
-static PetscErrorCode Describe(const MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
-                               PetscReal margin, MpmContact *contact, PetscBool *candidate)
+/* The traction along the surface that goes with the mean slip, and its derivatives. */
+static void Friction(const MpmBoundary *boundary, PetscReal k, Answer *answer)
 {
-  const PetscInt     b = contact->boundary, p = contact->point;
-  const MpmBoundary *boundary = &contacts->boundaries[b];
-  const PetscInt     dim      = boundary->dim;
-  const PetscReal   *half = &points->half_length[p * dim], *F = &points->F[p * dim * dim];
-  PetscReal  U[MPM_MAX_DIM] = {1., 1., 1.}, stretched[MPM_MAX_DIM], distance, reach, share, most = 0., length = 0.;
-  MpmSurface surface;
+  const PetscInt dim  = boundary->dim;
+  PetscReal      size = 0., limit;
 
-  PetscFunctionBeginUser;
-  *candidate = PETSC_FALSE;
-  MpmBoundaryDistance(boundary, &contacts->before[b], &points->x[p * dim], &surface);
-  for (PetscInt k = 0; k < dim * dim; k++) most += F[k] * F[k]; /* no stretch is larger */
-  for (PetscInt a = 0; a < dim; a++) length += half[a] * half[a];
-  if (!boundary->bilateral && surface.distance > margin + PetscSqrtReal(most * length))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  if (!MpmRegionContains(boundary->region, &points->x0[p * dim])) PetscFunctionReturn(PETSC_SUCCESS);
-  share = InitialShare(boundary, points, p, &distance, &reach);
-  if (boundary->bilateral && distance > (1. + MPM_TOLERANCE) * reach) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCheck(!rules->stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
-             points->id[p]);
-  for (PetscInt a = 0; a < dim; a++) stretched[a] = half[a] * U[a];
-  share *= Reach(dim, stretched, surface.normal);
-  for (PetscInt a = 0; a < dim; a++) {
-    contact->face[a]   = points->x[p * dim + a] - share * surface.normal[a];
-    contact->normal[a] = surface.normal[a];
-    contact->slip[a]   = 0.;
-  }
-  contact->stiffness = boundary->penalty * contacts->unit * rules->materials[points->material[p]].penalty *
-                       points->volume0[p] / (2. * Reach(dim, half, surface.normal));
-  *candidate = PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* All contacts of one boundary, in the order of the groups. */
-static PetscErrorCode List(MpmContacts *contacts, PetscInt b, const MpmRules *rules, const MpmSpace *space,
-                           const MpmPoints *points)
-{
-  const MpmPose *before = &contacts->before[b], *after = &contacts->after[b];
-  PetscReal      margin = 0.;
-
-  PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < space->dim; a++) {
-    margin = PetscMax(margin, 2. * rules->grid->h[a]);
-    margin += PetscAbsReal(after->motion[a] - before->motion[a]);
-  }
-  margin += PetscAbsReal(after->growth - before->growth);
-  for (PetscInt g = 0; g < space->group_count; g++) {
-    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
-      MpmContact contact = {.point = space->order[s], .group = g, .boundary = b};
-      PetscBool  candidate;
-
-      PetscCall(Describe(contacts, rules, points, margin, &contact, &candidate));
-      if (!candidate) continue;
-      if (contacts->count == contacts->capacity) {
-        contacts->capacity = 2 * contacts->capacity + 64;
-        PetscCall(PetscRealloc((size_t)contacts->capacity * sizeof(MpmContact), &contacts->contact));
-      }
-      contacts->contact[contacts->count++] = contact;
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
+  size  = PetscSqrtReal(size);
+  limit = boundary->friction * PetscMax(-k * answer->gap, 0.) + boundary->adhesion;
+  if (boundary->stick || k * size <= limit) {
+    for (PetscInt a = 0; a < dim; a++) {
+      answer->traction[a]   = k * answer->slip[a];
+      answer->by_slip[a][a] = k;
     }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Weights of a contact's face on one axis, at the nodes of its group. */
-static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
-                        const MpmContact *contact, PetscInt a, const PetscReal half[], PetscReal line[])
-{
-  const MpmGrid  *grid  = rules->grid;
-  const MpmGroup *group = &space->groups[contact->group];
-  const PetscInt  p = contact->point, dim = space->dim, last = group->count[a] - 1;
-  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
-  MpmShapeLine    face = {.weight = weight, .gradient = unused};
-
-  if (!half) {
-    for (PetscInt i = 0; i <= last; i++) line[i] = space->shape[0].weight[(p * dim + a) * space->width + i];
     return;
   }
-  const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
-  const PetscReal at = PetscMin(PetscMax((contact->face[a] - grid->lower[a]) / grid->h[a], x - half[a]), x + half[a]);
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal along = answer->slip[a] / size;
 
-  MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-  MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a],
-                   &face);
-  for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
-  for (PetscInt i = 0; i < face.count; i++) /* rounding may touch a node more than the domain does */
-    line[PetscMin(PetscMax(face.first + i - group->first[a], 0), last)] += weight[i];
+    answer->traction[a] = limit * along;
+    answer->by_gap[a]   = answer->gap < 0. ? -boundary->friction * k * along : 0.;
+    for (PetscInt c = 0; c < dim; c++)
+      answer->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - along * answer->slip[c] / size);
+  }
+  for (PetscInt a = 0; a < dim; a++) answer->slip[a] = answer->traction[a] / k;
 }
 
-static PetscErrorCode Weights(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
-                              const MpmPoints *points)
+/* Takes the displacement of a boundary's own place off that of the material there. */
+static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, const PetscReal place[],
+                     PetscReal value[])
 {
-  PetscInt size = 0;
+  PetscReal carried[MPM_MAX_DIM];
 
-  PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    contacts->contact[k].weight = size;
-    size += space->groups[contacts->contact[k].group].node_count;
+  if (before->turned || after->turned) {
+    MpmPoseCarry(dim, before, after, place, carried);
+    for (PetscInt a = 0; a < dim; a++) value[a] -= carried[a] - place[a];
+  } else {
+    for (PetscInt a = 0; a < dim; a++) value[a] -= after->translation[a] - before->translation[a];
   }
-  PetscCall(PetscMalloc1(size, &contacts->weight));
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    const MpmContact *contact = &contacts->contact[k];
-    const MpmGroup   *group   = &space->groups[contact->group];
-    PetscReal        *weight  = &contacts->weight[contact->weight];
-    PetscReal         line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM];
-    const PetscBool   domain = MpmShapeHasDomain(rules->shape);
-
-    line[2][0] = 1.;
-    if (domain) (void)MpmSpaceHalfLengths(rules, points, contact->point, half);
-    for (PetscInt a = 0; a < space->dim; a++)
-      AxisWeights(rules, space, points, contact, a, domain ? half : NULL, line[a]);
-    for (PetscInt i = 0; i < group->node_count; i++) {
-      const PetscInt row = i / group->count[0];
-
-      weight[i] = line[0][i % group->count[0]] * line[1][row % group->count[1]] * line[2][row / group->count[1]];
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Slip at the step's start, put into the tangent plane there. */
-static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, PetscInt dim)
+/* How far a facet is beyond what a patch may tilt. */
+static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary, PetscReal gap)
 {
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    for (PetscInt a = 0; contacts->boundaries[b].stick && a < dim; a++) {
-      PetscReal *slip;
-
-      PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
-      for (PetscInt k = 0; k < contacts->count; k++)
-        if (contacts->contact[k].boundary == b) contacts->contact[k].slip[a] = slip[contacts->contact[k].point];
-      PetscCall(
-        DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
-    }
-  }
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    MpmContact *contact = &contacts->contact[k];
-    PetscReal   dot     = 0.;
-
-    for (PetscInt a = 0; a < dim; a++) dot += contact->slip[a] * contact->normal[a];
-    for (PetscInt a = 0; a < dim; a++) contact->slip[a] -= dot * contact->normal[a];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (gap < -contacts->tilt) return gap + contacts->tilt;
+  return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
 }
 
-/* Finds the contacts of the step. */
-static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
+static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                     Work *work, Answer *answer)
 {
-  MpmContacts    *contacts = (MpmContacts *)ctx;
-  const MpmRules *rules    = step->rules;
-  const MpmSpace *space    = step->sum->space;
-  PetscReal       h        = rules->grid->h[0];
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
+  const PetscInt     dim = boundary->dim;
 
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree(contacts->weight));
-  contacts->count = 0;
-  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 1; a < space->dim; a++) h = PetscMin(h, rules->grid->h[a]);
-  contacts->unit  = 1. / h;
-  contacts->touch = TOUCH * h;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    contacts->before[b] = (MpmPose){.growth = 0.};
-    if (step->time_n > 0.) contacts->before[b] = MpmBoundaryPose(&contacts->boundaries[b], step->time_n);
-    contacts->after[b] = MpmBoundaryPose(&contacts->boundaries[b], step->time);
-    PetscCall(List(contacts, b, rules, space, step->sum->points));
+  *answer = (Answer){.active = boundary->bilateral};
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet   = &contacts->facet[f];
+    MpmSurface     *surface = &work->surface[f - patch->begin];
+    const PetscReal share   = facet->area / patch->area;
+    PetscReal       value[MPM_MAX_DIM], at[MPM_MAX_DIM];
+
+    FacetValue(sum, &sum->space->groups[patch->box], WeightsOf(contacts, f), u, value);
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
+    MpmBoundaryDistance(boundary, after, at, surface);
+    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches);
+    if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
+    answer->gap += share * (surface->distance - facet->touches);
+    if (!boundary->tangential) continue;
+    Relative(before, after, dim, facet->place, value);
+    Project(dim, facet->normal, value);
+    for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + value[a]);
   }
-  PetscCall(Weights(contacts, rules, space, step->sum->points));
-  PetscCall(LoadSlips(contacts, step->particles, space->dim));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (!boundary->bilateral) answer->active = (PetscBool)(answer->gap <= contacts->touch);
+  if (!answer->active) {
+    answer->gap = 0.;
+    for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
+    return;
+  }
+  answer->any       = PETSC_TRUE;
+  answer->stiffness = patch->stiffness;
+  if (boundary->tangential) Friction(boundary, patch->stiffness, answer);
+}
+
+/* The force on the material at a facet. */
+static void FacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const Work *work,
+                       const Answer *answer, PetscReal force[])
+{
+  const MpmFacet *facet  = &contacts->facet[f];
+  const PetscReal normal = answer->stiffness * answer->gap + patch->stiffness * work->beyond[f - patch->begin];
+  const PetscInt  dim    = contacts->boundaries[patch->boundary].dim;
+
+  for (PetscInt a = 0; a < dim; a++) force[a] = answer->traction[a];
+  Project(dim, facet->normal, force);
+  for (PetscInt a = 0; a < dim; a++)
+    force[a] = -facet->area * (force[a] + normal * work->surface[f - patch->begin].normal[a]);
 }
 
 /* ---- sums ---- */
 
-/* What a contact does at a displacement of its face. */
-typedef struct {
-  PetscBool active;
-  PetscReal depth, force[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* force on the body */
-  PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM];          /* minus the force's derivative */
-} Answer;
-
-static void Evaluate(const MpmContacts *contacts, const MpmContact *contact, PetscInt dim, const PetscReal u[],
-                     Answer *answer)
-{
-  const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
-  const MpmPose     *before = &contacts->before[contact->boundary], *after = &contacts->after[contact->boundary];
-  PetscReal          at[MPM_MAX_DIM], along                                = 0.;
-  MpmSurface         surface;
-
-  for (PetscInt a = 0; a < dim; a++) at[a] = contact->face[a] + u[a];
-  MpmBoundaryDistance(boundary, after, at, &surface);
-  *answer       = (Answer){.active = (PetscBool)(boundary->bilateral || surface.distance <= contacts->touch)};
-  answer->depth = boundary->bilateral ? PetscAbsReal(surface.distance) : PetscMax(0., -surface.distance);
-  if (!answer->active) return;
-  for (PetscInt a = 0; a < dim; a++) along += contact->normal[a] * (u[a] - after->motion[a] + before->motion[a]);
-  for (PetscInt a = 0; a < dim; a++) {
-    if (boundary->stick)
-      answer->slip[a] = contact->slip[a] + u[a] - after->motion[a] + before->motion[a] - along * contact->normal[a];
-    answer->force[a] = -contact->stiffness * (surface.distance * surface.normal[a] + answer->slip[a]);
-    for (PetscInt c = 0; c < dim; c++) {
-      PetscReal k = surface.normal[a] * surface.normal[c] + surface.distance * surface.second[a][c];
-
-      if (boundary->stick) k += (a == c ? 1. : 0.) - contact->normal[a] * contact->normal[c];
-      answer->stiffness[a][c] = contact->stiffness * k;
-    }
-  }
-}
-
-/* sum_i w_i u_i */
-static void FaceValue(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const PetscReal u[],
-                      PetscReal value[])
-{
-  const MpmGroup  *group  = &sum->space->groups[contact->group];
-  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
-  const PetscReal *weight = &contacts->weight[contact->weight];
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = 0.;
-  for (PetscInt i = 0; i < group->node_count; i++)
-    for (PetscInt a = 0; a < sum->space->dim; a++) value[a] += weight[i] * u[nodes[i] * sum->block + a];
-}
-
 /* y_i += factor w_i force */
-static void AddForce(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, PetscReal factor,
+static void AddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
                      const PetscReal force[], PetscReal y[])
 {
-  const MpmGroup  *group  = &sum->space->groups[contact->group];
-  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
-  const PetscReal *weight = &contacts->weight[contact->weight];
-  const PetscInt   dim = sum->space->dim, bs = sum->block;
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
-  for (PetscInt a = 0; a < dim; a++)
-    for (PetscInt i = 0; i < group->node_count; i++) y[nodes[i] * bs + a] += factor * weight[i] * force[a];
+  for (PetscInt i = 0; i < box->node_count; i++)
+    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+      y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                PetscInt *failed)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
+  Work               work;
 
   PetscFunctionBeginUser;
   (void)failed;
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    const MpmContact *contact = &contacts->contact[k];
-    PetscReal         value[MPM_MAX_DIM];
-    Answer            answer;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    Answer          answer;
 
-    FaceValue(contacts, sum, contact, u, value);
-    Evaluate(contacts, contact, sum->space->dim, value, &answer);
-    if (answer.active) AddForce(contacts, sum, contact, -1., answer.force, residual);
+    Evaluate(contacts, patch, sum, u, &work, &answer);
+    for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
+      PetscReal force[MPM_MAX_DIM];
+
+      FacetForce(contacts, patch, f, &work, &answer, force);
+      AddForce(sum, &sum->space->groups[patch->box], WeightsOf(contacts, f), -1., force, residual);
+    }
   }
+  PetscCall(WorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How gap and slip change with du. */
+static void Change(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal du[],
+                   const Work *work, PetscReal *gap, PetscReal slip[])
+{
+  const PetscInt dim = sum->space->dim;
+
+  *gap = 0.;
+  for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet = &contacts->facet[f];
+    const PetscReal share = facet->area / patch->area;
+    PetscReal       value[MPM_MAX_DIM];
+
+    FacetValue(sum, &sum->space->groups[patch->box], WeightsOf(contacts, f), du, value);
+    for (PetscInt a = 0; a < dim; a++) *gap += share * work->surface[f - patch->begin].normal[a] * value[a];
+    Project(dim, facet->normal, value);
+    for (PetscInt a = 0; a < dim; a++) slip[a] += share * value[a];
+  }
 }
 
 static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
@@ -371,22 +247,116 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const PetscInt     dim      = sum->space->dim;
+  Work               work;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    const MpmContact *contact = &contacts->contact[k];
-    PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM] = {0., 0., 0.};
-    Answer            answer;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    const MpmGroup *box   = &sum->space->groups[patch->box];
+    PetscReal       gap, slip[MPM_MAX_DIM], traction[MPM_MAX_DIM] = {0., 0., 0.};
+    Answer          answer;
 
-    FaceValue(contacts, sum, contact, u, value);
-    Evaluate(contacts, contact, dim, value, &answer);
-    if (!answer.active) continue;
-    FaceValue(contacts, sum, contact, du, value);
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt c = 0; c < dim; c++) force[a] += answer.stiffness[a][c] * value[c];
-    AddForce(contacts, sum, contact, 1., force, y);
+    Evaluate(contacts, patch, sum, u, &work, &answer);
+    if (!answer.any) continue;
+    Change(contacts, patch, sum, du, &work, &gap, slip);
+    for (PetscInt a = 0; a < dim; a++) {
+      traction[a] = answer.by_gap[a] * gap;
+      for (PetscInt c = 0; c < dim; c++) traction[a] += answer.by_slip[a][c] * slip[c];
+    }
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      const MpmSurface *surface = &work.surface[f - patch->begin];
+      const PetscReal   beyond = work.beyond[f - patch->begin], own = beyond != 0. ? patch->stiffness : 0.;
+      const PetscReal   normal = answer.stiffness * answer.gap + patch->stiffness * beyond;
+      PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM], along = 0.;
+
+      FacetValue(sum, box, WeightsOf(contacts, f), du, value);
+      for (PetscInt a = 0; a < dim; a++) along += surface->normal[a] * value[a];
+      for (PetscInt a = 0; a < dim; a++) force[a] = traction[a];
+      Project(dim, contacts->facet[f].normal, force);
+      for (PetscInt a = 0; a < dim; a++) {
+        force[a] += (answer.stiffness * gap + own * along) * surface->normal[a];
+        for (PetscInt c = 0; c < dim; c++) force[a] += normal * surface->second[a][c] * value[c];
+      }
+      AddForce(sum, box, WeightsOf(contacts, f), contacts->facet[f].area, force, y);
+    }
   }
+  PetscCall(WorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. */
+static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const Work *work,
+                        PetscReal gap[], PetscReal slip[])
+{
+  const PetscInt  dim = sum->space->dim, n = sum->space->groups[patch->box].node_count;
+  const PetscBool tangential = contacts->boundaries[patch->boundary].tangential;
+
+  for (PetscInt i = 0; i < n * dim; i++) gap[i] = 0.;
+  for (PetscInt i = 0; i < n * dim * dim; i++) slip[i] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet  *facet  = &contacts->facet[f];
+    const PetscReal *weight = WeightsOf(contacts, f), *normal = work->surface[f - patch->begin].normal;
+
+    for (PetscInt i = 0; i < n; i++) {
+      const PetscReal w = weight[i] * facet->area / patch->area;
+
+      for (PetscInt c = 0; w != 0. && c < dim; c++) {
+        gap[i * dim + c] += w * normal[c];
+        for (PetscInt e = 0; tangential && e < dim; e++)
+          slip[(e * n + i) * dim + c] += w * ((e == c ? 1. : 0.) - facet->normal[e] * facet->normal[c]);
+      }
+    }
+  }
+}
+
+/* What the tangent of a patch consists of: sum_m left_m right_m^T, of vectors with n dim numbers, and facets' curvature. */
+typedef struct {
+  PetscReal *left, *right;
+} Factors;
+
+/* Where `slip` holds B_s, right_{1+e} = A sum_f dt_e/ds_f B_s,f + A dt_e/dg B_g; left_0 = B_g, right_0 = A k B_g. */
+static void FactorsOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const Work *work,
+                      const Answer *answer, const Factors *factors)
+{
+  const PetscInt dim = sum->space->dim, size = sum->space->groups[patch->box].node_count * dim;
+  PetscReal     *gap = factors->left, *slip = factors->left + size;
+
+  Derivatives(contacts, patch, sum, work, gap, slip);
+  for (PetscInt i = 0; i < size; i++) {
+    factors->right[i] = patch->area * answer->stiffness * gap[i];
+    for (PetscInt e = 0; e < dim; e++) {
+      PetscReal value = answer->by_gap[e] * gap[i];
+
+      for (PetscInt c = 0; c < dim; c++) value += answer->by_slip[e][c] * slip[c * size + i];
+      factors->right[(1 + e) * size + i] = patch->area * value;
+    }
+  }
+}
+
+static PetscErrorCode FactorsCreate(const MpmContacts *contacts, const MpmSum *sum, Factors *factors, PetscInt *nodes)
+{
+  const PetscInt dim = sum->space->dim;
+
+  PetscFunctionBeginUser;
+  *nodes = 0;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    *nodes = PetscMax(*nodes, sum->space->groups[contacts->patch[k].box].node_count);
+  PetscCall(PetscMalloc2(((dim + 1) * *nodes * dim), &factors->left, ((dim + 1) * *nodes * dim), &factors->right));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What facet f adds on its own to the tangent, of directions c and d: its curvature, and what is beyond the tilt. */
+static PetscReal OwnStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const Work *work,
+                              const Answer *answer, PetscInt c, PetscInt d)
+{
+  const MpmSurface *surface = &work->surface[f - patch->begin];
+  const PetscReal   beyond  = work->beyond[f - patch->begin];
+  PetscReal         value   = (answer->stiffness * answer->gap + patch->stiffness * beyond) * surface->second[c][d];
+
+  if (beyond != 0.) value += patch->stiffness * surface->normal[c] * surface->normal[d];
+  return contacts->facet[f].area * value;
 }
 
 static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
@@ -394,91 +364,119 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   const PetscInt     dim = sum->space->dim, bs = sum->block;
+  Work               work;
+  Factors            factors;
+  PetscInt           most;
 
   PetscFunctionBeginUser;
   (void)failed;
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    const MpmContact *contact = &contacts->contact[k];
-    const MpmGroup   *group   = &sum->space->groups[contact->group];
-    const PetscInt   *nodes   = &sum->space->group_nodes[group->node_offset];
-    const PetscReal  *weight  = &contacts->weight[contact->weight];
-    PetscReal         value[MPM_MAX_DIM];
-    Answer            answer;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WorkCreate(contacts, &work));
+  PetscCall(FactorsCreate(contacts, sum, &factors, &most));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    const MpmGroup *box   = &sum->space->groups[patch->box];
+    const PetscInt *nodes = &sum->space->group_nodes[box->node_offset], n = box->node_count;
+    Answer          answer;
 
-    FaceValue(contacts, sum, contact, u, value);
-    Evaluate(contacts, contact, dim, value, &answer);
-    for (PetscInt i = 0; answer.active && i < group->node_count; i++)
-      for (PetscInt a = 0; a < dim; a++)
-        for (PetscInt c = 0; c < dim; c++)
-          blocks[(nodes[i] * bs + a) * bs + c] += weight[i] * weight[i] * answer.stiffness[a][c];
+    Evaluate(contacts, patch, sum, u, &work, &answer);
+    if (!answer.any) continue;
+    FactorsOf(contacts, patch, sum, &work, &answer, &factors);
+    for (PetscInt i = 0; i < n; i++) {
+      for (PetscInt cd = 0; nodes[i] >= 0 && cd < dim * dim; cd++) {
+        const PetscInt c = cd / dim, d = cd % dim;
+        PetscReal      value = 0.;
+
+        for (PetscInt m = 0; m <= dim; m++)
+          value += factors.left[(m * n + i) * dim + c] * factors.right[(m * n + i) * dim + d];
+        for (PetscInt f = patch->begin; f < patch->end; f++)
+          value += PetscSqr(WeightsOf(contacts, f)[i]) * OwnStiffness(contacts, patch, f, &work, &answer, c, d);
+        blocks[(nodes[i] * bs + c) * bs + d] += value;
+      }
+    }
   }
+  PetscCall(PetscFree2(factors.left, factors.right));
+  PetscCall(WorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* element[i][c][d][j] += w_i K_cd w_j */
-static void AddElement(const MpmContacts *contacts, const MpmSum *sum, const MpmContact *contact, const Answer *answer,
-                       PetscReal element[])
+/* element[i][c][d][j], of n^2 block^2 numbers, becomes the patch's tangent. */
+static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const Work *work,
+                    const Answer *answer, const Factors *factors, PetscReal element[])
 {
-  const PetscInt   n = sum->space->groups[contact->group].node_count, dim = sum->space->dim, bs = sum->block;
-  const PetscReal *weight = &contacts->weight[contact->weight];
+  const PetscInt dim = sum->space->dim, bs = sum->block, n = sum->space->groups[patch->box].node_count;
+  const PetscInt terms = contacts->boundaries[patch->boundary].tangential ? dim + 1 : 1;
 
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt c = 0; c < dim; c++)
-      for (PetscInt d = 0; d < dim; d++)
-        for (PetscInt j = 0; j < n; j++)
-          element[((i * bs + c) * bs + d) * n + j] += weight[i] * answer->stiffness[c][d] * weight[j];
+  for (PetscInt k = 0; k < n * n * bs * bs; k++) element[k] = 0.;
+  for (PetscInt m = 0; m < terms; m++) {
+    for (PetscInt ic = 0; ic < n * dim; ic++) {
+      const PetscReal left = factors->left[m * n * dim + ic];
+
+      for (PetscInt jd = 0; left != 0. && jd < n * dim; jd++)
+        element[((ic / dim * bs + ic % dim) * bs + jd % dim) * n + jd / dim] += left * factors->right[m * n * dim + jd];
+    }
+  }
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const PetscReal *weight = WeightsOf(contacts, f);
+
+    for (PetscInt cd = 0; cd < dim * dim; cd++) {
+      const PetscReal own = OwnStiffness(contacts, patch, f, work, answer, cd / dim, cd % dim);
+
+      for (PetscInt i = 0; own != 0. && i < n; i++)
+        for (PetscInt j = 0; weight[i] != 0. && j < n; j++)
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] += own * weight[i] * weight[j];
+    }
+  }
 }
 
 static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                               PetscReal residual[], PetscInt *failed)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
-  const MpmSpace    *space    = sum->space;
-  const PetscInt     dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
   PetscReal         *element;
-  PetscInt           end;
+  Work               work;
+  Factors            factors;
+  PetscInt           most;
 
   PetscFunctionBeginUser;
-  if (!contacts->count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
-  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
-  for (PetscInt begin = 0; begin < contacts->count; begin = end) { /* contacts of one group stand side by side */
-    const MpmGroup *group = &space->groups[contacts->contact[begin].group];
-    PetscBool       any   = PETSC_FALSE;
+  PetscCall(WorkCreate(contacts, &work));
+  PetscCall(FactorsCreate(contacts, sum, &factors, &most));
+  PetscCall(PetscMalloc1((most * most * sum->block * sum->block), &element));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    Answer          answer;
 
-    PetscCall(PetscArrayzero(element, group->node_count * group->node_count * bs * bs));
-    for (end = begin; end < contacts->count && contacts->contact[end].group == contacts->contact[begin].group; end++) {
-      PetscReal value[MPM_MAX_DIM];
-      Answer    answer;
-
-      FaceValue(contacts, sum, &contacts->contact[end], u, value);
-      Evaluate(contacts, &contacts->contact[end], dim, value, &answer);
-      if (!answer.active) continue;
-      AddElement(contacts, sum, &contacts->contact[end], &answer, element);
-      any = PETSC_TRUE;
-    }
-    if (any) MpmPatternAddBlock(pattern, space, group, element);
+    Evaluate(contacts, patch, sum, u, &work, &answer);
+    if (!answer.any) continue;
+    FactorsOf(contacts, patch, sum, &work, &answer, &factors);
+    Element(contacts, patch, sum, &work, &answer, &factors, element);
+    MpmPatternAddBlock(pattern, sum->space, &sum->space->groups[patch->box], element);
   }
   PetscCall(PetscFree(element));
+  PetscCall(PetscFree2(factors.left, factors.right));
+  PetscCall(WorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the converged step ---- */
 
-/* The slip is kept while a point touches. */
+/* The points of a patch keep its slip while it touches. */
 static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const Answer answers[],
                                 MpmParticles *particles)
 {
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    for (PetscInt a = 0; contacts->boundaries[b].stick && a < sum->space->dim; a++) {
+    for (PetscInt a = 0; contacts->boundaries[b].tangential && a < sum->space->dim; a++) {
       PetscReal *slip;
 
       PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
       PetscCall(PetscArrayzero(slip, sum->points->count));
-      for (PetscInt k = 0; k < contacts->count; k++)
-        if (contacts->contact[k].boundary == b) slip[contacts->contact[k].point] = answers[k].slip[a];
+      for (PetscInt k = 0; k < contacts->patch_count; k++)
+        for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
+          slip[contacts->facet[f].point] = answers[k].slip[a];
       PetscCall(
         DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
     }
@@ -492,25 +490,36 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   MpmContacts   *contacts = (MpmContacts *)ctx;
   const PetscInt dim      = sum->space->dim;
   Answer        *answers;
+  Work           work;
 
   PetscFunctionBeginUser;
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(contacts->count, &answers));
+  PetscCall(WorkCreate(contacts, &work));
+  PetscCall(PetscMalloc1(contacts->patch_count, &answers));
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     contacts->depth[b] = 0.;
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) contacts->reaction[b][a] = 0.;
   }
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    const PetscInt b = contacts->contact[k].boundary;
-    PetscReal      value[MPM_MAX_DIM];
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    PetscReal      *depth = &contacts->depth[patch->boundary], force[MPM_MAX_DIM];
 
-    FaceValue(contacts, sum, &contacts->contact[k], u, value);
-    Evaluate(contacts, &contacts->contact[k], dim, value, &answers[k]);
-    for (PetscInt a = 0; a < dim; a++) contacts->reaction[b][a] += answers[k].force[a];
-    contacts->depth[b] = PetscMax(contacts->depth[b], answers[k].depth);
+    Evaluate(contacts, patch, sum, u, &work, &answers[k]);
+    if (!answers[k].any) continue;
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      FacetForce(contacts, patch, f, &work, &answers[k], force);
+      for (PetscInt a = 0; a < dim; a++) contacts->reaction[patch->boundary][a] += force[a];
+    }
+    for (PetscInt f = patch->begin; f < patch->end; f++)
+      if (work.beyond[f - patch->begin] != 0.)
+        *depth = PetscMax(*depth, PetscAbsReal(work.beyond[f - patch->begin]) + contacts->tilt);
+    *depth = PetscMax(*depth, PetscAbsReal(answers[k].gap));
+    MpmPoseTurn(dim, &contacts->before[patch->boundary], &contacts->after[patch->boundary], answers[k].slip,
+                answers[k].slip);
   }
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(PetscFree(answers));
+  PetscCall(WorkDestroy(&work));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, (PetscMPIInt)(contacts->boundary_count * MPM_MAX_DIM),
                            MPIU_REAL, MPIU_SUM, sum->grid->comm));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->depth, (PetscMPIInt)contacts->boundary_count, MPIU_REAL, MPIU_MAX,
@@ -519,7 +528,8 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
 }
 
 const MpmTerm MpmTermContact = {.name     = "rigid contact",
-                                .prepare  = Prepare,
+                                .boxes    = MpmContactsFind,
+                                .prepare  = MpmContactsPrepare,
                                 .residual = Residual,
                                 .tangent  = Tangent,
                                 .apply    = Apply,

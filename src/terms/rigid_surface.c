@@ -10,7 +10,7 @@
     contact   unilateral (default): pushes what would pass it; bilateral: holds the points that lie at it at the start
     friction  frictionless (default) or stick
     penalty   times Young's modulus over the smallest cell size: pressure by depth
-    motion    displacement of the surface in total, times ramp
+    motion    displacement of the surface in total, times ramp; also rotation about a pivot, or a table (motion.c)
     growth    of a sphere's or cylinder's radius in total, times ramp; what sticks to it moves straight away from its middle
     points    a region: the points in it at the start are the contact candidates
 */
@@ -100,6 +100,24 @@ static PetscErrorCode ReadGeometry(const MpmOptions *block, MpmBoundary *boundar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* About which it turns by default: its point or centre, or a polygon's centroid. */
+static void Middle(const MpmBoundary *boundary, PetscReal middle[])
+{
+  const PetscInt   n     = boundary->vertex_count;
+  const PetscReal *v     = boundary->vertices;
+  PetscReal        twice = 0.;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) middle[a] = n ? 0. : boundary->point[a];
+  for (PetscInt i = 0; i < n; i++) { /* from the first vertex, so that far from the origin no digits are lost */
+    const PetscReal *p = &v[2 * i], *q = &v[2 * ((i + 1) % n)];
+    const PetscReal  area = (p[0] - v[0]) * (q[1] - v[1]) - (q[0] - v[0]) * (p[1] - v[1]);
+
+    twice += area;
+    for (PetscInt a = 0; a < 2; a++) middle[a] += area * (p[a] + q[a] - 2. * v[a]) / 3.;
+  }
+  for (PetscInt a = 0; n && a < 2; a++) middle[a] = v[a] + middle[a] / twice;
+}
+
 /* Which points are contact candidates. */
 static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary)
@@ -117,23 +135,52 @@ static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ramp, and what it makes of the radius. */
-static PetscErrorCode ReadGrowth(const MpmOptions *block, MpmBoundary *boundary)
+/* The motion, and what it makes of the radius. */
+static PetscErrorCode ReadMotion(const MpmOptions *block, MpmBoundary *boundary)
 {
   const PetscBool help  = MpmOptionsHelp();
   const PetscBool round = (PetscBool)(boundary->type == MPM_BOUNDARY_SPHERE || boundary->type == MPM_BOUNDARY_CYLINDER);
+  MpmMotion      *motion = &boundary->motion;
   PetscReal       least, most;
 
   PetscFunctionBeginUser;
+  Middle(boundary, motion->pivot);
   if (help || round)
     PetscCall(MpmOptionsReal(block, "growth", "m", "growth of a sphere's or cylinder's radius in total", MPM_RANGE_ANY,
-                             MPM_OPTIONAL, &boundary->growth, NULL));
-  PetscCall(MpmRampCreate(block, "ramp", "0:0,1:1", &boundary->ramp));
-  if (help || !round) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmRampBounds(boundary->ramp, &least, &most);
-  least = boundary->radius + PetscMin(boundary->growth * least, boundary->growth * most);
+                             MPM_OPTIONAL, &motion->growth, NULL));
+  PetscCall(MpmMotionRead(block, boundary->dim, motion));
+  if (help || !round || !motion->ramp) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmRampBounds(motion->ramp, &least, &most);
+  least = boundary->radius + PetscMin(motion->growth * least, motion->growth * most);
   MpmCheckInput(least > 0., "-%sgrowth %g: the radius falls to %g m; it has to stay positive", block->prefix,
-                (double)boundary->growth, (double)least);
+                (double)motion->growth, (double)least);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* frictionless, stick, Coulomb's coefficient, or an angle; and adhesion. */
+static PetscErrorCode ReadFriction(const MpmOptions *block, MpmBoundary *boundary)
+{
+  char *text, *end;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsText(block, "friction",
+                           "along the surface: frictionless, stick, Coulomb's coefficient, or its angle (20deg)",
+                           "frictionless", MPM_OPTIONAL, &text));
+  PetscCall(MpmOptionsReal(block, "adhesion", "Pa", "traction along the surface that is carried without pressure",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &boundary->adhesion, NULL));
+  boundary->stick = (PetscBool)!strcmp(text, "stick");
+  if (!boundary->stick && strcmp(text, "frictionless")) {
+    boundary->friction    = strtod(text, &end);
+    const PetscBool angle = (PetscBool)!strcmp(end, "deg");
+
+    MpmCheckInput(MpmOptionsHelp() || (end != text && (angle || !*end) && boundary->friction >= 0. &&
+                                       boundary->friction < (angle ? 90. : PETSC_INFINITY)),
+                  "-%sfriction %s: must be frictionless, stick, a coefficient >= 0 or an angle in [0deg, 90deg)",
+                  block->prefix, text);
+    if (angle) boundary->friction = tan(boundary->friction * PETSC_PI / 180.);
+  }
+  boundary->tangential = (PetscBool)(boundary->stick || boundary->friction > 0. || boundary->adhesion > 0.);
+  PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,33 +188,29 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
                                  MpmBoundary *boundary)
 {
   static const char *const contacts[] = {"unilateral", "bilateral", NULL};
-  static const char *const friction[] = {"frictionless", "stick", NULL};
   char                     prefix[256], field[256];
   MpmOptions               block = {options->comm, prefix, options->record};
-  PetscInt                 type = 0, bilateral = 0, stick = 0;
+  PetscInt                 type = 0, bilateral = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(boundary, sizeof(*boundary)));
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_boundary_%s_", name));
   PetscCall(PetscStrallocpy(name, &boundary->name));
   boundary->dim     = grid->dim;
-  boundary->penalty = 500.;
+  boundary->penalty = 20.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmOptionsWord(&block, "type", "its surface", types, MPM_REQUIRED, &type, NULL));
   boundary->type = (MpmBoundaryType)type;
   PetscCall(ReadGeometry(&block, boundary));
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
-  PetscCall(MpmOptionsWord(&block, "friction", "along the surface", friction, MPM_OPTIONAL, &stick, NULL));
+  PetscCall(ReadFriction(&block, boundary));
   boundary->bilateral = (PetscBool)bilateral;
-  boundary->stick     = (PetscBool)stick;
   PetscCall(MpmOptionsReal(&block, "penalty", "E/h", "pressure by depth, times Young's modulus over the cell size",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->penalty, NULL));
-  PetscCall(MpmOptionsReals(&block, "motion", "m", "displacement of the surface in total", MPM_RANGE_ANY, MPM_OPTIONAL,
-                            grid->dim, boundary->motion, NULL));
-  PetscCall(ReadGrowth(&block, boundary));
+  PetscCall(ReadMotion(&block, boundary));
   PetscCall(ReadPoints(options, name, grid, boundary));
-  for (PetscInt a = 0; stick && a < grid->dim; a++) {
+  for (PetscInt a = 0; boundary->tangential && a < grid->dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
     PetscCall(PetscStrallocpy(field, &boundary->slip_field[a]));
   }
@@ -181,7 +224,7 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
   PetscCall(PetscFree(boundary->vertices));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(boundary->slip_field[a]));
   PetscCall(MpmRegionDestroy(&boundary->region));
-  PetscCall(MpmRampDestroy(&boundary->ramp));
+  PetscCall(MpmMotionDestroy(&boundary->motion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,11 +237,7 @@ void MpmBoundaryPlace(const MpmBoundary *boundary, PetscReal x[])
 
 MpmPose MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time)
 {
-  const PetscReal factor = MpmRampEvaluate(boundary->ramp, time);
-  MpmPose         pose   = {.growth = boundary->growth * factor};
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) pose.motion[a] = boundary->motion[a] * factor;
-  return pose;
+  return MpmMotionPose(&boundary->motion, time);
 }
 
 /* ---- distance ---- */
@@ -281,15 +320,14 @@ static void PolygonDistance(const MpmBoundary *boundary, const PetscReal x[], Mp
   }
 }
 
-void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface)
+/* At a place of the boundary at rest. */
+static void DistanceAtRest(const MpmBoundary *boundary, PetscReal growth, const PetscReal at[], MpmSurface *surface)
 {
   const PetscInt dim            = boundary->dim;
-  PetscReal      r[MPM_MAX_DIM] = {0., 0., 0.}, at[MPM_MAX_DIM] = {0., 0., 0.}, along = 0.;
+  PetscReal      r[MPM_MAX_DIM] = {0., 0., 0.}, along = 0.;
 
-  *surface = (MpmSurface){0};
   for (PetscInt a = 0; a < dim; a++) {
-    at[a] = x[a] - pose->motion[a];
-    r[a]  = at[a] - boundary->point[a];
+    r[a] = at[a] - boundary->point[a];
     along += r[a] * boundary->direction[a];
   }
   switch (boundary->type) {
@@ -298,11 +336,11 @@ void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const
     for (PetscInt a = 0; a < dim; a++) surface->normal[a] = boundary->direction[a];
     break;
   case MPM_BOUNDARY_SPHERE:
-    RoundDistance(dim, r, boundary->radius + pose->growth, NULL, surface);
+    RoundDistance(dim, r, boundary->radius + growth, NULL, surface);
     break;
   case MPM_BOUNDARY_CYLINDER:
     for (PetscInt a = 0; a < dim; a++) r[a] -= along * boundary->direction[a];
-    RoundDistance(dim, r, boundary->radius + pose->growth, boundary->direction, surface);
+    RoundDistance(dim, r, boundary->radius + growth, boundary->direction, surface);
     break;
   case MPM_BOUNDARY_POLYGON:
     PolygonDistance(boundary, at, surface);
@@ -314,4 +352,33 @@ void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const
     surface->normal[a] = -surface->normal[a];
     for (PetscInt b = 0; b < dim; b++) surface->second[a][b] = -surface->second[a][b];
   }
+}
+
+/* n becomes R n, the second derivative R S R^T. */
+static void TurnSurface(PetscInt dim, const MpmPose *pose, MpmSurface *surface)
+{
+  const MpmPose rest = {.growth = 0.};
+  PetscReal     half[MPM_MAX_DIM][MPM_MAX_DIM]; /* S R^T, by columns */
+
+  MpmPoseTurn(dim, &rest, pose, surface->normal, surface->normal);
+  for (PetscInt a = 0; a < dim; a++) MpmPoseTurn(dim, &rest, pose, surface->second[a], half[a]);
+  for (PetscInt b = 0; b < dim; b++) {
+    PetscReal column[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) column[a] = half[a][b];
+    MpmPoseTurn(dim, &rest, pose, column, column);
+    for (PetscInt a = 0; a < dim; a++) surface->second[a][b] = column[a];
+  }
+}
+
+void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface)
+{
+  const MpmPose rest            = {.growth = 0.};
+  PetscReal     at[MPM_MAX_DIM] = {0., 0., 0.};
+
+  *surface = (MpmSurface){0};
+  if (pose->turned) MpmPoseCarry(boundary->dim, pose, &rest, x, at);
+  for (PetscInt a = 0; !pose->turned && a < boundary->dim; a++) at[a] = x[a] - pose->translation[a];
+  DistanceAtRest(boundary, pose->growth, at, surface);
+  if (pose->turned) TurnSurface(boundary->dim, pose, surface);
 }

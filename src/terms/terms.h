@@ -5,12 +5,11 @@
 #include "base/base.h"
 #include "base/types.h"
 
-/* A step from time_n to `time`, as terms prepare for it; the particles' arrays are lent to the sum. */
+/* A step, as terms prepare for it; the particles' arrays are lent to the sum. */
 typedef struct {
   const MpmRules *rules;
   const MpmSum   *sum;
   MpmParticles   *particles;
-  PetscReal       time_n, time;
 } MpmTermStep;
 
 /*

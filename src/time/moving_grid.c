@@ -18,7 +18,7 @@
 #include "particles/particles.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 #include "terms/rigid.h"
 #include "time/model.h"
 #include "time/stage_lists.h"
@@ -198,10 +198,11 @@ static PetscErrorCode MeanPlace(MpmModel model, const char *field, const PetscRe
 /* Where the boundary is at a time. */
 static void BoundaryPlace(const MpmBoundary *boundary, PetscReal time, PetscReal place[])
 {
-  const MpmPose pose = MpmBoundaryPose(boundary, time);
+  const MpmPose rest = {.turned = PETSC_FALSE}, pose = MpmBoundaryPose(boundary, time);
+  PetscReal     start[MPM_MAX_DIM];
 
-  MpmBoundaryPlace(boundary, place);
-  for (PetscInt a = 0; a < boundary->dim; a++) place[a] += pose.motion[a];
+  MpmBoundaryPlace(boundary, start);
+  MpmPoseCarry(boundary->dim, &rest, &pose, start, place);
 }
 
 /* The field of the points that are followed. */

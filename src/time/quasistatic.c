@@ -10,7 +10,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/terms.h"
@@ -89,7 +89,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static MpmRules Rules(MpmModel model)
+static MpmRules Rules(MpmModel model, PetscReal time)
 {
   return (MpmRules){.grid       = model->disc.grid,
                     .shape      = model->scene.shape,
@@ -101,7 +101,9 @@ static MpmRules Rules(MpmModel model)
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
                     .sparse     = model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-                    .mean       = (PetscBool)(model->disc.layout->means > 0)};
+                    .mean       = (PetscBool)(model->disc.layout->means > 0),
+                    .time_n     = model->state.time,
+                    .time       = time};
 }
 
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
@@ -132,7 +134,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
 
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
 {
-  const MpmRules rules = Rules(model);
+  const MpmRules rules = Rules(model, model->state.time);
 
   PetscFunctionBeginUser;
   *why = NULL;
@@ -200,8 +202,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(MpmModelPrescribe(model, time, why));
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTermsPrepare(model->disc.terms,
-                            &(MpmTermStep){rules, model->disc.sum, model->state.particles, model->state.time, time}));
+  PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     PetscCall(MpmLoadApply(&model->scene.loads->at[l], MpmModelLoadFactor(model, l, time), rules, model->disc.sum,
@@ -216,7 +217,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
 
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
-  const MpmRules rules = Rules(model);
+  const MpmRules rules = Rules(model, time);
   PetscLogDouble since;
 
   PetscFunctionBeginUser;

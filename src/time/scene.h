@@ -61,23 +61,23 @@ typedef struct {
 
 /* What was read: constant from then on. */
 typedef struct {
-  char          *title, *prefix;
-  MpmPhysics     physics;
-  MpmStretch     stretch;
-  MpmShapeType   shape;
-  MpmEdgeType    edge;
-  MpmMaterials  *materials;
-  MpmBodies     *bodies;
-  MpmConditions *bcs;
-  MpmMotions    *motions;
-  MpmBoundaries *boundaries;
-  MpmLoads      *loads;
-  MpmFollow      follow;
-  MpmBodyForce   body_force;
-  void          *body_force_ctx;
-  PetscBool      fbar, fbar_auto;
-  PetscBool      fbar_plain; /* F-bar averages dilation by shear, too */
-  const char    *fbar_why;   /* what `auto` went by, or NULL */
-  PetscInt       stage_count;
-  MpmStage      *stages;
+  char           *title, *prefix;
+  MpmPhysics      physics;
+  MpmStretch      stretch;
+  MpmShapeType    shape;
+  MpmEdgeType     edge;
+  MpmMaterials   *materials;
+  MpmBodies      *bodies;
+  MpmConditions  *bcs;
+  MpmBodyMotions *motions;
+  MpmBoundaries  *boundaries;
+  MpmLoads       *loads;
+  MpmFollow       follow;
+  MpmBodyForce    body_force;
+  void           *body_force_ctx;
+  PetscBool       fbar, fbar_auto;
+  PetscBool       fbar_plain; /* F-bar averages dilation by shear, too */
+  const char     *fbar_why;   /* what `auto` went by, or NULL */
+  PetscInt        stage_count;
+  MpmStage       *stages;
 } MpmScene;

@@ -20,11 +20,12 @@
 #include "point/material.h"
 #include "grid/shape.h"
 #include "particles/body.h"
+#include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/walls.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "time/model.h"
 #include "time/stage_lists.h"
@@ -365,7 +366,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
 /* The motions of a stage need their bodies. */
 static PetscErrorCode CheckMoved(const MpmModel model, const MpmStage *stage, const PetscBool there[])
 {
-  const MpmMotions *motions = model->scene.motions;
+  const MpmBodyMotions *motions = model->scene.motions;
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < motions->count; m++)
@@ -655,6 +656,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   }
   PetscCall(Activate(model, stage));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;
+  PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include "options/options.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "time/model.h"
 #include "time/stage_lists.h"

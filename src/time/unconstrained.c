@@ -11,7 +11,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
-#include "terms/rigid.h"
+#include "terms/contact.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -214,22 +214,24 @@ static void HoldByBoundaries(Pieces *pieces)
   const MpmContacts *contacts = model->disc.contacts;
   const PetscInt     dim      = pieces->dim;
 
-  for (PetscInt k = 0; k < contacts->count; k++) {
-    const MpmContact  *contact  = &contacts->contact[k];
-    const MpmBoundary *boundary = &contacts->boundaries[contact->boundary];
-    const PetscInt     node     = model->disc.space->group_nodes[model->disc.space->groups[contact->group].node_offset];
+  for (PetscInt k = 0; k < contacts->facet_count; k++) {
+    const MpmFacet    *facet    = &contacts->facet[k];
+    const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
+    const PetscInt     node     = model->disc.space->group_nodes[model->disc.space->groups[facet->group].node_offset];
     const PetscInt     piece    = pieces->of[node];
     MpmSurface         before, after;
 
-    MpmBoundaryDistance(boundary, &contacts->before[contact->boundary], contact->face, &before);
-    MpmBoundaryDistance(boundary, &contacts->after[contact->boundary], contact->face, &after);
-    if (!boundary->bilateral && PetscMin(before.distance, after.distance) > MPM_TOLERANCE * model->disc.h[0]) continue;
-    Hold(pieces, piece, before.normal, contact->face);
-    for (PetscInt a = 0; a < dim && boundary->stick; a++) {
+    MpmBoundaryDistance(boundary, &contacts->before[facet->boundary], facet->place, &before);
+    MpmBoundaryDistance(boundary, &contacts->after[facet->boundary], facet->place, &after);
+    if (!boundary->bilateral &&
+        PetscMin(before.distance, after.distance) - facet->touches > MPM_TOLERANCE * model->disc.h[0])
+      continue;
+    Hold(pieces, piece, before.normal, facet->place);
+    for (PetscInt a = 0; a < dim && boundary->tangential; a++) {
       PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
 
       unit[a] = 1.;
-      Hold(pieces, piece, unit, contact->face);
+      Hold(pieces, piece, unit, facet->place);
     }
   }
 }

@@ -246,8 +246,8 @@ static PetscErrorCode Deal(MpmGrid *grid, MpmParticles *particles)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesCreate(grid, &(MpmParticleFields){STATES, 0, RATES, PETSC_TRUE, PETSC_FALSE, 2, extra_fields},
-                               particles));
+  PetscCall(MpmParticlesCreate(
+    grid, &(MpmParticleFields){STATES, 0, RATES, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, 2, extra_fields}, particles));
   for (PetscInt id = grid->rank; id < POINTS; id += grid->size) count++;
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, count, 0));
   PetscCall(MpmParticlesGetArrays(particles, &points));

@@ -13,23 +13,23 @@ typedef struct {
   PetscInt  component_count, component[MPM_MAX_DIM];
   PetscReal value[MPM_MAX_DIM];
   MpmRamp   ramp;
-} MpmMotion;
+} MpmBodyMotion;
 
 /* Motions, with the names of their blocks. */
-typedef struct MpmMotions {
-  PetscInt   count;
-  char     **names;
-  MpmMotion *at;
-} MpmMotions;
+typedef struct MpmBodyMotions {
+  PetscInt       count;
+  char         **names;
+  MpmBodyMotion *at;
+} MpmBodyMotions;
 
-PetscErrorCode MpmMotionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                               const MpmBodies *bodies, MpmMotion *motion);
-PetscErrorCode MpmMotionDestroy(MpmMotion *motion);
+PetscErrorCode MpmBodyMotionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                                   const MpmBodies *bodies, MpmBodyMotion *motion);
+PetscErrorCode MpmBodyMotionDestroy(MpmBodyMotion *motion);
 /* Marks its points in the initial state; all bodies are there. */
-PetscErrorCode MpmMotionSelect(const MpmMotion *motion, const MpmBodies *bodies, MpmParticles *particles);
+PetscErrorCode MpmBodyMotionSelect(const MpmBodyMotion *motion, const MpmBodies *bodies, MpmParticles *particles);
 /*
   Which nodes the points of each acting motion touch, from the points of any rank: marks[i*count + m] > 0 for local node i
   and motion m; NULL where none acts. Free it.
 */
-PetscErrorCode MpmMotionsTouch(const MpmMotions *motions, const MpmActing *acting, const MpmGrid *grid,
-                               const MpmSpace *space, MpmParticles *particles, PetscReal **marks);
+PetscErrorCode MpmBodyMotionsTouch(const MpmBodyMotions *motions, const MpmActing *acting, const MpmGrid *grid,
+                                   const MpmSpace *space, MpmParticles *particles, PetscReal **marks);

@@ -16,12 +16,12 @@
 #include "particles/points.h"
 #include "space/space.h"
 #include "bc/bc.h"
-#include "bc/motion.h"
+#include "bc/body_motion.h"
 
 #define GRAZE 1e-9 /* a weight, and a derivative by cells, of a node that is not touched */
 
 /* The axes along which it moves, and by how much. */
-static PetscErrorCode ReadValue(const MpmOptions *block, PetscInt dim, MpmMotion *motion)
+static PetscErrorCode ReadValue(const MpmOptions *block, PetscInt dim, MpmBodyMotion *motion)
 {
   char   **components;
   PetscInt count;
@@ -44,8 +44,8 @@ static PetscErrorCode ReadValue(const MpmOptions *block, PetscInt dim, MpmMotion
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMotionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                               const MpmBodies *bodies, MpmMotion *motion)
+PetscErrorCode MpmBodyMotionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                                   const MpmBodies *bodies, MpmBodyMotion *motion)
 {
   char       prefix[256], field[256], *body;
   MpmOptions block = {options->comm, prefix, options->record};
@@ -73,7 +73,7 @@ PetscErrorCode MpmMotionCreate(const MpmOptions *options, const char *name, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMotionDestroy(MpmMotion *motion)
+PetscErrorCode MpmBodyMotionDestroy(MpmBodyMotion *motion)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(motion->name));
@@ -83,7 +83,7 @@ PetscErrorCode MpmMotionDestroy(MpmMotion *motion)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMotionSelect(const MpmMotion *motion, const MpmBodies *bodies, MpmParticles *particles)
+PetscErrorCode MpmBodyMotionSelect(const MpmBodyMotion *motion, const MpmBodies *bodies, MpmParticles *particles)
 {
   PetscInt   first, end;
   PetscInt64 found = 0;
@@ -145,8 +145,8 @@ static void TouchNodes(const MpmSpace *space, const PetscReal h[], const MpmGrou
   }
 }
 
-PetscErrorCode MpmMotionsTouch(const MpmMotions *motions, const MpmActing *acting, const MpmGrid *grid,
-                               const MpmSpace *space, MpmParticles *particles, PetscReal **marks)
+PetscErrorCode MpmBodyMotionsTouch(const MpmBodyMotions *motions, const MpmActing *acting, const MpmGrid *grid,
+                                   const MpmSpace *space, MpmParticles *particles, PetscReal **marks)
 {
   PetscBool any = PETSC_FALSE;
 

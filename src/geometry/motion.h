@@ -1,0 +1,24 @@
+#pragma once
+/*
+  Prescribed motion of a rigid thing: displacement and rotation in total, times a ramp, or a table of them by time.
+
+  Order of calls: MpmMotionRead(), MpmMotionPose(), MpmMotionDestroy().
+*/
+#include "base/types.h"
+#include "geometry/pose.h"
+
+typedef struct {
+  PetscReal  translation[MPM_MAX_DIM], rotation[MPM_MAX_DIM]; /* m, radians; times ramp */
+  PetscReal  pivot[MPM_MAX_DIM], growth;                      /* growth: of a radius, m, times ramp */
+  MpmRamp    ramp;
+  PetscInt   rows; /* of the table; 0 without one */
+  PetscReal *time, *value;
+} MpmMotion;
+
+/*
+  Reads -<prefix>motion, rotation, pivot, ramp and motion_table. Collective. On entry `pivot` holds its default and
+  `growth` what the owner has read of it.
+*/
+PetscErrorCode MpmMotionRead(const MpmOptions *block, PetscInt dim, MpmMotion *motion);
+MpmPose        MpmMotionPose(const MpmMotion *motion, PetscReal time);
+PetscErrorCode MpmMotionDestroy(MpmMotion *motion);

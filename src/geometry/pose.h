@@ -1,0 +1,22 @@
+#pragma once
+/*
+  Where a rigid thing stands that has moved from its place: first turned about its pivot, then displaced,
+
+    x = pivot + R (X - pivot) + translation .
+
+  All zeros: at rest. One that has not turned needs neither R nor pivot, and is never multiplied by an identity.
+*/
+#include "base/base.h"
+
+typedef struct {
+  PetscReal translation[MPM_MAX_DIM], growth; /* m; growth: of a radius */
+  PetscBool turned;
+  PetscReal rotation[MPM_MAX_DIM][MPM_MAX_DIM], pivot[MPM_MAX_DIM]; /* where turned */
+} MpmPose;
+
+/* Turns a pose by a rotation vector (its axis, as long as the angle in radians) about the pivot; 0 leaves it unturned. */
+void MpmPoseSetRotation(MpmPose *pose, const PetscReal pivot[MPM_MAX_DIM], const PetscReal vector[MPM_MAX_DIM]);
+/* Where the place x, which is fixed to a thing that stands at `before`, stands at `after`. Growth carries nothing along. */
+void MpmPoseCarry(PetscInt dim, const MpmPose *before, const MpmPose *after, const PetscReal x[], PetscReal y[]);
+/* What a vector that is fixed to the thing becomes: w = R_after R_before^T v; w may be v. */
+void MpmPoseTurn(PetscInt dim, const MpmPose *before, const MpmPose *after, const PetscReal v[], PetscReal w[]);
