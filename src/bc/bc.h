@@ -87,8 +87,8 @@ PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const Petsc
 PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim);
 /*
   Looks whether each condition that moves the material in the step still holds the body that it began to move, and notes in
-  `acting` which that is. `lost` is the first that does not, or -1, and `left` what its nodes hold of what they held then, 0
-  where no active node is left; the same on all ranks.
+  `acting` which that is. `lost` is the first that does not, or -1, and `left` what is left of what it held then; 0 where no such
+  condition holds any node. The same on all ranks.
 */
 PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
                                      const MpmSum *sum, PetscInt *lost, PetscReal *left);

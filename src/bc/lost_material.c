@@ -3,7 +3,8 @@
 
   Nodes do not move with the material: one that a condition pushes may leave the nodes of the condition, and what is left at
   them, or other material that takes its place, resists less and less. So the volume is watched that the nodes of a condition
-  hold, sum_p V_p sum_i w_ip, of the body that they held most of as the condition began to move in the stage.
+  hold, sum_p V_p sum_i w_ip, of the body that they held most of as the condition began to move in the stage. What one condition
+  hands over to another one that moves, too, is not lost; and a condition to which no material has come yet may wait for it.
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
@@ -22,7 +23,7 @@ PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim)
   return (PetscBool)(bc->inclined && bc->value[0] != 0.);
 }
 
-/* Marks the local nodes of condition b; `owned` of them are this rank's own. */
+/* Adds the local nodes of condition b to those marked; `owned` of its nodes are this rank's own. */
 static void MarkNodes(const MpmPrescription *step, PetscInt b, const MpmSum *sum, PetscBool mark[], PetscInt *owned)
 {
   const MpmSpace *space = sum->space;
@@ -32,8 +33,9 @@ static void MarkNodes(const MpmPrescription *step, PetscInt b, const MpmSum *sum
     PetscReal x[MPM_MAX_DIM];
 
     MpmGridNodeAtStart(sum->grid, &space->node[i * space->dim], x);
-    mark[i] = MpmConditionHolds(step, b, x);
-    *owned += i < space->owned && mark[i];
+    if (!MpmConditionHolds(step, b, x)) continue;
+    mark[i] = PETSC_TRUE;
+    *owned += i < space->owned;
   }
 }
 
@@ -99,32 +101,69 @@ static PetscErrorCode BeginMoving(const MpmSum *sum, const PetscBool mark[], con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The conditions that move the material in the step; returns how many there are. */
+static PetscInt ListMoving(const MpmPrescription *step, PetscInt dim, PetscInt moving[])
+{
+  PetscInt count = 0;
+
+  for (PetscInt b = 0; b < step->conditions->count; b++) {
+    if (!step->acting[b].active || !MpmConditionMoves(&step->conditions->at[b], dim)) continue;
+    if (MpmStepFactor(step, b, PETSC_TRUE) != 0.) moving[count++] = b;
+  }
+  return count;
+}
+
+/* Which bodies the conditions begin to move that have not moved in the stage. */
+static PetscErrorCode BeginAll(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
+                               const MpmSum *sum, PetscInt count, const PetscInt moving[], const PetscInt nodes[])
+{
+  PetscBool *mark;
+  PetscInt   owned;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(sum->space->local, &mark));
+  for (PetscInt k = 0; k < count; k++) {
+    if (!nodes[k] || acting[moving[k]].volume > 0.) continue;
+    for (PetscInt i = 0; i < sum->space->local; i++) mark[i] = PETSC_FALSE;
+    MarkNodes(step, moving[k], sum, mark, &owned);
+    PetscCall(BeginMoving(sum, mark, bodies, &acting[moving[k]]));
+  }
+  PetscCall(PetscFree(mark));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
                                      const MpmSum *sum, PetscInt *lost, PetscReal *left)
 {
-  PetscBool *mark = NULL;
+  const PetscInt most = step->conditions->count;
+  PetscInt       count, held = 0, *moving, *nodes, *ids;
+  PetscReal     *volume;
+  PetscBool     *mark = NULL;
 
   PetscFunctionBeginUser;
   *lost = -1;
-  for (PetscInt b = 0; b < step->conditions->count && *lost < 0; b++) {
-    PetscInt count;
-
-    if (!acting[b].active || !MpmConditionMoves(&step->conditions->at[b], sum->space->dim)) continue;
-    if (MpmStepFactor(step, b, PETSC_TRUE) == 0.) continue;
-    if (!mark) PetscCall(PetscMalloc1(sum->space->local, &mark));
-    MarkNodes(step, b, sum, mark, &count);
-    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT, MPI_SUM, sum->grid->comm));
-    *left = 0.;
-    if (count && acting[b].volume == 0.) PetscCall(BeginMoving(sum, mark, bodies, &acting[b]));
-    if (count) {
-      const PetscInt ids[2] = {acting[b].first, acting[b].end};
-
-      PetscCall(FindVolumes(sum, mark, 1, ids, left));
-      if (*left >= LOST * acting[b].volume) continue;
-      *left /= acting[b].volume;
-    }
-    *lost = b;
+  *left = 0.;
+  PetscCall(PetscMalloc4(most, &moving, most, &nodes, (2 * most), &ids, most, &volume));
+  count = ListMoving(step, sum->space->dim, moving);
+  if (count) {
+    PetscCall(PetscCalloc1(sum->space->local, &mark));
+    for (PetscInt k = 0; k < count; k++) MarkNodes(step, moving[k], sum, mark, &nodes[k]);
+    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, nodes, (PetscMPIInt)count, MPIU_INT, MPI_SUM, sum->grid->comm));
+    PetscCall(BeginAll(step, acting, bodies, sum, count, moving, nodes));
+  }
+  for (PetscInt k = 0; k < count; k++) {
+    held += nodes[k];
+    ids[2 * k]     = acting[moving[k]].first;
+    ids[2 * k + 1] = acting[moving[k]].end;
+  }
+  if (count && !held) *lost = moving[0];
+  if (held) PetscCall(FindVolumes(sum, mark, count, ids, volume));
+  for (PetscInt k = 0; held && k < count && *lost < 0; k++) {
+    if (volume[k] >= LOST * acting[moving[k]].volume) continue;
+    *lost = moving[k];
+    *left = volume[k] / acting[moving[k]].volume;
   }
   PetscCall(PetscFree(mark));
+  PetscCall(PetscFree4(moving, nodes, ids, volume));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
