@@ -101,7 +101,7 @@ static PetscErrorCode TakeAscii(char *text, PetscInt *count, PetscReal corners[]
 {
   static const char *const others[] = {"solid", "endsolid", "outer", "endloop"};
   PetscInt                 number = 0, in_facet = -1; /* its corners so far; -1: outside of any */
-  char                    *next;
+  char                    *next, *quoted;
 
   PetscFunctionBeginUser;
   for (char *line = text; line && !message[0]; line = next) {
@@ -125,10 +125,12 @@ static PetscErrorCode TakeAscii(char *text, PetscInt *count, PetscReal corners[]
       known = ParsePlace(rest, &corners[9 * (PetscInt64)*count + 3 * in_facet]);
       in_facet++;
     }
-    if (!known)
-      PetscCall(PetscSNPrintf(message, MPM_STL_MESSAGE,
-                              "line %" PetscInt_FMT ", '%.40s', is not what an ASCII STL file has there", number,
-                              line));
+    if (known) continue;
+    PetscCall(MpmTextQuote(line, &quoted));
+    PetscCall(PetscSNPrintf(message, MPM_STL_MESSAGE,
+                            "line %" PetscInt_FMT ", '%.60s', is not what an ASCII STL file has there", number,
+                            quoted));
+    PetscCall(PetscFree(quoted));
   }
   if (!message[0] && in_facet >= 0)
     PetscCall(PetscSNPrintf(message, MPM_STL_MESSAGE, "ends within triangle %" PetscInt_FMT, *count + 1));

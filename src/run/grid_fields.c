@@ -65,9 +65,9 @@ static PetscErrorCode HandOver(const MpmSpace *space, const MpmGrid *grid, Petsc
   PetscCall(PetscCalloc2(grid->size, &length, grid->size, &fill));
   PetscCall(PetscMalloc1((space->local - space->owned), &owner));
   for (PetscInt i = space->owned; i < space->local; i++) {
-    const PetscInt *at                = &space->node[i * space->dim];
-    const PetscInt  node[MPM_MAX_DIM] = {at[0], at[1], space->dim > 2 ? at[2] : 0};
+    PetscInt node[MPM_MAX_DIM];
 
+    MpmSpaceAt(space, &space->node[i * space->dim], node);
     owner[i - space->owned] = MpmGridNodeOwner(grid, node);
     if (nodes[i * corners] >= 0) length[owner[i - space->owned]] += corners;
   }

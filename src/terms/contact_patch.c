@@ -41,6 +41,12 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
       y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
 }
 
+/*
+  What may slide is softer along the surface than across it: else a change of pressure, which moves the bound on the traction,
+  and the slip that follows throw Newton's method from sticking to sliding and back.
+*/
+#define SLIDING 0.1
+
 /* P v, v less its part along n */
 static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
 {
@@ -53,15 +59,16 @@ static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
-  const PetscReal k    = patch->stiffness;
-  const PetscInt  dim  = boundary->dim;
+  const PetscBool slides = (PetscBool)(!boundary->stick || patch->strength < PETSC_INFINITY);
+  const PetscReal k      = slides ? SLIDING * patch->stiffness : patch->stiffness; /* along the surface */
+  const PetscInt  dim    = boundary->dim;
   PetscReal       size = 0., limit, rate = 0.; /* rate: of the limit by the gap */
 
   for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
   size  = PetscSqrtReal(size);
-  limit = boundary->friction * PetscMax(-k * answer->gap, 0.) + boundary->adhesion;
+  limit = boundary->friction * PetscMax(-patch->stiffness * answer->gap, 0.) + boundary->adhesion;
   if (boundary->stick || limit > patch->strength) limit = patch->strength;
-  else rate = answer->gap < 0. ? -boundary->friction * k : 0.;
+  else rate = answer->gap < 0. ? -boundary->friction * patch->stiffness : 0.;
   if (k * size <= limit) {
     for (PetscInt a = 0; a < dim; a++) {
       answer->traction[a]   = k * answer->slip[a];

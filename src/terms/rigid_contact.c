@@ -4,11 +4,11 @@
   With d_q the distance of facet q from the surface at the step's end, less the distance at which it touches, s_q its slip
   along the surface since it touched, and A_q its area, a patch of area A = sum A_q has
 
-    g = sum_q A_q d_q / A ,   s = sum_q A_q s_q / A ,   pressure p = -k g ,   traction t = k s ,   k = penalty E/h
+    g = sum_q A_q d_q / A ,   s = sum_q A_q s_q / A ,   pressure p = -k g ,   traction t = k' s ,   k = penalty E/h
 
   and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral). Coulomb friction bounds the
-  traction: where |k s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k. So a patch that sticks
-  gives by t/k, which is all the regularisation there is. L is no more than what the material itself bears in shear where its law
+  traction: where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k'. So a patch that sticks
+  gives by t/k', which is all the regularisation there is; k' = k where nothing may slide, and k/10 elsewhere. L is no more than what the material itself bears in shear where its law
   says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
   surface, in a layer that no cell can resolve, and a pipe would carry half a cell of clay along. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
   the step's start; the reaction is the sum of these forces.

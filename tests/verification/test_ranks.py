@@ -8,7 +8,7 @@ from talus_test import Test, difference, example  # noqa: E402
 
 REACH = 1e-9  # relative to the largest value
 SCENES = {"bar_elastic": example("bar_elastic"), "bar_j2": example("bar_j2"), "cantilever": example("cantilever"),
-          "shaft": Path(__file__).resolve().parent / "shaft.yaml"}
+          "shaft": Path(__file__).resolve().parent / "shaft.yaml", "apart": Path(__file__).resolve().parent / "apart.yaml"}
 
 # splines with not-a-knot ends; on 4 ranks MUMPS needs more workspace in the third step than it expects
 OPEN = {"mpm_shape": "bspline2", "mpm_shape_edge": "open", "mpm_stabilization_ghost": 0.1, "mpm_solver": "direct",
