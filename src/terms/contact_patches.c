@@ -483,16 +483,25 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
     line[PetscMin(PetscMax(face.first + shift + i - group->first[a], 0), last)] += weight[i];
 }
 
-static void Weights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                    const MpmGroup *box, PetscReal weight[])
+void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                   PetscReal (*line)[MPM_MAX_WIDTH])
 {
-  const MpmGroup *group  = &space->groups[facet->group];
   const PetscBool domain = MpmShapeHasDomain(rules->shape);
-  PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM];
+  PetscReal       half[MPM_MAX_DIM];
 
   line[2][0] = 1.;
   if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
-  for (PetscInt a = 0; a < space->dim; a++) AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
+  for (PetscInt a = 0; a < space->dim; a++)
+    AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
+}
+
+static void Weights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                    const MpmGroup *box, PetscReal weight[])
+{
+  const MpmGroup *group = &space->groups[facet->group];
+  PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH];
+
+  MpmFacetLines(rules, space, points, facet, line);
   for (PetscInt i = 0; i < box->node_count; i++) {
     const PetscInt row             = i / box->count[0];
     const PetscInt at[MPM_MAX_DIM] = {i % box->count[0], row % box->count[1], row / box->count[1]};
