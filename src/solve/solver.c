@@ -441,7 +441,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
       PetscInt  at[MPM_MAX_DIM];
 
       MpmSpaceAt(solver->disc->space, &solver->disc->space->node[i * dim], at);
-      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->h[a] * (PetscReal)at[a];
+      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->grid->h[a] * (PetscReal)at[a];
       SetMode(layout, k, x, &values[i * bs]);
     }
     if (solver->disc->contacts->bodies) SetBodyModes(solver, k, values);
