@@ -29,6 +29,7 @@
 #define TOUCH   1e-12 /* of a cell: rounding */
 #define SEARCH  1.5   /* cells: no facet is looked for farther away */
 #define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */
+#define SMOOTH  2.5   /* cells: facets so near make the normal of a patch */
 #define FACING  0.5   /* cosine: facets that look farther away from the other body are not part of a patch */
 #define FIRM    500.  /* penalties, as at rigid surfaces: on materials that do not flow, */
 #define SOFT    10.   /* and on those that do */
@@ -336,19 +337,74 @@ static void AddToSide(PetscInt dim, const MpmPairFacet *facet, const PetscReal n
   for (PetscInt s = 0; s < 2; s++) \
     for (PetscInt f = (patch)->side[s].begin; f < (patch)->side[s].end; f++)
 
-/* Normal, means and stiffness from the facets. */
-static void Describe(const MpmPairContacts *contacts, PetscInt dim, MpmPairPatch *patch)
+/* Does the facet look against the direction, by more than 60 degrees off being along? */
+static PetscBool Faces(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
 {
-  const MpmPair *pair = &contacts->pairs->at[patch->pair];
-  PetscReal      size = 0., modulus = PETSC_INFINITY, flows = 0.;
+  PetscReal dot = 0., one = 0., other = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    dot -= facet->area[a] * direction[a];
+    one += PetscSqr(facet->area[a]);
+    other += PetscSqr(direction[a]);
+  }
+  return (PetscBool)(dot > FACING * PetscSqrtReal(one * other));
+}
+
+/*
+  The outward normal of the first body: the mean of both bodies' area vectors around the patch, those near its middle first. The
+  facets of the patch alone would tell of the steps of the lattices, not of the surface that cut them.
+*/
+static void SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, MpmPairPatch *patch)
+{
+  const MpmPair      *pair = &contacts->pairs->at[patch->pair];
+  const MpmPairFacet *seed = &contacts->facet[contacts->list[patch->side[0].begin]];
+  const PetscInt      dim  = grid->dim;
+  PetscReal           outward[2][MPM_MAX_DIM], sum[MPM_MAX_DIM] = {0., 0., 0.}, size = 0.;
+  PetscInt            lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) {
+    outward[1][a] = patch->side[0].vector[a] - patch->side[1].vector[a];
+    outward[0][a] = -outward[1][a]; /* facets of side s look against outward[s] */
+  }
+  CellsAround(grid, seed, (PetscInt)ceil(SMOOTH) + 1, lower, upper);
+  for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
+    for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
+      for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
+        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count; f++) {
+          const MpmPairFacet *facet = &contacts->facet[f];
+          const PetscInt      s     = facet->part == pair->part[1];
+          PetscReal           away  = 0.;
+
+          if (facet->cell[0] != (PetscReal)cell[0] || facet->cell[1] != (PetscReal)cell[1] ||
+              facet->cell[2] != (PetscReal)cell[2])
+            break;
+          if (facet->part != pair->part[s] || !Faces(dim, facet, outward[s])) continue;
+          for (PetscInt a = 0; a < dim; a++) away += PetscSqr(facet->place[a] - patch->side[0].place[a]);
+          away = PetscMax(0., 1. - PetscSqrtReal(away) / (SMOOTH * contacts->cell));
+          for (PetscInt a = 0; a < dim; a++) sum[a] += (s ? -1. : 1.) * away * away * facet->area[a];
+        }
+      }
+    }
+  }
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(sum[a]);
+  for (PetscInt a = 0; a < dim; a++) patch->normal[a] = sum[a] / PetscSqrtReal(size);
+}
+
+/* Normal, means and stiffness from the facets. */
+static void Describe(const MpmPairContacts *contacts, const MpmGrid *grid, MpmPairPatch *patch)
+{
+  const PetscInt dim     = grid->dim;
+  const MpmPair *pair    = &contacts->pairs->at[patch->pair];
+  PetscReal      modulus = PETSC_INFINITY, flows = 0.;
 
   patch->strength = PETSC_INFINITY;
   FOR_SIDES(patch, f, s) AddToSide(dim, &contacts->facet[contacts->list[f]], NULL, &patch->side[s]);
-  for (PetscInt a = 0; a < dim; a++) {
-    patch->normal[a] = patch->side[0].vector[a] - patch->side[1].vector[a];
-    size += PetscSqr(patch->normal[a]);
-  }
-  for (PetscInt a = 0; a < dim; a++) patch->normal[a] /= PetscSqrtReal(size);
+  for (PetscInt f = patch->side[0].begin; f < patch->side[0].end; f++)
+    for (PetscInt a = 0; a < dim; a++)
+      patch->side[0].place[a] +=
+        contacts->facet[contacts->list[f]].place[a] / (PetscReal)(patch->side[0].end - patch->side[0].begin);
+  SmoothNormal(contacts, grid, patch);
+  for (PetscInt a = 0; a < dim; a++) patch->side[0].place[a] = 0.;
   FOR_SIDES(patch, f, s)
   {
     const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
@@ -475,24 +531,12 @@ static PetscBool SameCell(const MpmPairFacet *one, const MpmPairFacet *other)
                      one->cell[2] == other->cell[2]);
 }
 
-/* Does the facet look against the direction, by more than 60 degrees off being along? */
-static PetscBool Faces(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
-{
-  PetscReal dot = 0., one = 0., other = 0.;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    dot -= facet->area[a] * direction[a];
-    one += PetscSqr(facet->area[a]);
-    other += PetscSqr(direction[a]);
-  }
-  return (PetscBool)(dot > FACING * PetscSqrtReal(one * other));
-}
-
 /* One patch: `count` facets of the second body, across from facets of the first in the cell of facet `seed`. */
-static PetscErrorCode AddPatch(MpmPairContacts *contacts, PetscInt dim, PetscInt pair, PetscInt seed, PetscInt count,
-                               const PetscInt others[])
+static PetscErrorCode AddPatch(MpmPairContacts *contacts, const MpmGrid *grid, PetscInt pair, PetscInt seed,
+                               PetscInt count, const PetscInt others[])
 {
   const MpmPair *bodies           = &contacts->pairs->at[pair];
+  const PetscInt dim = grid->dim;
   MpmPairPatch   patch            = {.pair = pair};
   PetscReal      sum[MPM_MAX_DIM] = {0., 0., 0.};
   PetscInt       f                = seed;
@@ -509,7 +553,7 @@ static PetscErrorCode AddPatch(MpmPairContacts *contacts, PetscInt dim, PetscInt
   if (patch.side[0].begin == patch.side[0].end) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < count; k++) contacts->list[contacts->list_count++] = others[k];
   patch.side[1].end = contacts->list_count;
-  Describe(contacts, dim, &patch);
+  Describe(contacts, grid, &patch);
   PetscCall(PetscRealloc((size_t)(contacts->patch_count + 1) * sizeof(MpmPairPatch), &contacts->patch));
   contacts->patch[contacts->patch_count++] = patch;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -536,7 +580,7 @@ static PetscErrorCode PatchesOfPair(MpmPairContacts *contacts, const MpmGrid *gr
 
     for (end = begin; end < count && SameCell(&contacts->facet[opposite[end]], seed); end++) continue;
     PetscCall(PetscSortInt(end - begin, &other[begin]));
-    PetscCall(AddPatch(contacts, grid->dim, pair, opposite[begin], end - begin, &other[begin]));
+    PetscCall(AddPatch(contacts, grid, pair, opposite[begin], end - begin, &other[begin]));
   }
   PetscCall(PetscFree2(opposite, other));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -658,9 +702,9 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
     const MpmPair *pair = &contacts->pairs->at[p];
 
     for (PetscInt field = 0; field <= MPM_MAX_DIM; field++) { /* the gap, then the slip */
-      const PetscInt a = field - 1;
-      const char *name = a < 0 ? pair->gap_field : pair->slip_field[a];
-      PetscReal  *value;
+      const PetscInt a    = field - 1;
+      const char    *name = a < 0 ? pair->gap_field : pair->slip_field[a];
+      PetscReal     *value;
 
       if (!name) continue;
       PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)&value));
