@@ -30,12 +30,13 @@
 #define SEARCH  1.5   /* cells: no facet is looked for farther away */
 #define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */
 #define SMOOTH  2.5   /* cells: facets so near make the normal of a patch */
-#define FACING  0.5   /* cosine: facets that look farther away from the other body are not part of a patch */
+#define LOOKS   0.2   /* cosine: facets of the first body that look farther away are not part of a patch */
+#define FACING  0.5   /* cosine: facets that look at one another less do not lie across */
 #define FIRM    500.  /* penalties, as at rigid surfaces: on materials that do not flow, */
 #define SOFT    10.   /* and on those that do */
 
 struct MpmPairFacet {
-  PetscInt  part, id, point, patch; /* point: on this rank, -1: a copy; patch: of the second body's facets, or -1 */
+  PetscInt  part, id, point, across; /* point: on this rank, -1: a copy; across: one of the other body is */
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
   PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
     cell[MPM_MAX_DIM];                        /* size: half the edge of a face; cell: of its point */
@@ -124,7 +125,7 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   PetscInt           cell[MPM_MAX_DIM];
   MpmFacet           facet = {.point = p, .group = group};
   PetscReal          arm[MPM_MAX_DIM], size = 0.;
-  MpmPairFacet       made = {.part = points->part[p], .id = 2 * dim * points->id[p] + face, .point = p, .patch = -1};
+  MpmPairFacet       made = {.part = points->part[p], .id = 2 * dim * points->id[p] + face, .point = p};
 
   MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
   MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
@@ -285,6 +286,13 @@ static PetscInt FirstOfCell(const MpmPairContacts *contacts, const PetscInt cell
   return lower;
 }
 
+static PetscBool InCell(const MpmPairFacet *facet, const PetscInt cell[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    if (facet->cell[a] != (PetscReal)cell[a]) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 /* The facet of the first body that lies across from facet k of the second, or -1. */
 static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair, PetscInt k)
 {
@@ -296,13 +304,11 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
   for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
     for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
       for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
-        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count; f++) {
+        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count && InCell(&contacts->facet[f], cell);
+             f++) {
           const MpmPairFacet *one = &contacts->facet[f];
           PetscReal           distance;
 
-          if (one->cell[0] != (PetscReal)cell[0] || one->cell[1] != (PetscReal)cell[1] ||
-              one->cell[2] != (PetscReal)cell[2])
-            break;
           if (one->part != pair->part[0]) continue;
           distance = Across(grid->dim, one, other, SEARCH * contacts->cell);
           if (distance < best * (1. - 1e-9) || (distance < PETSC_INFINITY && found < 0)) {
@@ -318,98 +324,75 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
 
 /* ---- patches ---- */
 
-/* Adds a facet to a side: its area along n, and its middle; without n the outward area alone. */
-static void AddToSide(PetscInt dim, const MpmPairFacet *facet, const PetscReal n[], MpmPatchSide *side)
-{
-  PetscReal area = 0.;
-
-  for (PetscInt a = 0; a < dim && n; a++) area += n[a] * facet->area[a];
-  area = PetscAbsReal(area);
-  for (PetscInt a = 0; a < dim; a++) {
-    if (n) side->place[a] += area * facet->place[a];
-    else side->vector[a] += facet->area[a];
-  }
-  side->area += area;
-}
-
 /* Each facet of either side with its side's number. */
 #define FOR_SIDES(patch, f, s) \
   for (PetscInt s = 0; s < 2; s++) \
     for (PetscInt f = (patch)->side[s].begin; f < (patch)->side[s].end; f++)
 
-/* Does the facet look against the direction, by more than 60 degrees off being along? */
-static PetscBool Faces(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
+/* Does the facet look along the direction, of length 1, rather than across it? */
+static PetscBool Looks(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
 {
-  PetscReal dot = 0., one = 0., other = 0.;
+  PetscReal dot = 0., size = 0.;
 
   for (PetscInt a = 0; a < dim; a++) {
-    dot -= facet->area[a] * direction[a];
-    one += PetscSqr(facet->area[a]);
-    other += PetscSqr(direction[a]);
+    dot += facet->area[a] * direction[a];
+    size += PetscSqr(facet->area[a]);
   }
-  return (PetscBool)(dot > FACING * PetscSqrtReal(one * other));
+  return (PetscBool)(dot > LOOKS * PetscSqrtReal(size));
 }
 
 /*
-  The outward normal of the first body: the mean of both bodies' area vectors around the patch, those near its middle first. The
-  facets of the patch alone would tell of the steps of the lattices, not of the surface that cut them.
+  The outward normal of the first body about a place: the mean of both bodies' area vectors there, the nearest first, over the
+  facets that have one of the other body across. Those of the patch alone would tell of the steps of the lattices, not of the
+  surface that cut them.
 */
-static void SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, MpmPairPatch *patch)
+static void SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair,
+                         const MpmPairFacet *about, PetscReal normal[])
 {
-  const MpmPair      *pair = &contacts->pairs->at[patch->pair];
-  const MpmPairFacet *seed = &contacts->facet[contacts->list[patch->side[0].begin]];
-  const PetscInt      dim  = grid->dim;
-  PetscReal           outward[2][MPM_MAX_DIM], sum[MPM_MAX_DIM] = {0., 0., 0.}, size = 0.;
-  PetscInt            lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM];
+  const PetscInt dim  = grid->dim;
+  PetscReal      size = 0.;
+  PetscInt       lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < dim; a++) {
-    outward[1][a] = patch->side[0].vector[a] - patch->side[1].vector[a];
-    outward[0][a] = -outward[1][a]; /* facets of side s look against outward[s] */
-  }
-  CellsAround(grid, seed, (PetscInt)ceil(SMOOTH) + 1, lower, upper);
+  CellsAround(grid, about, (PetscInt)ceil(SMOOTH) + 1, lower, upper);
+  for (PetscInt a = 0; a < dim; a++) normal[a] = 0.;
   for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
     for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
       for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
-        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count; f++) {
+        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count && InCell(&contacts->facet[f], cell);
+             f++) {
           const MpmPairFacet *facet = &contacts->facet[f];
-          const PetscInt      s     = facet->part == pair->part[1];
-          PetscReal           away  = 0.;
+          PetscReal           near = 0., sign = 0.;
 
-          if (facet->cell[0] != (PetscReal)cell[0] || facet->cell[1] != (PetscReal)cell[1] ||
-              facet->cell[2] != (PetscReal)cell[2])
-            break;
-          if (facet->part != pair->part[s] || !Faces(dim, facet, outward[s])) continue;
-          for (PetscInt a = 0; a < dim; a++) away += PetscSqr(facet->place[a] - patch->side[0].place[a]);
-          away = PetscMax(0., 1. - PetscSqrtReal(away) / (SMOOTH * contacts->cell));
-          for (PetscInt a = 0; a < dim; a++) sum[a] += (s ? -1. : 1.) * away * away * facet->area[a];
+          if (!facet->across) continue;
+          if (facet->part == pair->part[0]) sign = 1.;
+          if (facet->part == pair->part[1]) sign = -1.;
+          for (PetscInt a = 0; a < dim; a++) near += PetscSqr(facet->place[a] - about->place[a]);
+          near = PetscMax(0., 1. - PetscSqrtReal(near) / (SMOOTH * contacts->cell));
+          for (PetscInt a = 0; a < dim; a++) normal[a] += sign * near * near * facet->area[a];
         }
       }
     }
   }
-  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(sum[a]);
-  for (PetscInt a = 0; a < dim; a++) patch->normal[a] = sum[a] / PetscSqrtReal(size);
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(normal[a]);
+  for (PetscInt a = 0; a < dim; a++) normal[a] /= PetscSqrtReal(size);
 }
 
-/* Normal, means and stiffness from the facets. */
-static void Describe(const MpmPairContacts *contacts, const MpmGrid *grid, MpmPairPatch *patch)
+/* Means and stiffness from the facets. */
+static void Describe(const MpmPairContacts *contacts, PetscInt dim, MpmPairPatch *patch)
 {
-  const PetscInt dim     = grid->dim;
   const MpmPair *pair    = &contacts->pairs->at[patch->pair];
   PetscReal      modulus = PETSC_INFINITY, flows = 0.;
 
   patch->strength = PETSC_INFINITY;
-  FOR_SIDES(patch, f, s) AddToSide(dim, &contacts->facet[contacts->list[f]], NULL, &patch->side[s]);
-  for (PetscInt f = patch->side[0].begin; f < patch->side[0].end; f++)
-    for (PetscInt a = 0; a < dim; a++)
-      patch->side[0].place[a] +=
-        contacts->facet[contacts->list[f]].place[a] / (PetscReal)(patch->side[0].end - patch->side[0].begin);
-  SmoothNormal(contacts, grid, patch);
-  for (PetscInt a = 0; a < dim; a++) patch->side[0].place[a] = 0.;
   FOR_SIDES(patch, f, s)
   {
     const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+    PetscReal           area  = 0.;
 
-    AddToSide(dim, facet, patch->normal, &patch->side[s]);
+    for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
+    area = PetscAbsReal(area);
+    for (PetscInt a = 0; a < dim; a++) patch->side[s].place[a] += area * facet->place[a];
+    patch->side[s].area += area;
     modulus         = PetscMin(modulus, facet->modulus);
     flows           = PetscMax(flows, facet->plastic);
     patch->strength = PetscMin(patch->strength, facet->strength);
@@ -535,25 +518,28 @@ static PetscBool SameCell(const MpmPairFacet *one, const MpmPairFacet *other)
 static PetscErrorCode AddPatch(MpmPairContacts *contacts, const MpmGrid *grid, PetscInt pair, PetscInt seed,
                                PetscInt count, const PetscInt others[])
 {
-  const MpmPair *bodies           = &contacts->pairs->at[pair];
-  const PetscInt dim = grid->dim;
-  MpmPairPatch   patch            = {.pair = pair};
-  PetscReal      sum[MPM_MAX_DIM] = {0., 0., 0.};
-  PetscInt       f                = seed;
+  const MpmPair *bodies = &contacts->pairs->at[pair];
+  MpmPairPatch   patch  = {.pair = pair};
+  MpmPairFacet   about  = contacts->facet[seed];
+  PetscInt       f      = seed;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < count; k++)
-    for (PetscInt a = 0; a < dim; a++) sum[a] += contacts->facet[others[k]].area[a];
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    about.place[a] = 0.;
+    for (PetscInt k = 0; k < count; k++) about.place[a] += contacts->facet[others[k]].place[a] / (PetscReal)count;
+  }
+  SmoothNormal(contacts, grid, bodies, &about, patch.normal);
   while (f > 0 && SameCell(&contacts->facet[f - 1], &contacts->facet[seed])) f--;
   patch.side[0].begin = contacts->list_count;
   for (; f < contacts->facet_count && SameCell(&contacts->facet[f], &contacts->facet[seed]); f++)
-    if (contacts->facet[f].part == bodies->part[0] && Faces(dim, &contacts->facet[f], sum))
+    if (contacts->facet[f].part == bodies->part[0] && Looks(grid->dim, &contacts->facet[f], patch.normal))
       contacts->list[contacts->list_count++] = f;
   patch.side[0].end = patch.side[1].begin = contacts->list_count;
-  if (patch.side[0].begin == patch.side[0].end) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < count; k++) contacts->list[contacts->list_count++] = others[k];
   patch.side[1].end = contacts->list_count;
-  Describe(contacts, grid, &patch);
+  if (patch.side[0].begin == patch.side[0].end) PetscFunctionReturn(PETSC_SUCCESS);
+  Describe(contacts, grid->dim, &patch);
+  if (!(patch.side[0].area > 0. && patch.side[1].area > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscRealloc((size_t)(contacts->patch_count + 1) * sizeof(MpmPairPatch), &contacts->patch));
   contacts->patch[contacts->patch_count++] = patch;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -567,10 +553,13 @@ static PetscErrorCode PatchesOfPair(MpmPairContacts *contacts, const MpmGrid *gr
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(contacts->facet_count, &opposite, contacts->facet_count, &other));
+  for (PetscInt k = 0; k < contacts->facet_count; k++) contacts->facet[k].across = 0;
   for (PetscInt k = 0; k < contacts->facet_count; k++) {
     const PetscInt found = contacts->facet[k].part == bodies->part[1] ? Opposite(contacts, grid, bodies, k) : -1;
 
-    if (found < 0 || contacts->facet[found].point < 0) continue; /* another rank's */
+    if (found < 0) continue;
+    contacts->facet[k].across = contacts->facet[found].across = 1;
+    if (contacts->facet[found].point < 0) continue; /* another rank's */
     opposite[count] = found;
     other[count++]  = k;
   }
