@@ -49,7 +49,7 @@ def parted(test):
 
 def slide(test):
     """The friction of a stiff block that is pushed along: mu N; the same on all ranks, and after a restart on others."""
-    alone = test.run(SLIDING, mpm_checkpoint_every=5)
+    alone = test.run(SLIDING, mpm_checkpoint_every=10)
     normal, friction = alone.results.column("force_ab_y")[-1], -alone.results.column("force_ab_x")[-1]
     test.near("slide.friction", friction, 0.3 * normal, 1e-4)
     test.near("slide.weight", normal, 10.0 * 1000.0 * alone.table("volume")[alone.table("material") == 1].sum(), 1e-3)
