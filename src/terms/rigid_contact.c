@@ -323,7 +323,8 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
       PetscCall(PetscArrayzero(slip, sum->points->count));
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
-          slip[contacts->facet[f].point] = answers[k].slip[a];
+          if (answers[k].active)
+            slip[contacts->facet[f].point] = answers[k].slip[a]; /* a corner may not touch as its faces do */
       PetscCall(
         DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
     }
