@@ -373,8 +373,8 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
 
     if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell ||
         facet->corner != facet[-1].corner) {
-      contacts->patch[contacts->patch_count] =
-        (MpmPatch){.boundary = facet->boundary, .begin = k, .box = box_begin + contacts->patch_count};
+      contacts->patch[contacts->patch_count] = (MpmPatch){
+        .boundary = facet->boundary, .begin = k, .box = box_begin + contacts->patch_count, .strength = PETSC_INFINITY};
       contacts->patch_count++;
     }
     patch      = &contacts->patch[contacts->patch_count - 1];
