@@ -57,7 +57,7 @@ static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch,
 /* Adds the traction along the surface, its derivative, and what is kept of the slip. */
 static void Friction(const MpmPair *pair, const MpmPairPatch *patch, PetscInt dim, PetscReal rate, Answer *answer)
 {
-  const PetscBool slides = (PetscBool)(!pair->stick || patch->strength < PETSC_INFINITY);
+  const PetscBool slides = (PetscBool)(!pair->stick || patch->strength < 0.5 * PETSC_INFINITY);
   const PetscReal k = slides ? SLIDING * patch->stiffness : patch->stiffness, *n = patch->normal;
   PetscReal       size = 0., limit = pair->friction * PetscMax(answer->pressure, 0.) + pair->adhesion, growth = 0.;
 

@@ -59,7 +59,7 @@ static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
-  const PetscBool slides = (PetscBool)(!boundary->stick || patch->strength < PETSC_INFINITY);
+  const PetscBool slides = (PetscBool)(!boundary->stick || patch->strength < 0.5 * PETSC_INFINITY);
   const PetscReal k      = slides ? SLIDING * patch->stiffness : patch->stiffness; /* along the surface */
   const PetscInt  dim    = boundary->dim;
   PetscReal       size = 0., limit, rate = 0.; /* rate: of the limit by the gap */
