@@ -263,7 +263,8 @@ static PetscErrorCode SecondCreate(Balance *balance)
   second->disc.ghost    = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
   second->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
   PetscCall(MpmDiscretizationSetUp(&second->disc, second->scene.materials, second->scene.boundaries,
-                                   second->scene.pairs, second->state.placements, second->state.particles->stress_size + 1));
+                                   second->scene.pairs, second->state.placements,
+                                   second->state.particles->stress_size + 1));
   PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
   second->solver.may_be_indefinite = PETSC_FALSE;
   balance->second                  = second;

