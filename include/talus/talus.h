@@ -249,7 +249,7 @@ PetscErrorCode MpmModelSetLoadFactor(MpmModel model, const char name[], PetscRea
 PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const PetscReal value[]);
 
 /*@
-  MpmModelGetReaction - the force that a condition or a boundary exerted on the material at the end of the last step
+  MpmModelGetReaction - the force that a condition, a motion or a boundary exerted on the material at the end of the last step
 
   Not collective: all ranks have the sum.
 

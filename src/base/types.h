@@ -34,6 +34,7 @@ typedef struct MpmTrial       MpmTrial;
 typedef struct MpmWall        MpmWall;
 typedef struct MpmConditions  MpmConditions;
 typedef struct MpmActing      MpmActing;
+typedef struct MpmBodyMotions MpmBodyMotions;
 typedef struct MpmConstraints MpmConstraints;
 
 /* terms, time */

@@ -27,18 +27,22 @@ typedef struct MpmConditions {
   MpmCondition *at;
 } MpmConditions;
 
-/* Whether a condition acts in the stage, and from when its ramp counts. */
+/* Whether a condition acts in the stage, and from when its ramp counts; and what it moves (lost_material.c). */
 struct MpmActing {
   PetscBool active;
   PetscReal start;
+  PetscInt  first, end; /* ids of the body of which its nodes held most as it began to move in the stage, */
+  PetscReal volume;     /* and how much of it, m3; 0: it has not begun to */
 };
 
-/* The conditions as a step from time_n to `time` takes them; `acting` by condition. */
+/* Conditions and motions as a step from time_n to `time` takes them; `acting` by condition, then by motion. */
 typedef struct {
-  const MpmConditions *conditions;
-  const MpmActing     *acting;
-  PetscReal            time_n, time;
-  PetscReal            diagonal; /* a typical stiffness of a node, N/m */
+  const MpmConditions  *conditions;
+  const MpmBodyMotions *motions;
+  const MpmActing      *acting;
+  MpmParticles         *particles;
+  PetscReal             time_n, time;
+  PetscReal             diagonal; /* a typical stiffness of a node, N/m */
 } MpmPrescription;
 
 /* The frame of a node with a condition along a normal; rows q_r, of which the first `constrained` are (node_frames.c). */
@@ -57,7 +61,7 @@ typedef struct {
   its components in the frame.
 */
 typedef struct MpmConstraints {
-  PetscInt  *condition; /* per local unknown: which condition holds it, or one of the two below */
+  PetscInt  *condition; /* per local unknown: which condition or, behind them, motion holds it, or one of these two */
   PetscReal *value;     /* the value that it takes */
   PetscBool  any;
   PetscInt   dim, block;
@@ -72,8 +76,22 @@ PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
                                     MpmWall *walls);
+/* `contradicts` is a motion that another one, or a condition, contradicts at a node, or -1; the same on all ranks. */
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space);
+                                   const MpmLayout *layout, const MpmSpace *space, PetscInt *contradicts);
+/* What the ramp of condition or motion b adds in the step, or its factor at the step's end for unknowns that are totals. */
+PetscReal MpmStepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment);
+/* Does condition b act at a node, which is given by its place in the grid as it was read? */
+PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const PetscReal x[]);
+/* Does the condition ever prescribe a displacement other than zero, along one of `dim` axes? */
+PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim);
+/*
+  Looks whether each condition that moves the material in the step still holds the body that it began to move, and notes in
+  `acting` which that is. `lost` is the first that does not, or -1, and `left` what is left of what it held then; 0 where no such
+  condition holds any node. The same on all ranks.
+*/
+PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
+                                     const MpmSum *sum, PetscInt *lost, PetscReal *left);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
 /* Is the local unknown solved for? */
 static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, PetscInt unknown)

@@ -9,6 +9,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
 
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
 {
@@ -21,37 +22,121 @@ PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the ramp of condition b adds in the step, or its factor at the step's end for unknowns that are totals. */
-static PetscReal StepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment)
+PetscReal MpmStepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment)
 {
-  const MpmRamp   ramp   = step->conditions->at[b].ramp;
+  const PetscInt  count  = step->conditions->count;
+  const MpmRamp   ramp   = b < count ? step->conditions->at[b].ramp : step->motions->at[b - count].ramp;
   const PetscReal start  = step->acting[b].start;
   const PetscReal before = increment && step->time_n > start ? MpmRampEvaluate(ramp, step->time_n - start) : 0.;
 
   return MpmRampEvaluate(ramp, step->time - start) - before;
 }
 
-/* Does condition b act, with a normal or without, at x? */
-static PetscBool Holds(const MpmPrescription *step, PetscInt b, const PetscReal x[])
+PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const PetscReal x[])
 {
   return (PetscBool)(step->acting[b].active && MpmRegionContains(step->conditions->at[b].region, x));
 }
 
+/* By which regions select a node: conditions go with the grid. */
 static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
 {
-  for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * (PetscReal)space->node[node * grid->dim + a];
+  MpmGridNodeAtStart(grid, &space->node[node * grid->dim], x);
 }
 
-/* The frame of a node from all conditions that hold it; the last one counts first. */
-static void MakeFrame(const MpmPrescription *step, const PetscReal x[], PetscInt dim, MpmFrame *frame)
+/* ---- motions ---- */
+
+#define SAME 1e-9 /* of two displacements: what rounding may make of equal ones */
+
+/* What the motions prescribe at a node: along which axes, by which motion, and by how much in the step. */
+typedef struct {
+  PetscInt  motion[MPM_MAX_DIM]; /* behind the conditions; -1: none */
+  PetscReal value[MPM_MAX_DIM];
+  PetscInt  contradicts; /* a motion that others contradict, by its place in the list, or -1 */
+  PetscBool any;
+} NodeMotion;
+
+static PetscBool Differ(PetscReal a, PetscReal b)
 {
+  return (PetscBool)(PetscAbsReal(a - b) > SAME * PetscMax(PetscAbsReal(a), PetscAbsReal(b)));
+}
+
+/* `mark` has a number for each motion, positive where its points touch the node; NULL where none acts. */
+static NodeMotion MotionAt(const MpmPrescription *step, const PetscReal *mark)
+{
+  NodeMotion node = {.motion = {-1, -1, -1}, .contradicts = -1};
+
+  for (PetscInt m = 0; mark && m < step->motions->count; m++) {
+    const MpmBodyMotion *motion = &step->motions->at[m];
+    const PetscInt       index  = step->conditions->count + m;
+
+    for (PetscInt k = 0; k < motion->component_count && mark[m] > 0.; k++) {
+      const PetscInt  c     = motion->component[k];
+      const PetscReal value = motion->value[k] * MpmStepFactor(step, index, PETSC_TRUE);
+
+      node.any = PETSC_TRUE;
+      if (node.motion[c] >= 0 && Differ(node.value[c], value)) node.contradicts = m;
+      node.motion[c] = index;
+      node.value[c]  = value;
+    }
+  }
+  return node;
+}
+
+/* Do the motions of the node, behind so many conditions, contradict a . u = g? */
+static void CheckEquation(NodeMotion *node, PetscInt conditions, PetscInt dim, const PetscReal a[], PetscReal g)
+{
+  PetscReal along = 0., scale = PetscAbsReal(g);
+
+  for (PetscInt c = 0; c < dim; c++) {
+    if (a[c] != 0. && node->motion[c] < 0) return;
+    if (a[c] == 0.) continue;
+    along += a[c] * node->value[c];
+    scale += PetscAbsReal(a[c] * node->value[c]);
+  }
+  for (PetscInt c = 0; c < dim && PetscAbsReal(along - g) > SAME * scale; c++)
+    if (a[c] != 0.) node->contradicts = node->motion[c] - conditions;
+}
+
+/* Motions take the nodes that have no frame. */
+static void PrescribeMotions(MpmConstraints *constraints, const MpmPrescription *step, const PetscReal marks[],
+                             const MpmSpace *space, PetscInt *contradicts)
+{
+  for (PetscInt i = 0; i < space->local; i++) {
+    const NodeMotion node = MotionAt(step, &marks[i * step->motions->count]);
+
+    *contradicts = PetscMax(*contradicts, node.contradicts);
+    if (!node.any || (constraints->frame_of && constraints->frame_of[i] >= 0)) continue;
+    constraints->any = PETSC_TRUE;
+    for (PetscInt c = 0; c < constraints->dim; c++) {
+      const PetscInt k = i * constraints->block + c;
+
+      if (node.motion[c] < 0) continue;
+      if (!MpmConstraintsFree(constraints, k) && Differ(constraints->value[k], node.value[c]))
+        *contradicts = PetscMax(*contradicts, node.motion[c] - step->conditions->count);
+      constraints->condition[k] = node.motion[c];
+      constraints->value[k]     = node.value[c];
+    }
+  }
+}
+
+/* ---- frames ---- */
+
+/* The frame of a node from the motions and all conditions that hold it; among these the last one counts first. */
+static void MakeFrame(const MpmPrescription *step, const PetscReal x[], PetscInt dim, NodeMotion *node, MpmFrame *frame)
+{
+  for (PetscInt c = 0; c < dim; c++) {
+    PetscReal axis[MPM_MAX_DIM] = {0., 0., 0.};
+
+    axis[c] = 1.;
+    if (node->motion[c] >= 0) MpmFrameAdd(frame, dim, axis, node->value[c], node->motion[c]);
+  }
   for (PetscInt b = step->conditions->count - 1; b >= 0; b--) {
     const MpmCondition *bc     = &step->conditions->at[b];
-    const PetscReal     factor = StepFactor(step, b, PETSC_TRUE);
+    const PetscReal     factor = MpmStepFactor(step, b, PETSC_TRUE);
 
-    if (!Holds(step, b, x)) continue;
+    if (!MpmConditionHolds(step, b, x)) continue;
     if (bc->inclined) {
+      CheckEquation(node, step->conditions->count, dim, bc->normal, bc->value[0] * factor);
       MpmFrameAdd(frame, dim, bc->normal, bc->value[0] * factor, b);
       continue;
     }
@@ -60,6 +145,7 @@ static void MakeFrame(const MpmPrescription *step, const PetscReal x[], PetscInt
 
       if (bc->component[k] >= dim) continue;
       axis[bc->component[k]] = 1.;
+      CheckEquation(node, step->conditions->count, dim, axis, bc->value[k] * factor);
       MpmFrameAdd(frame, dim, axis, bc->value[k] * factor, b);
     }
   }
@@ -67,10 +153,11 @@ static void MakeFrame(const MpmPrescription *step, const PetscReal x[], PetscInt
 }
 
 /* The frames of this step's nodes, and what they hold. */
-static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
-                                  PetscInt bs, const MpmSpace *space)
+static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescription *step, const PetscReal *marks,
+                                  const MpmGrid *grid, const MpmSpace *space, PetscInt *contradicts)
 {
-  PetscInt count = 0;
+  const PetscInt bs    = constraints->block;
+  PetscInt       count = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(space->local, &constraints->frame_of));
@@ -81,17 +168,19 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescrip
     if (MpmSpaceIsExtra(space, i)) continue;
     NodePosition(grid, space, i, x);
     for (PetscInt b = 0; b < step->conditions->count && constraints->frame_of[i] < 0; b++)
-      if (step->conditions->at[b].inclined && Holds(step, b, x)) constraints->frame_of[i] = count++;
+      if (step->conditions->at[b].inclined && MpmConditionHolds(step, b, x)) constraints->frame_of[i] = count++;
   }
   PetscCall(PetscCalloc1(count, &constraints->frames));
   for (PetscInt i = 0; i < space->local; i++) {
     PetscReal x[MPM_MAX_DIM];
 
     if (constraints->frame_of[i] < 0) continue;
-    MpmFrame *frame = &constraints->frames[constraints->frame_of[i]];
+    MpmFrame  *frame = &constraints->frames[constraints->frame_of[i]];
+    NodeMotion node  = MotionAt(step, marks ? &marks[i * step->motions->count] : NULL);
 
     NodePosition(grid, space, i, x);
-    MakeFrame(step, x, grid->dim, frame);
+    MakeFrame(step, x, grid->dim, &node, frame);
+    *contradicts = PetscMax(*contradicts, node.contradicts);
     for (PetscInt r = 0; r < grid->dim; r++) {
       constraints->condition[i * bs + r] = r < frame->constrained ? frame->condition[r] : MPM_FREE;
       constraints->value[i * bs + r]     = r < frame->constrained ? frame->value[r] : 0.;
@@ -139,12 +228,12 @@ static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescripti
 
     if (MpmSpaceIsExtra(space, i)) continue;
     NodePosition(grid, space, i, x);
-    if (!Holds(step, b, x)) continue;
+    if (!MpmConditionHolds(step, b, x)) continue;
     for (PetscInt k = 0; k < bc->component_count; k++) {
       const PetscInt c = bc->component[k];
 
       constraints->condition[i * bs + c] = b;
-      constraints->value[i * bs + c]     = bc->value[k] * StepFactor(step, b, layout->increment[c]);
+      constraints->value[i * bs + c]     = bc->value[k] * MpmStepFactor(step, b, layout->increment[c]);
       constraints->any                   = PETSC_TRUE;
     }
   }
@@ -164,12 +253,14 @@ static PetscReal Diagonal(MpmScale scale, PetscReal stiffness, PetscReal h, Pets
 }
 
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
-                                   const MpmLayout *layout, const MpmSpace *space)
+                                   const MpmLayout *layout, const MpmSpace *space, PetscInt *contradicts)
 {
   const PetscInt bs       = layout->block;
   PetscBool      inclined = PETSC_FALSE;
+  PetscReal     *marks;
 
   PetscFunctionBeginUser;
+  *contradicts = -1;
   PetscCall(MpmConstraintsReset(constraints));
   constraints->dim   = grid->dim;
   constraints->block = bs;
@@ -183,9 +274,15 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
     if (step->conditions->at[b].inclined) inclined = PETSC_TRUE;
     else PrescribeComponents(constraints, step, b, grid, layout, space);
   }
-  if (inclined) PetscCall(SetUpFrames(constraints, step, grid, bs, space));
+  PetscCall(
+    MpmBodyMotionsTouch(step->motions, &step->acting[step->conditions->count], grid, space, step->particles, &marks));
+  if (inclined) PetscCall(SetUpFrames(constraints, step, marks, grid, space, contradicts));
+  if (marks) PrescribeMotions(constraints, step, marks, space, contradicts);
   LeaveOutUnsupported(constraints, layout, space);
   LeaveOutUnused(constraints, bs, space);
+  if (!marks) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(marks));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contradicts, 1, MPIU_INT, MPI_MAX, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

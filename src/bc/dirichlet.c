@@ -3,7 +3,8 @@
 
   A condition holds components of the unknowns at the nodes of its region, or the displacement along a normal, where the
   tangential motion is free. Its value is the total since the start, value times ramp; a step prescribes what is added to
-  it from the step's beginning to its end, whatever came before at the node. Nodes do not move with the material.
+  it from the step's beginning to its end, whatever came before at the node. Nodes do not move with the material; where the
+  grid moves, regions select nodes by their places in the grid as it was read.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -175,10 +176,11 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
     }
     PetscCall(MpmRegionGetBounds(bc->region, wall.lower, wall.upper));
     /* the outermost planes of constrained nodes; at the grid's edges there is nothing to add */
-    first =
-      (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->lower[axis]) / grid->h[axis], 0.) - MPM_TOLERANCE);
-    last = (PetscInt)PetscFloorReal(
-      PetscMin((wall.upper[axis] - grid->lower[axis]) / grid->h[axis], (PetscReal)grid->nodes[axis]) + MPM_TOLERANCE);
+    first = (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->start_lower[axis]) / grid->start_h[axis], 0.) -
+                                    MPM_TOLERANCE);
+    last  = (PetscInt)PetscFloorReal(
+       PetscMin((wall.upper[axis] - grid->start_lower[axis]) / grid->start_h[axis], (PetscReal)grid->nodes[axis]) +
+       MPM_TOLERANCE);
     if (first > last) continue;
     /* material that is drawn across the plane must not be cut there; splines need the end that a wall gives them */
     above = (PetscBool)(degree > 1 || least == 0.);

@@ -54,6 +54,11 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
       grid->h[a] > 1e-300 && grid->h[a] > 1e-12 * PetscMax(PetscAbsReal(grid->lower[a]), PetscAbsReal(grid->upper[a])),
       "-mpm_grid_cells: a cell of %g on axis %c is too small for its coordinates", (double)(grid->h[a]), "xyz"[a]);
   }
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    grid->start_lower[a] = grid->lower[a];
+    grid->start_upper[a] = grid->upper[a];
+    grid->start_h[a]     = grid->h[a];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,6 +67,29 @@ PetscErrorCode MpmGridDestroy(MpmGrid *grid)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(grid->splits));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmGridPlace(MpmGrid *grid, const PetscReal lower[], const PetscReal upper[])
+{
+  grid->moved = PETSC_TRUE;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscBool scaled = (PetscBool)(upper[a] - lower[a] != grid->start_upper[a] - grid->start_lower[a]);
+
+    grid->lower[a] = lower[a];
+    grid->upper[a] = upper[a];
+    grid->h[a]     = scaled ? (upper[a] - lower[a]) / (PetscReal)grid->cells[a] : grid->start_h[a];
+  }
+}
+
+void MpmGridAtStart(const MpmGrid *grid, const PetscReal x[], PetscReal start[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    start[a] = grid->moved ? grid->start_lower[a] + (x[a] - grid->lower[a]) * (grid->start_h[a] / grid->h[a]) : x[a];
+}
+
+void MpmGridNodeAtStart(const MpmGrid *grid, const PetscInt node[], PetscReal start[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++) start[a] = grid->start_lower[a] + grid->start_h[a] * (PetscReal)node[a];
 }
 
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])

@@ -7,23 +7,32 @@
 
 #define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
 
+#define MPM_GRID_SLACK 1e-9 /* of a cell: by so much a point may be outside of the grid, from rounding */
+
 /*
   The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested splits, which
-  follow the points.
+  follow the points. It may be placed anew between steps; conditions on nodes and walls go with the lattice.
 */
 typedef struct MpmGrid {
   MPI_Comm    comm;
   PetscMPIInt rank, size;
   PetscInt    dim;
   PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
-  PetscInt    cells[MPM_MAX_DIM]; /* 1 on unused axes */
-  PetscInt    nodes[MPM_MAX_DIM]; /* 1 on unused axes */
-  PetscReal   balance;            /* when to look for other splits: points on the fullest rank over their mean */
-  MpmSplit   *splits;             /* size - 1 of them; NULL before the first partition */
+  PetscInt    cells[MPM_MAX_DIM];                                                       /* 1 on unused axes */
+  PetscInt    nodes[MPM_MAX_DIM];                                                       /* 1 on unused axes */
+  PetscReal   start_lower[MPM_MAX_DIM], start_upper[MPM_MAX_DIM], start_h[MPM_MAX_DIM]; /* as they were read */
+  PetscBool   moved;                                                                    /* other than those */
+  PetscReal   balance; /* when to look for other splits: points on the fullest rank over their mean */
+  MpmSplit   *splits;  /* size - 1 of them; NULL before the first partition */
 } MpmGrid;
 
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim);
 PetscErrorCode MpmGridDestroy(MpmGrid *grid);
+/* Puts the lattice elsewhere: the same cells, of other size; `lower` below `upper` on each axis. */
+void MpmGridPlace(MpmGrid *grid, const PetscReal lower[], const PetscReal upper[]);
+/* Where a place that moves with the grid was as the grid was read; and where a node was. */
+void MpmGridAtStart(const MpmGrid *grid, const PetscReal x[], PetscReal start[]);
+void MpmGridNodeAtStart(const MpmGrid *grid, const PetscInt node[], PetscReal start[]);
 /* The rank that owns a node, given its index on each axis; any node has an owner. */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
 /*

@@ -15,6 +15,7 @@
 */
 #include <stdio.h>
 #include <string.h>
+#include "options/options.h"
 #include "io/csv_table.h"
 #include "point/point_path.h"
 

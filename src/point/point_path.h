@@ -7,7 +7,7 @@
 
   Order of calls: MpmPointPathRead(), MpmPointPathBegin(), MpmPointPathAt(), MpmPointPathDestroy().
 */
-#include "options/options.h"
+#include "base/types.h"
 #include "point/stress_point.h"
 
 typedef enum {

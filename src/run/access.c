@@ -4,6 +4,7 @@
 #include "point/material.h"
 #include "particles/particles.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/contact.h"
 #include "time/model.h"
@@ -54,9 +55,12 @@ PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     if (!strcmp(model->scene.bcs->names[b], name)) from = &model->disc.reaction[b * model->disc.block];
+  for (PetscInt m = 0; m < model->scene.motions->count; m++)
+    if (!strcmp(model->scene.motions->names[m], name))
+      from = &model->disc.reaction[(model->scene.bcs->count + m) * model->disc.block];
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     if (!strcmp(model->scene.boundaries->names[b], name)) from = model->disc.contacts->reaction[b];
-  PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition and no boundary %s", name);
+  PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition, motion or boundary %s", name);
   PetscCall(PetscArraycpy(reaction, from, dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

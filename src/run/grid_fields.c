@@ -261,8 +261,8 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   PetscFunctionBeginUser;
   if (!model->disc.committed) {
     PetscCall(MpmStepSpace(model, &why));
-    if (why) PetscFunctionReturn(PETSC_SUCCESS); /* the step will say so */
-    PetscCall(MpmModelPrescribe(model, model->state.time));
+    if (why) PetscFunctionReturn(PETSC_SUCCESS);                  /* the step will say so */
+    PetscCall(MpmModelPrescribe(model, model->state.time, &why)); /* a contradiction the step tells of */
   }
   PetscCall(NodeArraysCreate(model, &arrays));
   PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));

@@ -4,6 +4,7 @@
   A step that fails is halved and tried again, and steps grow back; each step that converged is a row. All ranks do the
   same, rank 0 writes.
 */
+#include "options/options.h"
 #include "point/material.h"
 #include "point/point_path.h"
 #include "point/stress_point.h"

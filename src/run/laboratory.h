@@ -4,7 +4,7 @@
 
   The model calls, in this order: Read, SetUp, Run, Destroy. It has a laboratory where the scene asks for one.
 */
-#include "options/options.h"
+#include "base/types.h"
 #include "talus/talus.h"
 
 typedef struct MpmLaboratory MpmLaboratory;

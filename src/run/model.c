@@ -13,6 +13,7 @@
 #include "particles/points.h"
 #include "space/walls.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
@@ -33,6 +34,7 @@ static PetscErrorCode CreateParts(MpmModel model)
   PetscCall(PetscNew(&model->scene.materials));
   PetscCall(PetscNew(&model->scene.bodies));
   PetscCall(PetscNew(&model->scene.bcs));
+  PetscCall(PetscNew(&model->scene.motions));
   PetscCall(PetscNew(&model->scene.boundaries));
   PetscCall(PetscNew(&model->scene.loads));
   PetscCall(PetscNew(&model->state.particles));
@@ -165,6 +167,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
     PetscCall(MpmBodyDestroy(&model->scene.bodies->at[k]));
   for (PetscInt k = 0; model->scene.bcs->at && k < model->scene.bcs->count; k++)
     PetscCall(MpmConditionDestroy(&model->scene.bcs->at[k]));
+  for (PetscInt k = 0; model->scene.motions->at && k < model->scene.motions->count; k++)
+    PetscCall(MpmBodyMotionDestroy(&model->scene.motions->at[k]));
   for (PetscInt k = 0; model->scene.boundaries->at && k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryDestroy(&model->scene.boundaries->at[k]));
   for (PetscInt k = 0; model->scene.loads->at && k < model->scene.loads->count; k++)
@@ -188,6 +192,9 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.bodies));
   PetscCall(MpmNamesDestroy(model->scene.bcs->count, &model->scene.bcs->names));
   PetscCall(PetscFree(model->scene.bcs));
+  PetscCall(MpmNamesDestroy(model->scene.motions->count, &model->scene.motions->names));
+  PetscCall(PetscFree(model->scene.motions->at));
+  PetscCall(PetscFree(model->scene.motions));
   PetscCall(MpmNamesDestroy(model->scene.boundaries->count, &model->scene.boundaries->names));
   PetscCall(PetscFree(model->scene.boundaries));
   PetscCall(MpmNamesDestroy(model->scene.loads->count, &model->scene.loads->names));
@@ -384,6 +391,10 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.bcs->names[b]),
                     "-mpm_boundaries %s: there is a condition of this name", model->scene.boundaries->names[k]);
     }
+    for (PetscInt m = 0; m < model->scene.motions->count && !MpmOptionsHelp(); m++) {
+      MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.motions->names[m]),
+                    "-mpm_boundaries %s: there is a motion of this name", model->scene.boundaries->names[k]);
+    }
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
@@ -394,22 +405,42 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Their reactions are columns by name, too. */
+static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
+{
+  MpmBodyMotions *motions = model->scene.motions;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(motions->count, &motions->at));
+  for (PetscInt m = 0; m < motions->count; m++) {
+    for (PetscInt b = 0; b < model->scene.bcs->count && !MpmOptionsHelp(); b++)
+      MpmCheckInput(strcmp(motions->names[m], model->scene.bcs->names[b]),
+                    "-mpm_motions %s: there is a condition of this name", motions->names[m]);
+    PetscCall(MpmBodyMotionCreate(options, motions->names[m], model->disc.grid, model->scene.bodies, &motions->at[m]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsBlocks(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs->count,
                              &model->scene.bcs->names));
+  PetscCall(MpmOptionsBlocks(options, "motions", "names of the motions of bodies", MPM_OPTIONAL,
+                             &model->scene.motions->count, &model->scene.motions->names));
   PetscCall(MpmOptionsBlocks(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads->count,
                              &model->scene.loads->names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
   PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
-  PetscCall(PetscCalloc1(model->scene.bcs->count, &model->state.bcs));
+  PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
   PetscCall(PetscCalloc1(model->scene.loads->count, &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
-  PetscCall(PetscCalloc1((model->scene.bcs->count * model->disc.block), &model->disc.reaction));
+  PetscCall(ReadMotions(model, options));
+  PetscCall(
+    PetscCalloc1(((model->scene.bcs->count + model->scene.motions->count) * model->disc.block), &model->disc.reaction));
   PetscCall(ReadBoundaries(model, options));
   PetscCall(PetscCalloc1(model->scene.loads->count, &model->scene.loads->at));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
@@ -460,7 +491,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
-                          (model->scene.boundaries->count + 1) * (MPM_MAX_DIM + 1)),
+                          model->scene.motions->count + (model->scene.boundaries->count + 1) * (MPM_MAX_DIM + 1) + 1),
                          &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
@@ -477,6 +508,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
+
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;
+  if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);
 
   model->state.particles->has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
@@ -506,6 +540,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
   PetscCall(MpmLinesSelect(model));
+  for (PetscInt m = 0; m < model->scene.motions->count; m++)
+    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
+  PetscCall(MpmMovingGridSelect(model));
   PetscCall(MpmStagesSelect(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(MpmStageBegin(model, 0));
@@ -549,6 +586,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, options));
   PetscCall(ReadConditions(model, options));
+  PetscCall(MpmMovingGridRead(model, options));
   PetscCall(MpmStagesRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));

@@ -339,8 +339,12 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   MpmParticles *particles = model->state.particles;
   PetscInt      rows = restart->points, first = 0, count, *place, *id, *key;
   PetscBool     same, moved;
+  const char   *why; /* the next step tells of it */
 
   PetscFunctionBeginUser;
+  PetscCall(MpmScalarsRestore(&restart->scalars, "grid_", model)); /* the points are on the grid of their time */
+  PetscCall(MpmScalarsRestore(&restart->scalars, "time", model));
+  PetscCall(MpmScalarsRestore(&restart->scalars, "place_", model));
   if (restart->together) {
     first = (PetscInt)((PetscInt64)restart->points * model->rank / model->size);
     rows  = (PetscInt)((PetscInt64)restart->points * (model->rank + 1) / model->size) - first;
@@ -351,6 +355,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   particles->total = restart->points;
   PetscCall(RestorePartition(model, &same));
   if (same && model->size > 1) PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+  PetscCall(MpmMovingGridFollow(model, &why));
   if (!same) {
     PetscCall(MpmParticlesRebalance(particles, model->disc.grid, PETSC_TRUE, &moved));
     PetscCall(MpmParticlesMigrate(particles, model->disc.grid));
@@ -380,7 +385,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmScalarsRestore(&restart->scalars, model));
+  PetscCall(MpmScalarsRestore(&restart->scalars, "", model));
   if (!may_rescue || model->state.rescue.ghost || model->disc.ghost != MPM_GHOST_RESCUE) {
     model->disc.ghost         = ghost;
     model->state.rescue.ghost = may_rescue;

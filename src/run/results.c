@@ -7,6 +7,7 @@
 #include "grid/shape.h"
 #include "particles/particles.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
@@ -73,7 +74,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
-                      model->scene.boundaries->count * (3 * dim + 4) + MpmLinesColumnCount(model) + 2;
+                      model->scene.boundaries->count * (3 * dim + 4) + model->scene.motions->count * dim +
+                      MpmLinesColumnCount(model) + 2 * dim + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -88,6 +90,13 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
     }
     if (model->scene.bcs->at[b].inclined) { /* along the normal */
       PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->scene.bcs->names[b]));
+      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+    }
+  }
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.motions->names[m],
+                              "xyz"[model->scene.motions->at[m].component[k]]));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
   }
@@ -112,6 +121,11 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
     }
   }
   PetscCall(MpmLinesAddColumns(model, *names, count));
+  for (PetscInt k = 0; k < 2 * dim; k++) {
+    if (!model->scene.follow.axis[k / 2]) continue;
+    PetscCall(PetscSNPrintf(name, sizeof(name), "grid_%s_%c", k % 2 ? "upper" : "lower", "xyz"[k / 2]));
+    PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+  }
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -168,6 +182,12 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
     for (PetscInt a = 0; a < model->disc.dim; a++) row[k] += reaction[a] * model->scene.bcs->at[b].normal[a];
     k++;
   }
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    const PetscReal *reaction = &model->disc.reaction[(model->scene.bcs->count + m) * model->disc.block];
+
+    for (PetscInt c = 0; c < model->scene.motions->at[m].component_count; c++)
+      row[k++] = reaction[model->scene.motions->at[m].component[c]];
+  }
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
     for (PetscInt a = 0; a < model->disc.dim; a++) row[k++] = model->disc.contacts->reaction[b][a];
     row[k++] = model->disc.contacts->depth[b];
@@ -177,6 +197,11 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
   PetscCall(MpmLinesAddValues(model, row, &k));
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
+    if (!model->scene.follow.axis[a]) continue;
+    row[k++] = model->disc.grid->lower[a];
+    row[k++] = model->disc.grid->upper[a];
+  }
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
   if (MpmStagesReduce(model)) row[k] = MpmReductionFactor(model, model->state.time);
   PetscCall(MpmHistoryAppend(model->results->history, row));

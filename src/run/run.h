@@ -38,7 +38,8 @@ typedef struct {
   PetscInt64 *number;
 } MpmScalars;
 PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars);
-PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, MpmModel model);
+/* Those whose names begin so. */
+PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, const char *begin, MpmModel model);
 PetscErrorCode MpmScalarsDestroy(MpmScalars *scalars);
 
 PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *options);

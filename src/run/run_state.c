@@ -5,6 +5,7 @@
   model's value as it is.
 */
 #include <stddef.h>
+#include "bc/bc.h"
 #include "terms/rigid_body.h"
 #include "run/run.h"
 
@@ -48,15 +49,33 @@ static const struct {
   MODEL("factor_of_safety", REAL, state.safety.factor),
   MODEL("reduction_moved", REAL, state.safety.moved),
   MODEL("reduction_last", REAL, state.safety.reduced),
+  MODEL("grid_known", BOOL, state.grid.known),
+  MODEL("grid_start_x", REAL, state.grid.start[0]),
+  MODEL("grid_start_y", REAL, state.grid.start[1]),
+  MODEL("grid_start_z", REAL, state.grid.start[2]),
+  MODEL("grid_moved_x", REAL, state.grid.moved[0]),
+  MODEL("grid_moved_y", REAL, state.grid.moved[1]),
+  MODEL("grid_moved_z", REAL, state.grid.moved[2]),
 #undef MODEL
 #undef RESULTS
 };
 
-#define TABLE_COUNT ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(table))
+#define TABLE ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(table))
 
-/* Numbers of a place of a free body, and how many bodies there are; the k-th is a boundary of the scene. */
-#define PLACE_COUNT ((PetscInt)(sizeof(MpmPlacement) / sizeof(PetscReal)))
+/* Numbers of a condition that moves material, behind the table; what stands in their places in the model. */
+static const struct {
+  const char *name;
+  Kind        kind;
+  size_t      offset;
+} moving[] = {{"first", KIND_INT, offsetof(MpmActing, first)},
+              {"end", KIND_INT, offsetof(MpmActing, end)},
+              {"volume", KIND_REAL, offsetof(MpmActing, volume)}};
+#define MOVING ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(moving))
 
+/* Numbers of a place of a free body, behind those. */
+#define PLACE ((PetscInt)(sizeof(MpmPlacement) / sizeof(PetscReal)))
+
+/* How many free bodies there are; the k-th is a boundary of the scene. */
 static PetscInt FreeBoundary(const MpmModel model, PetscInt k, PetscInt *count)
 {
   PetscInt found = -1;
@@ -67,67 +86,109 @@ static PetscInt FreeBoundary(const MpmModel model, PetscInt k, PetscInt *count)
   return found;
 }
 
-static Kind KindOf(PetscInt k)
+typedef enum { PART_TABLE, PART_CONDITIONS, PART_PLACES } Part;
+
+/* The part in which the number k stands; `of` and `place`: of which condition or boundary it is, and which of its numbers. */
+static Part PartOf(const MpmModel model, PetscInt k, PetscInt *of, PetscInt *place)
 {
-  return k < TABLE_COUNT ? table[k].kind : KIND_REAL;
+  const PetscInt conditions = TABLE + MOVING * model->scene.bcs->count;
+  PetscInt       bodies;
+
+  *of    = 0;
+  *place = k;
+  if (k < TABLE) return PART_TABLE;
+  *of    = (k - TABLE) / MOVING;
+  *place = (k - TABLE) % MOVING;
+  if (k < conditions) return PART_CONDITIONS;
+  *of    = FreeBoundary(model, (k - conditions) / PLACE, &bodies);
+  *place = (k - conditions) % PLACE;
+  return PART_PLACES;
+}
+
+static Kind KindOf(const MpmModel model, PetscInt k)
+{
+  PetscInt of, place;
+
+  switch (PartOf(model, k, &of, &place)) {
+  case PART_TABLE:
+    return table[k].kind;
+  case PART_CONDITIONS:
+    return moving[place].kind;
+  default:
+    return KIND_REAL;
+  }
 }
 
 /* Where the number stands in a model. */
 static void *Member(MpmModel model, PetscInt k)
 {
-  PetscInt count;
+  PetscInt of, place;
 
-  if (k >= TABLE_COUNT) {
-    const PetscInt b = FreeBoundary(model, (k - TABLE_COUNT) / PLACE_COUNT, &count);
-
-    return (PetscReal *)&model->state.placements[b] + (k - TABLE_COUNT) % PLACE_COUNT;
+  switch (PartOf(model, k, &of, &place)) {
+  case PART_TABLE:
+    return (table[k].results ? (char *)model->results : (char *)model) + table[k].offset;
+  case PART_CONDITIONS:
+    return (char *)&model->state.bcs[of] + moving[place].offset;
+  default:
+    return (PetscReal *)&model->state.placements[of] + place;
   }
-  return (table[k].results ? (char *)model->results : (char *)model) + table[k].offset;
+}
+
+/* Its name in a checkpoint. */
+static PetscErrorCode NameOf(MpmModel model, PetscInt k, char **name)
+{
+  PetscInt of, place;
+
+  PetscFunctionBeginUser;
+  *name = NULL;
+  switch (PartOf(model, k, &of, &place)) {
+  case PART_TABLE:
+    PetscCall(MpmTextAppend(name, "%s", table[k].name));
+    break;
+  case PART_CONDITIONS:
+    PetscCall(MpmTextAppend(name, "condition_%s_%s", model->scene.bcs->names[of], moving[place].name));
+    break;
+  default:
+    PetscCall(MpmTextAppend(name, "place_%s_%" PetscInt_FMT, model->scene.boundaries->names[of], place));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars)
 {
-  PetscInt bodies, count;
-  char     name[512];
+  PetscInt count, bodies;
 
   PetscFunctionBeginUser;
   (void)FreeBoundary(model, 0, &bodies);
-  count          = TABLE_COUNT + bodies * PLACE_COUNT;
+  count          = TABLE + MOVING * model->scene.bcs->count + PLACE * bodies;
   scalars->count = count;
   PetscCall(PetscCalloc5(count, &scalars->name, count, &scalars->real, count, &scalars->there, count, &scalars->value,
                          count, &scalars->number));
   for (PetscInt k = 0; k < count; k++) {
     const void *member = Member(model, k);
 
-    if (k < TABLE_COUNT) PetscCall(PetscStrallocpy(table[k].name, &scalars->name[k]));
-    else {
-      const PetscInt b = FreeBoundary(model, (k - TABLE_COUNT) / PLACE_COUNT, &bodies);
-
-      PetscCall(PetscSNPrintf(name, sizeof(name), "place_%s_%" PetscInt_FMT, model->scene.boundaries->names[b],
-                              (k - TABLE_COUNT) % PLACE_COUNT));
-      PetscCall(PetscStrallocpy(name, &scalars->name[k]));
-    }
-    scalars->real[k]  = (PetscBool)(KindOf(k) == KIND_REAL);
+    PetscCall(NameOf(model, k, &scalars->name[k]));
+    scalars->real[k]  = (PetscBool)(KindOf(model, k) == KIND_REAL);
     scalars->there[k] = PETSC_TRUE;
-    if (KindOf(k) == KIND_REAL) scalars->value[k] = *(const PetscReal *)member;
-    if (KindOf(k) == KIND_INT) scalars->number[k] = *(const PetscInt *)member;
-    if (KindOf(k) == KIND_INT64) scalars->number[k] = *(const PetscInt64 *)member;
-    if (KindOf(k) == KIND_BOOL) scalars->number[k] = *(const PetscBool *)member;
+    if (KindOf(model, k) == KIND_REAL) scalars->value[k] = *(const PetscReal *)member;
+    if (KindOf(model, k) == KIND_INT) scalars->number[k] = *(const PetscInt *)member;
+    if (KindOf(model, k) == KIND_INT64) scalars->number[k] = *(const PetscInt64 *)member;
+    if (KindOf(model, k) == KIND_BOOL) scalars->number[k] = *(const PetscBool *)member;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, MpmModel model)
+PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, const char *begin, MpmModel model)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < scalars->count; k++) {
     void *member = Member(model, k);
 
-    if (!scalars->there[k]) continue;
-    if (KindOf(k) == KIND_REAL) *(PetscReal *)member = scalars->value[k];
-    if (KindOf(k) == KIND_INT) *(PetscInt *)member = (PetscInt)scalars->number[k];
-    if (KindOf(k) == KIND_INT64) *(PetscInt64 *)member = scalars->number[k];
-    if (KindOf(k) == KIND_BOOL) *(PetscBool *)member = (PetscBool)scalars->number[k];
+    if (!scalars->there[k] || strncmp(scalars->name[k], begin, strlen(begin))) continue;
+    if (KindOf(model, k) == KIND_REAL) *(PetscReal *)member = scalars->value[k];
+    if (KindOf(model, k) == KIND_INT) *(PetscInt *)member = (PetscInt)scalars->number[k];
+    if (KindOf(model, k) == KIND_INT64) *(PetscInt64 *)member = scalars->number[k];
+    if (KindOf(model, k) == KIND_BOOL) *(PetscBool *)member = (PetscBool)scalars->number[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -45,10 +45,10 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                            "up with less), off, or a factor times Young's modulus (error of a clamped beam's end over "
                            "its length, gimp, h = L/160: 1.5e-3 without, 7.7e-5 with auto)",
                            "auto", MPM_OPTIONAL, &ghost));
-  model->state.ghost_auto   = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
-  model->state.rescue.ghost = model->state.ghost_auto;
-  model->disc.ghost         = model->state.ghost_auto ? MPM_GHOST_FACTOR : 0.;
-  if (!model->state.ghost_auto && strcmp(ghost, "off")) {
+  model->state.rescue.ghost_auto = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
+  model->state.rescue.ghost      = model->state.rescue.ghost_auto;
+  model->disc.ghost              = model->state.rescue.ghost_auto ? MPM_GHOST_FACTOR : 0.;
+  if (!model->state.rescue.ghost_auto && strcmp(ghost, "off")) {
     MpmCheckInput(MpmParseReal(ghost, &model->disc.ghost) && model->disc.ghost >= 0.,
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
@@ -192,7 +192,7 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
     sparse = (PetscBool)(sparse || model->scene.materials->at[m].spacing >= 1.);
   if (model->disc.ghost > 0.)
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "%g%s%s", (double)model->disc.ghost,
-                            model->state.ghost_auto ? " (auto)" : "",
+                            model->state.rescue.ghost_auto ? " (auto)" : "",
                             sparse ? ", all faces where points are one a cell" : ""));
   PetscCall(PetscSNPrintf(text, length, "ghost penalty %s; F-bar %s%s%s%s", ghost,
                           model->state.rescue.dilation ? "on but for dilation"

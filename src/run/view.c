@@ -10,6 +10,7 @@
 #include "particles/particles.h"
 #include "space/space.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/terms.h"
@@ -37,12 +38,12 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
                                      scene->materials->at[m].name, scene->materials->at[m].info.name,
                                      (double)scene->materials->at[m].stiffness,
                                      (double)scene->materials->at[m].density));
-  PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   "%" PetscInt64_FMT " points of %" PetscInt_FMT " bodies, %" PetscInt_FMT
-                                   " conditions, %" PetscInt_FMT " boundaries, %" PetscInt_FMT " loads, %" PetscInt_FMT
-                                   " stages\n",
-                                   model->state.particles->total, scene->bodies->count, scene->bcs->count,
-                                   scene->boundaries->count, scene->loads->count, scene->stage_count));
+  PetscCall(PetscViewerASCIIPrintf(
+    viewer,
+    "%" PetscInt64_FMT " points of %" PetscInt_FMT " bodies, %" PetscInt_FMT " conditions, %" PetscInt_FMT
+    " motions, %" PetscInt_FMT " boundaries, %" PetscInt_FMT " loads, %" PetscInt_FMT " stages\n",
+    model->state.particles->total, scene->bodies->count, scene->bcs->count, scene->motions->count,
+    scene->boundaries->count, scene->loads->count, scene->stage_count));
   PetscCall(PetscViewerASCIIPrintf(viewer, "terms:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
   for (PetscInt k = 0; k < model->disc.terms->count; k++)

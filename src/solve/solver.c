@@ -439,7 +439,8 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
     for (PetscInt i = 0; i < solver->disc->space->owned; i++) {
       PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
 
-      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->h[a] * (PetscReal)solver->disc->space->node[i * dim + a];
+      for (PetscInt a = 0; a < dim; a++)
+        x[a] = solver->disc->grid->h[a] * (PetscReal)solver->disc->space->node[i * dim + a];
       SetMode(layout, k, x, &values[i * bs]);
     }
     if (solver->disc->contacts->bodies) SetBodyModes(solver, k, values);

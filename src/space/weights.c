@@ -12,11 +12,14 @@
 #include "space/space.h"
 #include "space/walls.h"
 
-/* Does a wall stand beside this point, that is, does the point project into the wall's extent? */
-static PetscBool WallFaces(const MpmWall *wall, PetscInt dim, const PetscReal x[])
+/* Does a wall, which goes with the grid, stand beside this point: does the point project into the wall's extent? */
+static PetscBool WallFaces(const MpmWall *wall, const MpmGrid *grid, const PetscReal x[])
 {
-  for (PetscInt a = 0; a < dim; a++) {
-    if (a != wall->axis && (x[a] < wall->lower[a] || x[a] > wall->upper[a])) return PETSC_FALSE;
+  PetscReal start[MPM_MAX_DIM];
+
+  MpmGridAtStart(grid, x, start);
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    if (a != wall->axis && (start[a] < wall->lower[a] || start[a] > wall->upper[a])) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
@@ -35,10 +38,10 @@ void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[],
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
 
     if (walls[w].side > 0) {
-      if (xi >= (PetscReal)walls[w].node && walls[w].node > lower[a] && WallFaces(&walls[w], grid->dim, x))
+      if (xi >= (PetscReal)walls[w].node && walls[w].node > lower[a] && WallFaces(&walls[w], grid, x))
         lower[a] = walls[w].node;
     } else {
-      if (xi <= (PetscReal)walls[w].node && walls[w].node < upper[a] && WallFaces(&walls[w], grid->dim, x))
+      if (xi <= (PetscReal)walls[w].node && walls[w].node < upper[a] && WallFaces(&walls[w], grid, x))
         upper[a] = walls[w].node;
     }
   }

@@ -59,7 +59,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
 {
   for (PetscInt a = 0; a < disc->dim; a++)
-    x[a] = disc->grid->lower[a] + disc->h[a] * (PetscReal)disc->space->node[node * disc->dim + a];
+    x[a] = disc->grid->lower[a] + disc->grid->h[a] * (PetscReal)disc->space->node[node * disc->dim + a];
 }
 
 PetscErrorCode MpmTrialReset(MpmTrial *trial)

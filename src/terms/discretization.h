@@ -12,7 +12,7 @@
 typedef struct MpmDiscretization {
   MPI_Comm        comm;
   PetscInt        dim, block;     /* directions, and unknowns a node */
-  PetscReal       h[MPM_MAX_DIM]; /* of a cell, m */
+  PetscReal       h[MPM_MAX_DIM]; /* of a cell as the grid was read, m */
   MpmGrid        *grid;
   MpmLayout      *layout;
   PetscInt        material_count; /* of the scene's, sum->materials */
@@ -26,7 +26,7 @@ typedef struct MpmDiscretization {
   MpmTrial       *trial;
   MpmSections    *sections; /* NULL: none */
   PetscReal      *u, *residual, *force;
-  PetscReal      *reaction;  /* per condition and component of the block */
+  PetscReal      *reaction;  /* per condition or, behind them, motion, and component of the block */
   PetscBool       committed; /* do these three tell of the last step that has become the state? */
   PetscReal       diagonal;  /* of prescribed unknowns: a typical stiffness */
   PetscReal       ghost;     /* factor of the ghost penalty, 0: none */

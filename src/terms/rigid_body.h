@@ -62,6 +62,8 @@ PetscBool MpmFreedomIsSymmetric(const MpmFreedom *freedom);
 void MpmRigidRotation(const PetscReal turn[4], PetscReal Q[3][3]);
 /* The reference point where the prescribed motion alone has it. */
 void MpmBoundaryReference(const MpmBoundary *boundary, const MpmPose *pose, PetscReal x[]);
+/* Where the prescribed motion and, of a free boundary, the placement carry a place x of the boundary at rest; in place. */
+void MpmRigidCarry(const MpmBoundary *boundary, const MpmPose *pose, const MpmPlacement *placement, PetscReal x[]);
 /* Distance and normal at the step's start of a body with its placement. */
 void MpmRigidDistance(const MpmRigidBody *body, const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[],
                       MpmSurface *surface);

@@ -104,6 +104,20 @@ void MpmRigidMove(const MpmRigidIncrement *q, MpmPlacement *placement)
   for (PetscInt k = 0; k < 4; k++) placement->turn[k] = turn[k] / PetscSqrtReal(norm);
 }
 
+void MpmRigidCarry(const MpmBoundary *boundary, const MpmPose *pose, const MpmPlacement *placement, PetscReal x[])
+{
+  const MpmPose rest = {.turned = PETSC_FALSE};
+  PetscReal     reference[MPM_MAX_DIM], arm[3] = {0., 0., 0.}, Q[3][3];
+
+  MpmPoseCarry(boundary->dim, &rest, pose, x, x);
+  if (!boundary->freedom) return;
+  MpmBoundaryReference(boundary, pose, reference);
+  MpmRigidRotation(placement->turn, Q);
+  for (PetscInt a = 0; a < boundary->dim; a++) arm[a] = x[a] - reference[a];
+  Times(Q, PETSC_FALSE, arm, arm);
+  for (PetscInt a = 0; a < boundary->dim; a++) x[a] = reference[a] + placement->shift[a] + arm[a];
+}
+
 /* ---- between the axes and the body ---- */
 
 void MpmRigidDistance(const MpmRigidBody *body, const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[],

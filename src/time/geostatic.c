@@ -213,6 +213,8 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   MpmRest         rest;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmMovingGridFollow(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));

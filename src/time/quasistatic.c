@@ -10,6 +10,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
@@ -103,7 +104,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .stretch    = model->scene.stretch,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
-                    .sparse     = model->state.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                    .sparse     = model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                     .mean       = (PetscBool)(model->disc.layout->means > 0),
                     .time_n     = model->state.time,
                     .time       = time};
@@ -146,21 +147,65 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time)
+static MpmPrescription Prescription(const MpmModel model, PetscReal time)
 {
-  const MpmPrescription step = {model->scene.bcs, model->state.bcs, model->state.time, time, model->disc.diagonal};
+  return (MpmPrescription){.conditions = model->scene.bcs,
+                           .motions    = model->scene.motions,
+                           .acting     = model->state.bcs,
+                           .particles  = model->state.particles,
+                           .time_n     = model->state.time,
+                           .time       = time,
+                           .diagonal   = model->disc.diagonal};
+}
+
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why)
+{
+  const MpmPrescription step = Prescription(model, time);
+  PetscInt              contradicts;
 
   PetscFunctionBeginUser;
-  PetscCall(
-    MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space));
+  *why = NULL;
+  PetscCall(MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space,
+                                &contradicts));
+  if (contradicts < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                          "motion %s meets nodes that a condition or another motion moves otherwise",
+                          model->scene.motions->names[contradicts]));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Conditions that move what they no longer hold. */
+static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const char **why)
+{
+  const MpmPrescription step = Prescription(model, time);
+  PetscInt              lost;
+  PetscReal             left;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmConditionsFindLost(&step, model->state.bcs, model->scene.bodies, model->disc.sum, &lost, &left));
+  if (lost < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (left > 0.)
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            "condition %s has lost the material that it moves: its nodes hold %.2g %% of what they "
+                            "held; a motion follows a body's points",
+                            model->scene.bcs->names[lost], (double)(100. * left)));
+  else
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            "condition %s prescribes a displacement where there is no material; a motion follows a "
+                            "body's points",
+                            model->scene.bcs->names[lost]));
+  *why = model->solver.lost;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Conditions and loads at the step's end. */
-static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time)
+static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmModelPrescribe(model, time));
+  PetscCall(MpmModelPrescribe(model, time, why));
+  if (!*why) PetscCall(FindLostMaterial(model, time, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
@@ -186,6 +231,19 @@ static const char *Adrift(MpmModel model)
   return model->solver.lost;
 }
 
+/* The solver and the start of Newton; what free bodies may touch is part of the sparsity. */
+static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char **why)
+{
+  const PetscBool bodies = (PetscBool)(model->disc.contacts->bodies != NULL);
+
+  PetscFunctionBeginUser;
+  if (bodies) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
+  if (!again || bodies) PetscCall(MpmSolverSetUp(&model->solver));
+  PetscCall(InitialGuess(model, PETSC_FALSE));
+  *why = Adrift(model);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
   const MpmRules rules = Rules(model, time);
@@ -197,12 +255,8 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
   if (!*why) {
     model->disc.sum->dt = dt;
-    PetscCall(PrepareConditions(model, &rules, time));
-    /* what free bodies may touch is part of the sparsity */
-    if (model->disc.contacts->bodies) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
-    if (!again || model->disc.contacts->bodies) PetscCall(MpmSolverSetUp(&model->solver));
-    PetscCall(InitialGuess(model, PETSC_FALSE));
-    *why = Adrift(model);
+    PetscCall(PrepareConditions(model, &rules, time, why));
+    if (!*why) PetscCall(PrepareSolver(model, again, why));
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,7 +268,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
 static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
 {
   for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal slack = 1e-9 * grid->h[a];
+    const PetscReal slack = MPM_GRID_SLACK * grid->h[a];
 
     if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return PETSC_FALSE;
   }
@@ -250,15 +304,17 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
   PetscMPIInt    rank = model->size;
   PetscReal     *storage;
   MpmBasis       basis;
+  MpmGrid        next;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmMovingGridNext(model, &next));
   PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
   for (PetscInt g = 0; g < model->disc.space->group_count && rank == model->size; g++) {
     const MpmGroup *group = &model->disc.space->groups[g];
     const PetscInt *nodes = &model->disc.space->group_nodes[group->node_offset];
 
-    if (FarFromEdge(model, group)) continue;
+    if (model->scene.follow.what == MPM_FOLLOW_NOTHING && FarFromEdge(model, group)) continue;
     for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
       const PetscInt p              = model->disc.space->order[s];
       PetscReal      x[MPM_MAX_DIM] = {0.};
@@ -268,7 +324,7 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
         x[a] = model->disc.points->x[p * dim + a];
         for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
       }
-      if (IsInside(model->disc.grid, x)) continue;
+      if (IsInside(&next, x)) continue;
       rank = model->rank;
       PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
                               dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
@@ -308,8 +364,9 @@ static PetscErrorCode FindTrial(MpmModel model)
 /* The converged step becomes the state; reactions are the residual at the constrained nodes. */
 static PetscErrorCode Commit(MpmModel model)
 {
-  const PetscInt bs  = model->disc.block;
-  const PetscInt dim = model->disc.dim;
+  const PetscInt bs    = model->disc.block;
+  const PetscInt dim   = model->disc.dim;
+  const PetscInt count = (model->scene.bcs->count + model->scene.motions->count) * bs; /* of reactions */
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
@@ -320,12 +377,11 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
-  PetscCall(PetscArrayzero(model->disc.reaction, model->scene.bcs->count * bs));
+  PetscCall(PetscArrayzero(model->disc.reaction, count));
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)(model->scene.bcs->count * bs), MPIU_REAL,
-                           MPIU_SUM, model->comm));
-  for (PetscInt k = 0; k < model->disc.points->count * dim; k++)
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
     model->disc.points->x[k] =
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

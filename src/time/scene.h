@@ -38,31 +38,46 @@ typedef struct {
 typedef struct MpmStage {
   char          *name;
   MpmTimeControl time;
-  PetscBool     *bcs, *loads;    /* by the model's lists: does it act? */
-  PetscBool     *removed, *adds; /* by the model's bodies */
-  PetscInt      *material;       /* by the model's bodies: of its points from here on, or -1 */
-  PetscBool      reset;          /* displacements start at zero again */
+  PetscBool     *bcs, *motions, *loads; /* by the model's lists: does it act? */
+  PetscBool     *removed, *adds;        /* by the model's bodies */
+  PetscInt      *material;              /* by the model's bodies: of its points from here on, or -1 */
+  PetscBool      reset;                 /* displacements start at zero again */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
 } MpmStage;
 
+typedef enum { MPM_FOLLOW_NOTHING, MPM_FOLLOW_MOTION, MPM_FOLLOW_BOUNDARY, MPM_FOLLOW_BODY } MpmFollowed;
+
+/* What the grid follows, and how (moving_grid.c). */
+typedef struct {
+  MpmFollowed what;
+  PetscInt    index;             /* into the scene's list of its kind */
+  PetscBool   axis[MPM_MAX_DIM]; /* does the grid move along it? */
+  PetscBool   stretch; /* one side stays, and the cells change their size; otherwise the grid moves as a whole */
+  PetscInt    fixed[MPM_MAX_DIM]; /* the side that stays: -1 lower, 1 upper, 0: the further one at the start */
+  PetscBool   has_at;
+  PetscReal   at[MPM_MAX_DIM]; /* what moves with the followed, in the grid as it was read; by default the other side */
+} MpmFollow;
+
 /* What was read: constant from then on. */
 typedef struct {
-  char          *title, *prefix;
-  MpmPhysics     physics;
-  MpmStretch     stretch;
-  MpmShapeType   shape;
-  MpmEdgeType    edge;
-  MpmMaterials  *materials;
-  MpmBodies     *bodies;
-  MpmConditions *bcs;
-  MpmBoundaries *boundaries;
-  MpmLoads      *loads;
-  MpmBodyForce   body_force;
-  void          *body_force_ctx;
-  PetscBool      fbar, fbar_auto;
-  PetscBool      fbar_plain; /* F-bar averages dilation by shear, too */
-  const char    *fbar_why;   /* what `auto` went by, or NULL */
-  PetscInt       stage_count;
-  MpmStage      *stages;
+  char           *title, *prefix;
+  MpmPhysics      physics;
+  MpmStretch      stretch;
+  MpmShapeType    shape;
+  MpmEdgeType     edge;
+  MpmMaterials   *materials;
+  MpmBodies      *bodies;
+  MpmConditions  *bcs;
+  MpmBodyMotions *motions;
+  MpmBoundaries  *boundaries;
+  MpmLoads       *loads;
+  MpmFollow       follow;
+  MpmBodyForce    body_force;
+  void           *body_force_ctx;
+  PetscBool       fbar, fbar_auto;
+  PetscBool       fbar_plain; /* F-bar averages dilation by shear, too */
+  const char     *fbar_why;   /* what `auto` went by, or NULL */
+  PetscInt        stage_count;
+  MpmStage       *stages;
 } MpmScene;

@@ -25,9 +25,11 @@
 #include "particles/points.h"
 #include "space/walls.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/model.h"
+#include "time/stage_lists.h"
 #include "time/time.h"
 
 /* ---- time ---- */
@@ -105,134 +107,6 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- lists ---- */
-
-static PetscInt FindName(PetscInt count, char *const names[], const char *name)
-{
-  for (PetscInt k = 0; k < count; k++)
-    if (!strcmp(names[k], name)) return k;
-  return -1;
-}
-
-/* A stage's list; `given` is false where it has none. The word `none` is an empty list. */
-static PetscErrorCode ReadList(const MpmOptions *block, const char *list, const char *help, PetscInt *count,
-                               char ***names, PetscBool *given)
-{
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsHas(block, list, given));
-  PetscCall(MpmOptionsNames(block, list, help, MPM_OPTIONAL, count, names));
-  MpmCheckInput(!*given || *count || MpmOptionsHelp(), "-%s%s: the list is empty; an empty one is `none`",
-                block->prefix, list);
-  if (*count == 1 && !strcmp((*names)[0], "none")) {
-    PetscCall(MpmNamesDestroy(*count, names));
-    *count = 0;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Names of all blocks of one kind; with `grows` others join them. */
-typedef struct {
-  PetscInt *count;
-  char   ***names;
-  PetscBool grows;
-} NameList;
-
-/* Which of the model's names a stage's list holds; those that are new are appended where `grow` says so. */
-static PetscErrorCode MarkList(const MpmOptions *block, const char *list, const char *help, NameList all,
-                               PetscBool **marks, PetscBool *given)
-{
-  PetscInt own;
-  char   **own_names;
-
-  PetscFunctionBeginUser;
-  PetscCall(ReadList(block, list, help, &own, &own_names, given));
-  PetscCall(PetscCalloc1((*all.count + own + 1), marks));
-  for (PetscInt k = 0; k < own; k++) {
-    PetscInt found = FindName(*all.count, *all.names, own_names[k]);
-
-    MpmCheckInput(found >= 0 || all.grows || MpmOptionsHelp(), "-%s%s %s: there is no such body in -mpm_bodies",
-                  block->prefix, list, own_names[k]);
-    if (found < 0 && !all.grows) continue;
-    if (found < 0) {
-      found = (*all.count)++;
-      PetscCall(PetscRealloc(sizeof(**all.names) * (size_t)*all.count, all.names));
-      PetscCall(PetscStrallocpy(own_names[k], &(*all.names)[found]));
-    }
-    (*marks)[found] = PETSC_TRUE;
-  }
-  PetscCall(MpmNamesDestroy(own, &own_names));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Marks for `count` names out of fewer; without a list of its own the stage has the scene's first `scene` names. */
-static PetscErrorCode WidenMarks(PetscInt had, PetscInt count, PetscInt scene, PetscBool given, PetscBool **marks)
-{
-  PetscBool *wide;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1((count + 1), &wide));
-  for (PetscInt k = 0; k < count; k++) wide[k] = (PetscBool)(given ? k < had && (*marks)[k] : k < scene);
-  PetscCall(PetscFree(*marks));
-  *marks = wide;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Conditions and loads of all stages; `had` holds how many names were known when each stage's list was read. */
-static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
-{
-  const PetscInt scene_bcs = model->scene.bcs->count, scene_loads = model->scene.loads->count,
-                 n = model->scene.stage_count;
-  PetscInt  *had;
-  PetscBool *given;
-  char       prefix[256];
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2((2 * n), &had, (2 * n), &given));
-  for (PetscInt k = 0; k < n; k++) {
-    const MpmOptions block = {options->comm, prefix, options->record};
-    MpmStage        *stage = &model->scene.stages[k];
-
-    given[2 * k] = given[2 * k + 1] = PETSC_FALSE;
-    if (stage->name) {
-      PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
-      PetscCall(MpmOptionsHeading(&block, "Stage"));
-      PetscCall(MarkList(&block, "bcs", "conditions on nodes that act; default: -mpm_bcs; none",
-                         (NameList){&model->scene.bcs->count, &model->scene.bcs->names, PETSC_TRUE}, &stage->bcs,
-                         &given[2 * k]));
-      PetscCall(MarkList(&block, "loads", "loads that act; default: -mpm_loads; none",
-                         (NameList){&model->scene.loads->count, &model->scene.loads->names, PETSC_TRUE}, &stage->loads,
-                         &given[2 * k + 1]));
-    }
-    had[2 * k]     = model->scene.bcs->count;
-    had[2 * k + 1] = model->scene.loads->count;
-  }
-  for (PetscInt k = 0; k < n; k++) {
-    PetscCall(WidenMarks(had[2 * k], model->scene.bcs->count, scene_bcs, given[2 * k], &model->scene.stages[k].bcs));
-    PetscCall(WidenMarks(had[2 * k + 1], model->scene.loads->count, scene_loads, given[2 * k + 1],
-                         &model->scene.stages[k].loads));
-  }
-  PetscCall(PetscFree2(had, given));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options)
-{
-  PetscInt  count;
-  char    **names;
-  PetscBool given;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmOptionsHas(options, "stages", &given));
-  PetscCall(MpmOptionsBlocks(options, "stages", "names of the stages, in their order", MPM_OPTIONAL, &count, &names));
-  MpmCheckInput(!given || count || MpmOptionsHelp(), "-mpm_stages: the list is empty; a scene without stages has none");
-  model->scene.stage_count = PetscMax(count, 1);
-  PetscCall(PetscCalloc1(model->scene.stage_count, &model->scene.stages));
-  for (PetscInt k = 0; k < count; k++) PetscCall(PetscStrallocpy(names[k], &model->scene.stages[k].name));
-  PetscCall(MpmNamesDestroy(count, &names));
-  PetscCall(ReadActive(model, options));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- the rest of a stage ---- */
 
 /* "body:material" pairs. */
@@ -254,8 +128,8 @@ static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, Mpm
 
     MpmCheckInput(colon, "-%smaterials %s: must be body:material pairs, separated by commas", block->prefix, text);
     *colon   = '\0';
-    body     = FindName(model->scene.bodies->count, model->scene.bodies->names, pair[k]);
-    material = FindName(model->scene.materials->count, model->scene.materials->names, colon + 1);
+    body     = MpmStageFindName(model->scene.bodies->count, model->scene.bodies->names, pair[k]);
+    material = MpmStageFindName(model->scene.materials->count, model->scene.materials->names, colon + 1);
     MpmCheckInput(body >= 0, "-%smaterials %s: there is no body %s in -mpm_bodies", block->prefix, text, pair[k]);
     MpmCheckInput(material >= 0, "-%smaterials %s: there is no material %s in -mpm_materials", block->prefix, text,
                   colon + 1);
@@ -294,8 +168,8 @@ static PetscErrorCode TakeK0(MpmModel model, const MpmOptions *block, const char
   PetscFunctionBeginUser;
   MpmCheckInput(colon, "-%sk0 %s: must be a number, ocr, or body:value pairs", block->prefix, text);
   *colon   = '\0';
-  body     = FindName(model->scene.bodies->count, model->scene.bodies->names, pair);
-  material = FindName(model->scene.materials->count, model->scene.materials->names, pair);
+  body     = MpmStageFindName(model->scene.bodies->count, model->scene.bodies->names, pair);
+  material = MpmStageFindName(model->scene.materials->count, model->scene.materials->names, pair);
   MpmCheckInput(body >= 0 || material >= 0, "-%sk0 %s: there is no body or material %s", block->prefix, text, pair);
   PetscCall(ParseK0(block, text, colon + 1, &value));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
@@ -402,6 +276,12 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
       "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without "
       "motion",
       model->scene.boundaries->names[b], stage->name);
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++)
+      MpmCheckInput(!stage->motions[m] || model->scene.motions->at[m].value[k] == 0.,
+                    "-mpm_motion_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
+                    model->scene.motions->names[m], (double)model->scene.motions->at[m].value[k], stage->name);
+  }
   if (stage->geostatic.method == MPM_GEOSTATIC_K0) PetscCall(CheckGravity(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -468,7 +348,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   char                     prefix[256], time_prefix[256];
   const MpmOptions         block  = {options->comm, prefix, options->record};
   PetscInt                 type   = 0;
-  const NameList           bodies = {&model->scene.bodies->count, &model->scene.bodies->names, PETSC_FALSE};
+  const MpmNameList        bodies = {&model->scene.bodies->count, &model->scene.bodies->names, PETSC_FALSE};
   PetscBool                given;
 
   PetscFunctionBeginUser;
@@ -480,9 +360,9 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   stage->time = *scene;
   if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
   PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
-  PetscCall(MarkList(&block, "remove", "bodies that are taken away", bodies, &stage->removed, &given));
-  PetscCall(
-    MarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds, &given));
+  PetscCall(MpmStageMarkList(&block, "remove", "bodies that are taken away", bodies, &stage->removed, &given));
+  PetscCall(MpmStageMarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds,
+                             &given));
   PetscCall(ReadMaterials(model, &block, stage));
   PetscCall(ReadReduction(model, &block, stage));
   PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
@@ -490,7 +370,20 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every stage must find the bodies that it removes or changes, and leave one at least. */
+/* The motions of a stage need their bodies. */
+static PetscErrorCode CheckMoved(const MpmModel model, const MpmStage *stage, const PetscBool there[])
+{
+  const MpmBodyMotions *motions = model->scene.motions;
+
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < motions->count; m++)
+    MpmCheckInput(!stage->motions[m] || there[motions->at[m].body], "-mpm_motion_%s_body %s: the body is not there%s%s",
+                  motions->names[m], model->scene.bodies->names[motions->at[m].body], stage->name ? " in stage " : "",
+                  stage->name ? stage->name : "");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every stage must find the bodies that it removes, changes or moves, and leave one at least. */
 static PetscErrorCode CheckBodies(const MpmModel model)
 {
   PetscBool *there, *was;
@@ -523,6 +416,7 @@ static PetscErrorCode CheckBodies(const MpmModel model)
     }
     MpmCheckInput(left, "-mpm_stage_%s_%s: no body is left", stage->name ? stage->name : "",
                   stage->name ? "remove" : "bodies");
+    PetscCall(CheckMoved(model, stage, there));
   }
   PetscCall(PetscFree2(there, was));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -560,6 +454,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
 
     PetscCall(PetscFree(stage->name));
     PetscCall(PetscFree(stage->bcs));
+    PetscCall(PetscFree(stage->motions));
     PetscCall(PetscFree(stage->loads));
     PetscCall(PetscFree(stage->removed));
     PetscCall(PetscFree(stage->adds));
@@ -675,7 +570,8 @@ PetscErrorCode MpmStagesSelect(MpmModel model)
 
 static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
 {
-  PetscInt first, end;
+  PetscInt    first, end;
+  const char *why; /* the next step tells of it */
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
@@ -683,6 +579,7 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
     if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
     if (stage->removed[b]) PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
   }
+  PetscCall(MpmMovingGridFollow(model, &why));
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -714,6 +611,12 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
     PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape),
                                    &walls, &model->state.walls.at[model->state.walls.count]));
     model->state.walls.count += walls;
+  }
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    MpmActing *motion = &model->state.bcs[model->scene.bcs->count + m];
+
+    if (stage->motions[m] && !motion->active) motion->start = model->state.time_start;
+    motion->active = stage->motions[m];
   }
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     MpmLoadActing *load = &model->state.loads[l];
@@ -759,6 +662,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
       PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */
   }
   PetscCall(Activate(model, stage));
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;
   PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

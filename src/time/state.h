@@ -13,10 +13,18 @@ typedef struct {
   PetscReal reduced; /* the reduction there */
 } MpmSafety;
 
+/* How far the grid has moved with what it follows. */
+typedef struct {
+  PetscBool known;              /* what it follows has been there; */
+  PetscReal start[MPM_MAX_DIM]; /* here then */
+  PetscReal moved[MPM_MAX_DIM]; /* m, since then, at the step's start */
+} MpmGridMotion;
+
 /* What is left to try where steps fail again and again. */
 typedef struct {
-  PetscBool ghost;    /* a firmer ghost penalty */
-  PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
+  PetscBool ghost_auto; /* nobody has set the ghost penalty */
+  PetscBool ghost;      /* a firmer ghost penalty */
+  PetscBool dilation;   /* F-bar leaves dilation to the points: it may average that, too */
 } MpmRescue;
 
 typedef struct {
@@ -37,16 +45,16 @@ typedef struct {
   PetscInt             step, cuts, cuts_total;
   PetscInt             stage;  /* the one under way */
   MpmParked           *parked; /* per body: points that a later stage adds */
-  MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way */
+  MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way; motions behind conditions */
   MpmLoadActing       *loads;
   MpmWalls             walls;      /* that follow from it */
   PetscReal            time_start; /* of the stage under way; time_end is its end */
   PetscReal            run_end;
   PetscReal            load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
   PetscBool            reference_output; /* position0 goes into the next state that is written */
-  PetscBool            ghost_auto;       /* nobody has set the ghost penalty */
   MpmRescue            rescue;
   PetscInt64           active_dofs_max;
   MpmSafety            safety;
+  MpmGridMotion        grid;
   MpmPlacement        *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;

@@ -87,6 +87,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmMovingGridFollow(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));

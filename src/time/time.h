@@ -34,6 +34,18 @@ PetscErrorCode MpmStagesSelect(MpmModel model);
   loads push along such a motion and no boundary may catch it.
 */
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable);
+/*
+  The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Follow puts the
+  grid where it belongs for the points as they are, at a step's start or where points come and go; `why` is NULL, or the reason
+  for which it cannot.
+*/
+PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmMovingGridSelect(MpmModel model);
+PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why);
+/* After the solution of a step: the grid as the next one will have it; it borrows the model's grid's parts. */
+PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next);
+/* The field of the points that a followed body has, NULL where the scene has none. */
+const char *MpmMovingGridField(const MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
@@ -74,8 +86,8 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
 /* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
-/* What the conditions prescribe in a step to `time`; the space stands. */
-PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time);
+/* What conditions and motions prescribe in a step to `time`; the space stands. `why` is NULL, or why they cannot. */
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why);
 /* The space of the points where they are now, without a step. */
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* Where a run would give up, once: a firmer ghost penalty from here on. */

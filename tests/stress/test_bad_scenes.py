@@ -61,6 +61,9 @@ NO_BOX = {"mpm_body_block_lower": None, "mpm_body_block_upper": None}
 NORMAL = {"mpm_bc_base_components": None, "mpm_bc_base_normal": "1,2"}
 PLANE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "plane", "mpm_boundary_wall_point": "2,0",
          "mpm_boundary_wall_normal": "-1,0"}
+PUSH = {"mpm_motions": "push", "mpm_motion_push_body": "block", "mpm_motion_push_components": "y",
+        "mpm_motion_push_value": "-1"}
+FOLLOW = {"mpm_grid_follow": "block", "mpm_grid_axes": "y"}
 DISC = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "sphere", "mpm_boundary_wall_center": "3,1",
         "mpm_boundary_wall_radius": "1"}
 BOX = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "box", "mpm_boundary_wall_lower": "2,0",
@@ -292,6 +295,31 @@ CASES = [
     ("unknown contact", {**PLANE, "mpm_boundary_wall_contact": "loose"}, "-mpm_boundary_wall_contact"),
     ("boundary for the points of a file", {**PLANE, "mpm_boundary_wall_points_region": "file"},
      "-mpm_boundary_wall_points_region"),
+    # motions, moving grid
+    ("motion without a body", {**PUSH, "mpm_motion_push_body": None}, "-mpm_motion_push_body"),
+    ("motion of an unknown body", {**PUSH, "mpm_motion_push_body": "pile"}, "-mpm_motion_push_body pile"),
+    ("motion without components", {**PUSH, "mpm_motion_push_components": None}, "-mpm_motion_push_components"),
+    ("motion along an unknown axis", {**PUSH, "mpm_motion_push_components": "z"}, "-mpm_motion_push_components z"),
+    ("motion with too many values", {**PUSH, "mpm_motion_push_value": "1,2"}, "-mpm_motion_push_value"),
+    ("motion of no points", {**PUSH, "mpm_motion_push_region": "box", "mpm_motion_push_lower": "3,3",
+                             "mpm_motion_push_upper": "4,4"}, "-mpm_motion_push_region"),
+    ("motion of the points of a file", {**PUSH, "mpm_motion_push_region": "file"}, "-mpm_motion_push_region file"),
+    ("motion with a condition's name", {**PUSH, "mpm_motions": "base"}, "-mpm_motions base"),
+    ("boundary with a motion's name", {**PUSH, **PLANE, "mpm_boundaries": "push"}, "-mpm_boundaries push"),
+    ("motion in a geostatic stage", {**PUSH, **GEOSTATIC, "mpm_loads": "weight", "mpm_load_push_type": None,
+                                     "mpm_load_push_at": None, "mpm_load_push_nearest": None,
+                                     "mpm_load_push_value": None}, "-mpm_motion_push_value"),
+    ("grid that follows nothing", {**FOLLOW, "mpm_grid_follow": "pile"}, "-mpm_grid_follow pile"),
+    ("moving grid without axes", {**FOLLOW, "mpm_grid_axes": None}, "-mpm_grid_axes"),
+    ("moving grid along an unknown axis", {**FOLLOW, "mpm_grid_axes": "z"}, "-mpm_grid_axes z"),
+    ("moving grid of an unknown mode", {**FOLLOW, "mpm_grid_mode": "bend"}, "-mpm_grid_mode"),
+    ("moving grid with an unknown side", {**FOLLOW, "mpm_grid_fixed": "left"}, "-mpm_grid_fixed left"),
+    ("moving grid with too many sides", {**FOLLOW, "mpm_grid_fixed": "lower,upper"}, "-mpm_grid_fixed"),
+    ("moving grid fixed at the side that moves", {**FOLLOW, "mpm_grid_fixed": "lower", "mpm_grid_at": "0"}, "-mpm_grid_at"),
+    ("moving grid at a place outside", {**FOLLOW, "mpm_grid_at": "5"}, "-mpm_grid_at"),
+    ("grid that shifts with a side that stays", {**FOLLOW, "mpm_grid_mode": "shift", "mpm_grid_fixed": "lower"},
+     "-mpm_grid_fixed"),
+    ("side that stays of a grid that does not move", {"mpm_grid_fixed": "lower"}, "-mpm_grid_fixed"),
     ("boundary for no points", WALL_POINTS, "-mpm_boundary_wall_points_region"),
     ("boundary that holds no points", {**PLANE, "mpm_boundary_wall_point": "3,0",
                                        "mpm_boundary_wall_contact": "bilateral"}, "-mpm_boundary_wall_contact"),
@@ -530,7 +558,7 @@ SUFFIXES = {"scene": "scene.yaml", "points": "points.csv", "surface": "surface.s
 TWO_RANKS = {"open surface", "surface that is not there", "points with NaN", "points with a short line", "points outside the grid", "file of points without points",
              "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
              "condition between the nodes", "normal without length", "plane through the body",
-             "boundary for no points", "results in a folder that is not there", "broken YAML", "option twice"}
+             "boundary for no points", "motion of no points", "results in a folder that is not there", "broken YAML", "option twice"}
 
 
 def write_scene(folder, options):

@@ -29,17 +29,22 @@ static const char *const held_3d =
   "-mpm_bc_floor_components x,y,z -mpm_bc_floor_value 0.01,-0.006,0.004 -mpm_bc_side_region box "
   "-mpm_bc_side_lower 0.5,0,0 -mpm_bc_side_upper 0.5,2,2 -mpm_bc_side_components x ";
 
-/* rollers at an angle: nodes with one, with two that are not at right angles, and with one and a component */
+/* rollers at an angle: nodes with one, with two that are not at right angles, and with one and a component; and a motion that
+   meets them */
 static const char *const inclined_2d =
   "-mpm_bcs floor,side,edge -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0.4 -mpm_bc_floor_upper 3,0.4 "
   "-mpm_bc_floor_normal -0.3,2 -mpm_bc_floor_value 0.01 -mpm_bc_side_region box -mpm_bc_side_lower 0.5,0 "
   "-mpm_bc_side_upper 0.5,2 -mpm_bc_side_components x -mpm_bc_side_value 0.004 -mpm_bc_edge_region box "
-  "-mpm_bc_edge_lower 2.5,0 -mpm_bc_edge_upper 2.5,2 -mpm_bc_edge_normal 1,0.4 ";
+  "-mpm_bc_edge_lower 2.5,0 -mpm_bc_edge_upper 2.5,2 -mpm_bc_edge_normal 1,0.4 "
+  "-mpm_motions lift -mpm_motion_lift_body b -mpm_motion_lift_region box -mpm_motion_lift_lower 1.8,1.3 "
+  "-mpm_motion_lift_upper 2.5,1.6 -mpm_motion_lift_components y -mpm_motion_lift_value 0.01 ";
 static const char *const inclined_3d =
   "-mpm_bcs floor,side,edge -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0,0.4 -mpm_bc_floor_upper 2,2,0.4 "
   "-mpm_bc_floor_normal 0.3,-0.2,1 -mpm_bc_floor_value 0.01 -mpm_bc_side_region box -mpm_bc_side_lower 0.5,0,0 "
   "-mpm_bc_side_upper 0.5,2,2 -mpm_bc_side_components x -mpm_bc_edge_region box -mpm_bc_edge_lower 0,0.5,0 "
-  "-mpm_bc_edge_upper 2,0.5,2 -mpm_bc_edge_normal 0.1,1,0.4 ";
+  "-mpm_bc_edge_upper 2,0.5,2 -mpm_bc_edge_normal 0.1,1,0.4 "
+  "-mpm_motions lift -mpm_motion_lift_body b -mpm_motion_lift_region box -mpm_motion_lift_lower 1.2,0.5,0.4 "
+  "-mpm_motion_lift_upper 1.5,1,0.8 -mpm_motion_lift_components y -mpm_motion_lift_value 0.01 ";
 
 /* surfaces of every type that have come into the body, and that hold it; with a roller at an angle */
 static const char *const touching_2d =

@@ -298,7 +298,7 @@ START_TEST(hooks)
   ck_assert_double_eq_tol(watch.time, 0.4, 1e-12);
   UNIT_FAILS(MpmModelSetLoadFactor(model, "pull", 1.), PETSC_ERR_ARG_OUTOFRANGE, "there is no load pull");
   UNIT_FAILS(MpmModelGetReaction(model, "roof", reaction), PETSC_ERR_ARG_OUTOFRANGE,
-             "there is no condition and no boundary roof");
+             "there is no condition, motion or boundary roof");
   CALL(MpmModelDestroy(&model));
 }
 END_TEST

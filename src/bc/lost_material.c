@@ -1,0 +1,170 @@
+/*
+  Conditions that lose the material which they move.
+
+  Nodes do not move with the material: one that a condition pushes may leave the nodes of the condition, and what is left at
+  them, or other material that takes its place, resists less and less. So the volume is watched that the nodes of a condition
+  hold, sum_p V_p sum_i w_ip, of the body that they held most of as the condition began to move in the stage. What one condition
+  hands over to another one that moves, too, is not lost; and a condition to which no material has come yet may wait for it.
+*/
+#include "geometry/geometry.h"
+#include "grid/grid.h"
+#include "particles/body.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+
+#define LOST 0.1 /* of the volume: with less a condition has lost its material */
+
+PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim)
+{
+  for (PetscInt k = 0; k < bc->component_count && !bc->inclined; k++)
+    if (bc->component[k] < dim && bc->value[k] != 0.) return PETSC_TRUE;
+  return (PetscBool)(bc->inclined && bc->value[0] != 0.);
+}
+
+/* Adds the local nodes of condition b to those marked; `owned` of its nodes are this rank's own. */
+static void MarkNodes(const MpmPrescription *step, PetscInt b, const MpmSum *sum, PetscBool mark[], PetscInt *owned)
+{
+  const MpmSpace *space = sum->space;
+
+  *owned = 0;
+  for (PetscInt i = 0; i < space->local; i++) {
+    PetscReal x[MPM_MAX_DIM];
+
+    if (MpmSpaceIsExtra(space, i)) continue;
+    MpmGridNodeAtStart(sum->grid, &space->node[i * space->dim], x);
+    if (!MpmConditionHolds(step, b, x)) continue;
+    mark[i] = PETSC_TRUE;
+    *owned += i < space->owned;
+  }
+}
+
+/* What the marked nodes of a group hold of each body; ids[2*k] and ids[2*k + 1] are the first id of body k and the one past its last. */
+static void AddGroup(const MpmSum *sum, const MpmGroup *group, const PetscBool mark[], PetscInt bodies,
+                     const PetscInt ids[], MpmBasis *basis, PetscReal volume[])
+{
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscBool       any   = PETSC_FALSE;
+
+  for (PetscInt i = 0; i < group->node_count; i++) any = (PetscBool)(any || (nodes[i] >= 0 && mark[nodes[i]]));
+  for (PetscInt s = group->point_begin; s < group->point_end && any; s++) {
+    const PetscInt p      = sum->space->order[s];
+    PetscReal      weight = 0.;
+
+    MpmSpaceEvaluate(sum->space, group, p, basis);
+    for (PetscInt i = 0; i < group->node_count; i++)
+      if (nodes[i] >= 0 && mark[nodes[i]]) weight += basis->basis[0][i];
+    for (PetscInt k = 0; k < bodies; k++)
+      if (sum->points->id[p] >= ids[2 * k] && sum->points->id[p] < ids[2 * k + 1])
+        volume[k] += weight * sum->points->volume0[p];
+  }
+}
+
+/* The volume that the marked nodes hold of each of so many bodies, over all ranks. */
+static PetscErrorCode FindVolumes(const MpmSum *sum, const PetscBool mark[], PetscInt bodies, const PetscInt ids[],
+                                  PetscReal volume[])
+{
+  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim);
+  PetscReal     *storage;
+  MpmBasis       basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * MPM_BASES), &storage));
+  for (PetscInt b = 0; b < MPM_BASES; b++) basis.basis[b] = storage + most * b;
+  PetscCall(PetscArrayzero(volume, bodies));
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    AddGroup(sum, &sum->space->groups[g], mark, bodies, ids, &basis, volume);
+  PetscCall(PetscFree(storage));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, volume, (PetscMPIInt)bodies, MPIU_REAL, MPIU_SUM, sum->grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which body the marked nodes hold most of, and how much; a run that restarts may not know its bodies: then all points. */
+static PetscErrorCode BeginMoving(const MpmSum *sum, const PetscBool mark[], const MpmBodies *bodies, MpmActing *acting)
+{
+  PetscInt  *ids, most = 0;
+  PetscReal *volume;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((2 * bodies->count + 2), &ids, (bodies->count + 1), &volume));
+  for (PetscInt k = 0; k < bodies->count; k++) MpmBodyGetIds(bodies->at[k], &ids[2 * k], &ids[2 * k + 1]);
+  ids[2 * bodies->count]     = 0;
+  ids[2 * bodies->count + 1] = PETSC_INT_MAX;
+  PetscCall(FindVolumes(sum, mark, bodies->count + 1, ids, volume));
+  for (PetscInt k = 1; k < bodies->count; k++)
+    if (volume[k] > volume[most]) most = k;
+  if (!(volume[most] > 0.)) most = bodies->count;
+  acting->first  = ids[2 * most];
+  acting->end    = ids[2 * most + 1];
+  acting->volume = volume[most];
+  PetscCall(PetscFree2(ids, volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The conditions that move the material in the step; returns how many there are. */
+static PetscInt ListMoving(const MpmPrescription *step, PetscInt dim, PetscInt moving[])
+{
+  PetscInt count = 0;
+
+  for (PetscInt b = 0; b < step->conditions->count; b++) {
+    if (!step->acting[b].active || !MpmConditionMoves(&step->conditions->at[b], dim)) continue;
+    if (MpmStepFactor(step, b, PETSC_TRUE) != 0.) moving[count++] = b;
+  }
+  return count;
+}
+
+/* Which bodies the conditions begin to move that have not moved in the stage. */
+static PetscErrorCode BeginAll(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
+                               const MpmSum *sum, PetscInt count, const PetscInt moving[], const PetscInt nodes[])
+{
+  PetscBool *mark;
+  PetscInt   owned;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(sum->space->local, &mark));
+  for (PetscInt k = 0; k < count; k++) {
+    if (!nodes[k] || acting[moving[k]].volume > 0.) continue;
+    for (PetscInt i = 0; i < sum->space->local; i++) mark[i] = PETSC_FALSE;
+    MarkNodes(step, moving[k], sum, mark, &owned);
+    PetscCall(BeginMoving(sum, mark, bodies, &acting[moving[k]]));
+  }
+  PetscCall(PetscFree(mark));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
+                                     const MpmSum *sum, PetscInt *lost, PetscReal *left)
+{
+  const PetscInt most = step->conditions->count;
+  PetscInt       count, held = 0, *moving, *nodes, *ids;
+  PetscReal     *volume;
+  PetscBool     *mark = NULL;
+
+  PetscFunctionBeginUser;
+  *lost = -1;
+  *left = 0.;
+  PetscCall(PetscMalloc4(most, &moving, most, &nodes, (2 * most), &ids, most, &volume));
+  count = ListMoving(step, sum->space->dim, moving);
+  if (count) {
+    PetscCall(PetscCalloc1(sum->space->local, &mark));
+    for (PetscInt k = 0; k < count; k++) MarkNodes(step, moving[k], sum, mark, &nodes[k]);
+    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, nodes, (PetscMPIInt)count, MPIU_INT, MPI_SUM, sum->grid->comm));
+    PetscCall(BeginAll(step, acting, bodies, sum, count, moving, nodes));
+  }
+  for (PetscInt k = 0; k < count; k++) {
+    held += nodes[k];
+    ids[2 * k]     = acting[moving[k]].first;
+    ids[2 * k + 1] = acting[moving[k]].end;
+  }
+  if (count && !held) *lost = moving[0];
+  if (held) PetscCall(FindVolumes(sum, mark, count, ids, volume));
+  for (PetscInt k = 0; held && k < count && *lost < 0; k++) {
+    if (volume[k] >= LOST * acting[moving[k]].volume) continue;
+    *lost = moving[k];
+    *left = volume[k] / acting[moving[k]].volume;
+  }
+  PetscCall(PetscFree(mark));
+  PetscCall(PetscFree4(moving, nodes, ids, volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
