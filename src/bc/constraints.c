@@ -40,7 +40,10 @@ PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const Petsc
 /* By which regions select a node: conditions go with the grid. */
 static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt node, PetscReal x[])
 {
-  MpmGridNodeAtStart(grid, &space->node[node * grid->dim], x);
+  PetscInt at[MPM_MAX_DIM];
+
+  MpmSpaceAt(space, &space->node[node * grid->dim], at);
+  MpmGridNodeAtStart(grid, at, x);
 }
 
 /* ---- motions ---- */

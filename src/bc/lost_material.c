@@ -30,10 +30,12 @@ static void MarkNodes(const MpmPrescription *step, PetscInt b, const MpmSum *sum
 
   *owned = 0;
   for (PetscInt i = 0; i < space->local; i++) {
+    PetscInt  at[MPM_MAX_DIM];
     PetscReal x[MPM_MAX_DIM];
 
     if (MpmSpaceIsExtra(space, i)) continue;
-    MpmGridNodeAtStart(sum->grid, &space->node[i * space->dim], x);
+    MpmSpaceAt(space, &space->node[i * space->dim], at);
+    MpmGridNodeAtStart(sum->grid, at, x);
     if (!MpmConditionHolds(step, b, x)) continue;
     mark[i] = PETSC_TRUE;
     *owned += i < space->owned;

@@ -247,7 +247,7 @@ PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid)
   PetscCall(MpmParticlesDistribute(particles, grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(MpmOuterFacesFind(grid, &points, NULL, points.faces));
+  PetscCall(MpmOuterFacesFind(grid, &points, points.part, points.faces));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

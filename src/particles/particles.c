@@ -53,6 +53,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
   if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (fields->faces) PetscCall(Register(particles, "faces", 1, PETSC_INT));
+  if (fields->part) PetscCall(Register(particles, "part", 1, PETSC_INT));
   if (fields->state_size) PetscCall(Register(particles, "state", fields->state_size, PETSC_REAL));
   if (fields->own_size) PetscCall(Register(particles, "own", fields->own_size, PETSC_REAL));
   if (fields->increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
@@ -66,6 +67,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   particles->rates           = fields->rates;
   particles->has_half_length = fields->half_length;
   particles->has_faces       = fields->faces;
+  particles->has_part        = fields->part;
   particles->has_increment   = fields->increment;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,6 +103,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->own_size) PetscCall(DMSwarmGetField(swarm, "own", NULL, NULL, (void **)&points->own));
   if (particles->has_increment) PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->has_faces) PetscCall(DMSwarmGetField(swarm, "faces", NULL, NULL, (void **)&points->faces));
+  if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "part", NULL, NULL, (void **)&points->part));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,6 +129,7 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   if (particles->has_increment)
     PetscCall(DMSwarmRestoreField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->has_faces) PetscCall(DMSwarmRestoreField(swarm, "faces", NULL, NULL, (void **)&points->faces));
+  if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "part", NULL, NULL, (void **)&points->part));
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
   PetscCall(PetscMemzero(points, sizeof(*points)));
   PetscFunctionReturn(PETSC_SUCCESS);

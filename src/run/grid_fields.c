@@ -65,9 +65,9 @@ static PetscErrorCode HandOver(const MpmSpace *space, const MpmGrid *grid, Petsc
   PetscCall(PetscCalloc2(grid->size, &length, grid->size, &fill));
   PetscCall(PetscMalloc1((space->local - space->owned), &owner));
   for (PetscInt i = space->owned; i < space->local; i++) {
-    const PetscInt *at                = &space->node[i * space->dim];
-    const PetscInt  node[MPM_MAX_DIM] = {at[0], at[1], space->dim > 2 ? at[2] : 0};
+    PetscInt node[MPM_MAX_DIM];
 
+    MpmSpaceAt(space, &space->node[i * space->dim], node);
     owner[i - space->owned] = MpmGridNodeOwner(grid, node);
     if (nodes[i * corners] >= 0) length[owner[i - space->owned]] += corners;
   }
@@ -177,7 +177,7 @@ static PetscInt WrittenCount(const MpmSpace *space)
 /* All that is written; arrays of the owned nodes. */
 typedef struct {
   PetscReal *position, *mass, *load;
-  PetscInt  *held, *rank;
+  PetscInt  *held, *rank, *part;
 } NodeArrays;
 
 static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
@@ -187,8 +187,9 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
   MpmPoints       points;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc5((space->owned * dim), &arrays->position, space->local, &arrays->mass, (space->local * block),
-                         &arrays->load, space->owned, &arrays->held, space->owned, &arrays->rank));
+  PetscCall(PetscMalloc6((space->owned * dim), &arrays->position, space->local, &arrays->mass, (space->local * block),
+                         &arrays->load, space->owned, &arrays->held, space->owned, &arrays->rank, space->owned,
+                         &arrays->part));
   PetscCall(PetscArrayzero(arrays->load, space->local * block));
   if (model->disc.committed) PetscCall(PetscArraycpy(arrays->load, model->disc.force, space->local * block));
   PetscCall(MpmSpaceAddToOwners(space, block, arrays->load));
@@ -198,6 +199,7 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
   for (PetscInt i = 0; i < space->owned; i++) {
     MpmNodePosition(&model->disc, i, &arrays->position[i * dim]);
     arrays->rank[i] = model->rank;
+    arrays->part[i] = MpmSpacePart(space, &space->node[i * dim]);
     arrays->held[i] = 0;
     for (PetscInt c = 0; c < block; c++)
       if (!MpmConstraintsFree(model->disc.constraints, i * block + c)) arrays->held[i] |= 1 << c;
@@ -214,7 +216,7 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
   const Nodal      load     = {arrays->load, WrittenCount(space), block, 0, dim};
   Nodal            others[MPM_MAX_BLOCK];
   PetscInt         count                   = 0;
-  MpmDataset       sets[7 + MPM_MAX_BLOCK] = {{.name = "position", .components = dim, .real = arrays->position}};
+  MpmDataset       sets[8 + MPM_MAX_BLOCK] = {{.name = "position", .components = dim, .real = arrays->position}};
   const MpmDataset corners                 = {.name = "nodes", .components = cells->corners, .integer = cells->nodes};
   const MpmTable   cell_table              = {cells->count, cells->id, 1, &corners};
 
@@ -226,6 +228,7 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
   sets[count++] = (MpmDataset){.name = "mass", .components = 1, .real = arrays->mass};
   sets[count++] = (MpmDataset){.name = "held", .components = 1, .integer = arrays->held};
   sets[count++] = (MpmDataset){.name = "rank", .components = 1, .integer = arrays->rank};
+  if (model->disc.parts > 1) sets[count++] = (MpmDataset){.name = "part", .components = 1, .integer = arrays->part};
   for (PetscInt c = dim; c < block; c++) {
     others[c]     = (Nodal){moved.value, WrittenCount(space), block, c, 1};
     sets[count++] = (MpmDataset){
@@ -250,7 +253,8 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
   displacement (m), the internal minus the external force (N; the reaction where the node is constrained, what Newton has left
   elsewhere) and the external force (N). In the initial state, and after a step that failed, there is none of these: they
   are zero. `mass` is the points' (kg), `held` the sum of 1, 2, 4 where the displacement along x, y, z is prescribed,
-  `rank` the rank that owns the node. Further unknowns follow by name.
+  `rank` the rank that owns the node. Where bodies are in contact, `part` is the part of the material whose node it is: parts have
+  nodes and cells of their own, also at the same place. Further unknowns follow by name.
 @*/
 PetscErrorCode MpmLatticeWrite(MpmModel model)
 {
@@ -268,6 +272,6 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));
   PetscCall(WriteNodesAndCells(model, &arrays, &cells));
   PetscCall(PetscFree2(cells.id, cells.nodes));
-  PetscCall(PetscFree5(arrays.position, arrays.mass, arrays.load, arrays.held, arrays.rank));
+  PetscCall(PetscFree6(arrays.position, arrays.mass, arrays.load, arrays.held, arrays.rank, arrays.part));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -177,6 +177,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
     PetscCall(MpmTrackDestroy(&model->results->tracks.at[k]));
   PetscCall(PetscFree(model->scene.materials->at));
   PetscCall(PetscFree(model->scene.bodies->at));
+  PetscCall(PetscFree(model->scene.bodies->part));
   PetscCall(PetscFree(model->scene.bcs->at));
   PetscCall(PetscFree(model->scene.boundaries->at));
   PetscCall(PetscFree(model->scene.loads->at));
@@ -372,6 +373,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
   }
+  PetscCall(MpmContactsRead(model, options));
   PetscCall(MpmMemoryCheck(options, model->disc.grid, model->scene.bodies->count, model->scene.bodies->at,
                            model->scene.bodies->names));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -480,12 +482,31 @@ static PetscErrorCode FillOwnStates(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Which part of the material each point belongs to. */
+static PetscErrorCode FillParts(MpmModel model)
+{
+  const MpmBodies *bodies = model->scene.bodies;
+  PetscInt        *body_of;
+  MpmPoints        points;
+
+  PetscFunctionBeginUser;
+  if (model->disc.parts == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscMalloc1(points.count, &body_of));
+  MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
+  for (PetscInt p = 0; p < points.count; p++) points.part[p] = bodies->part[body_of[p]];
+  PetscCall(PetscFree(body_of));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
   PetscInt     state_size = 0, extra = 0, axis, up;
+  PetscBool    parts       = (PetscBool)(model->disc.parts > 1);
   PetscBool    half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || model->scene.boundaries->count ||
-                                      MpmStagesAreGeostatic(model) || MpmStagesReduce(model));
+                                      parts || MpmStagesAreGeostatic(model) || MpmStagesReduce(model));
   const char  *why;
   const char **fields;
 
@@ -518,7 +539,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmParticlesCreate(model->disc.grid,
                                &(MpmParticleFields){state_size, model->disc.layout->own_size, model->disc.layout->rates,
                                                     half_length, model->state.predict,
-                                                    (PetscBool)(model->scene.boundaries->count > 0), extra, fields},
+                                                    (PetscBool)(model->scene.boundaries->count > 0 || parts), parts,
+                                                    extra, fields},
                                model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
@@ -532,6 +554,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
   PetscCall(FillOwnStates(model));
+  PetscCall(FillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));

@@ -142,6 +142,8 @@ PetscErrorCode MpmBodiesShareEdges(MpmModel model);
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
 /* A line of the run's header where bodies share nodes (welds.c). */
 PetscErrorCode MpmWeldsPrint(MpmModel model);
+/* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c). */
+PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options);
 /*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
   bodies, conditions and stages are known.

@@ -438,9 +438,10 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
     PetscCall(VecGetArray(mode[kept], &values));
     for (PetscInt i = 0; i < solver->disc->space->owned; i++) {
       PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
+      PetscInt  at[MPM_MAX_DIM];
 
-      for (PetscInt a = 0; a < dim; a++)
-        x[a] = solver->disc->grid->h[a] * (PetscReal)solver->disc->space->node[i * dim + a];
+      MpmSpaceAt(solver->disc->space, &solver->disc->space->node[i * dim], at);
+      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->grid->h[a] * (PetscReal)at[a];
       SetMode(layout, k, x, &values[i * bs]);
     }
     if (solver->disc->contacts->bodies) SetBodyModes(solver, k, values);

@@ -83,8 +83,17 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
     for (node[1] = (map)->lower[1]; node[1] < (map)->upper[1]; node[1]++) \
       for (node[0] = (map)->lower[0]; node[0] < (map)->upper[0]; node[0]++)
 
+/* Copies of a node that belong to other parts have its owner. */
+static PetscMPIInt Owner(const MpmSpace *space, const MpmGrid *grid, const PetscInt node[])
+{
+  PetscInt at[MPM_MAX_DIM];
+
+  MpmSpaceAt(space, node, at);
+  return MpmGridNodeOwner(grid, at);
+}
+
 /* The touched nodes of other ranks, as lists of lattice indices, `dim` integers a node. */
-static PetscErrorCode ListForeign(const MpmGrid *grid, const NodeMap *map, MpmLists *lists)
+static PetscErrorCode ListForeign(const MpmSpace *space, const MpmGrid *grid, const NodeMap *map, MpmLists *lists)
 {
   PetscInt *slot, node[MPM_MAX_DIM], *fill;
 
@@ -92,7 +101,7 @@ static PetscErrorCode ListForeign(const MpmGrid *grid, const NodeMap *map, MpmLi
   PetscCall(PetscCalloc1(grid->size, &slot));
   FOR_MAP_NODES(map, node)
   {
-    if (*MapAt(map, node) >= 0) slot[MpmGridNodeOwner(grid, node)]++;
+    if (*MapAt(map, node) >= 0) slot[Owner(space, grid, node)]++;
   }
   slot[grid->rank] = 0;
   for (PetscMPIInt r = 0; r < grid->size; r++) lists->count += slot[r] > 0;
@@ -116,7 +125,7 @@ static PetscErrorCode ListForeign(const MpmGrid *grid, const NodeMap *map, MpmLi
     PetscInt k;
 
     if (*MapAt(map, node) < 0) continue;
-    k = slot[MpmGridNodeOwner(grid, node)];
+    k = slot[Owner(space, grid, node)];
     for (PetscInt a = 0; k >= 0 && a < grid->dim; a++) lists->data[fill[k]++] = node[a];
   }
   PetscCall(PetscFree(fill));
@@ -154,7 +163,7 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
   for (PetscInt k = 0; k < wanted->offset[wanted->count]; k += dim) *MapAt(map, &wanted->data[k]) = 0;
   FOR_MAP_NODES(&old, node)
   {
-    if (*MapAt(&old, node) >= 0 && MpmGridNodeOwner(grid, node) == grid->rank) *MapAt(map, node) = 0;
+    if (*MapAt(&old, node) >= 0 && Owner(space, grid, node) == grid->rank) *MapAt(map, node) = 0;
   }
   PetscCall(PetscFree(old.value));
   for (PetscInt64 i = 0; i < size; i++) space->owned += map->value[i] == 0;
@@ -250,7 +259,7 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
   PetscFunctionBeginUser;
   PetscCall(MarkTouched(space, &map));
   if (grid->size > 1) {
-    PetscCall(ListForeign(grid, &map, &foreign));
+    PetscCall(ListForeign(space, grid, &map, &foreign));
     PetscCall(MpmListsExchange(grid->comm, &foreign, &wanted));
   } else PetscCall(PetscCalloc1(1, &wanted.offset));
   PetscCall(NumberOwned(space, grid, &wanted, foreign.count ? foreign.offset[foreign.count] / grid->dim : 0, &map));

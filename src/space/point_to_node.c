@@ -75,7 +75,9 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
   const PetscReal       *along             = space->shape[of->shape].weight;
   const PetscInt         n = known.n, dim = known.dim, components = of->components;
   const PetscInt        *nodes = &space->group_nodes[group->node_offset];
+  PetscInt               first[MPM_MAX_DIM];
 
+  MpmSpaceAt(space, group->first, first);
   for (PetscInt k = 0; k < n * (components + 1); k++) project->sums[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt   p = space->order[s], ahead = MpmSumAhead(sum, s);
@@ -91,7 +93,7 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
       PetscReal        start    = of->value[p * of->stride + c];
 
       for (PetscInt a = 0; a < dim; a++)
-        start += gradient[a] * (grid->lower[a] + grid->h[a] * (PetscReal)group->first[a] - x[a]);
+        start += gradient[a] * (grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a]);
       AddComponent(known, project->weight, start, gradient, project->place, &project->sums[c * n]);
     }
     for (PetscInt i = 0; i < n; i++) project->sums[components * n + i] += project->weight[i];

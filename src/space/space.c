@@ -23,6 +23,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->group_nodes));
   PetscCall(PetscFree(space->extra.free));
   PetscCall(PetscFree(space->extra.link));
+  PetscCall(PetscFree(space->parts.couple));
   PetscCall(PetscFree2(space->node, space->global));
   PetscCall(PetscSFDestroy(&space->sf));
   PetscCall(PetscMemzero(space, sizeof(*space)));
@@ -81,7 +82,10 @@ static PetscErrorCode MakeKeys(const MpmSpace *space, const MpmRules *rules, con
   for (PetscInt p = 0; p < n; p++) {
     PetscInt home[MPM_MAX_DIM], cell = 0, shape = 0;
 
-    if (rules->mean) MpmGridFindCell(rules->grid, &points->x[p * dim], home);
+    if (rules->mean) {
+      MpmGridFindCell(rules->grid, &points->x[p * dim], home);
+      home[dim - 1] += MpmSpaceShift(space, points->part, p);
+    }
     for (PetscInt a = dim - 1; a >= 0; a--) {
       const PetscInt k = p * dim + a, first = boxes->first[k], place = rules->mean ? home[a] : first;
 
@@ -175,6 +179,17 @@ PetscErrorCode MpmSpaceAppendNodes(MpmSpace *space, PetscInt count, const PetscI
   PetscCall(PetscRealloc((size_t)(extra->count + count) * sizeof(*free), &extra->free));
   PetscCall(PetscArraycpy(&extra->free[extra->count], free, count));
   extra->count += count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceCouple(MpmSpace *space, PetscInt one, PetscInt other)
+{
+  PetscFunctionBeginUser;
+  if (space->parts.couple_count == space->parts.couple_capacity) {
+    space->parts.couple_capacity = 2 * space->parts.couple_capacity + 64;
+    PetscCall(PetscRealloc((size_t)space->parts.couple_capacity * sizeof(MpmCouple), &space->parts.couple));
+  }
+  space->parts.couple[space->parts.couple_count++] = (MpmCouple){{one, other}};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

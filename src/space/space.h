@@ -46,6 +46,21 @@ typedef struct {
 } MpmExtraNodes;
 
 /*
+  Parts of the material have nodes of their own, also where they stand at the same place: nodes, boxes and pieces of part k
+  have lattice indices that are k strides higher on the last axis. MpmSpaceAt() takes that back. Between the parts'
+  lattices lie so many indices, half of which count to each.
+*/
+typedef struct {
+  PetscInt box[2]; /* whose nodes are coupled, beside those of each box with one another */
+} MpmCouple;
+typedef struct {
+  PetscInt   stride; /* 0: there is one part */
+  PetscInt   couple_count, couple_capacity;
+  MpmCouple *couple;
+} MpmParts;
+#define MPM_PART_GAP 16
+
+/*
   The step's discrete spaces, one for each shape that the physics' fields have: weights of every point, and the active
   nodes. They number their nodes together, so that all unknowns of a node make one block; a node that no point touches
   with a field's shape has no unknown of that field. Local nodes are those that this rank's points touch or that it owns:
@@ -78,6 +93,7 @@ typedef struct MpmSpace {
   PetscInt      unknown_count; /* over all ranks */
   PetscSF       sf;            /* roots: owned nodes; leaves: ghosts; NULL on one rank */
   MpmExtraNodes extra;
+  MpmParts      parts;
 } MpmSpace;
 
 /*
@@ -105,6 +121,24 @@ PetscErrorCode          MpmSpaceLink(MpmSpace *space, PetscInt box, PetscInt fir
 static inline PetscBool MpmSpaceIsExtra(const MpmSpace *space, PetscInt node)
 {
   return (PetscBool)(node >= space->extra.begin && node < space->extra.begin + space->extra.count);
+}
+/* All nodes of two of this rank's boxes are coupled: the sparsity has room for that. To be called like MpmSpaceLink(). */
+PetscErrorCode MpmSpaceCouple(MpmSpace *space, PetscInt one, PetscInt other);
+/* What is added to the last axis' indices of the nodes and the cell of point p; `part`: the points' field. */
+static inline PetscInt MpmSpaceShift(const MpmSpace *space, const PetscInt part[], PetscInt p)
+{
+  return space->parts.stride ? space->parts.stride * part[p] : 0;
+}
+/* The part that a node, box or piece with these lattice indices belongs to. */
+static inline PetscInt MpmSpacePart(const MpmSpace *space, const PetscInt node[])
+{
+  return space->parts.stride ? (node[space->dim - 1] + MPM_PART_GAP / 2) / space->parts.stride : 0;
+}
+/* Where it stands on the grid: the grid's own indices, 0 on unused axes. */
+static inline void MpmSpaceAt(const MpmSpace *space, const PetscInt node[], PetscInt at[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = a < space->dim ? node[a] : 0;
+  at[space->dim - 1] -= space->parts.stride * MpmSpacePart(space, node);
 }
 /* Numbers the nodes that the groups touch and builds the scatter (active_nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);

@@ -116,8 +116,8 @@ static void EvaluateLine(const Shape *shape, MpmEdgeType edge, PetscReal xi, Pet
   line->count = (line->count - 1) * r + 1;
 }
 
-static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *points, const Shape *shape,
-                                    const PetscReal half[], Lines *lines)
+static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
+                                    const Shape *shape, const PetscReal half[], Lines *lines)
 {
   const MpmGrid *grid = rules->grid;
   const PetscInt dim = grid->dim, count = points->count * dim;
@@ -138,7 +138,7 @@ static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *poin
 
       EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
       for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
-      lines->first[k] = line.first;
+      lines->first[k] = line.first + (a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0);
       lines->count[k] = line.count;
     }
   }
@@ -208,9 +208,10 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
   Lines          lines[MPM_MAX_SHAPES];
 
   PetscFunctionBeginUser;
-  space->dim         = dim;
-  space->point_count = points->count;
-  space->shape_count = rules->layout->shape_count;
+  space->dim          = dim;
+  space->point_count  = points->count;
+  space->shape_count  = rules->layout->shape_count;
+  space->parts.stride = rules->parts > 1 ? rules->grid->nodes[dim - 1] + MPM_PART_GAP : 0;
   if (MpmShapeHasDomain(rules->shape)) {
     PetscCall(PetscMalloc1((points->count * dim), &half));
     HalfLengths(rules, points, half, &longest);
@@ -224,7 +225,7 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt s = 0; s < space->shape_count; s++)
-    PetscCall(EvaluateLines(rules, points, &shapes[s], half, &lines[s]));
+    PetscCall(EvaluateLines(space, rules, points, &shapes[s], half, &lines[s]));
   PetscCall(PetscFree(half));
   space->first = lines[0].first;
   space->count = lines[0].count;

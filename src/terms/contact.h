@@ -90,6 +90,9 @@ static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, Pets
 {
   return &contacts->weight[contacts->facet[facet].weight];
 }
+/* By axis, at the nodes of its point's group (contact_patches.c); `line` has room for MPM_MAX_WIDTH of them on each. */
+void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                   PetscReal (*line)[16]);
 void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
                    PetscReal value[]);
 void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,

@@ -309,6 +309,7 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
 
       if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim])) continue;
       MpmGridFindCell(grid, &points->x[p * dim], cell);
+      facet.cell = points->part ? points->part[p] : 0;
       for (PetscInt a = dim - 1; a >= 0; a--) facet.cell = facet.cell * grid->cells[a] + cell[a];
       PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), points, &facet));
     }
@@ -465,6 +466,7 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   const MpmGrid  *grid  = rules->grid;
   const MpmGroup *group = &space->groups[facet->group];
   const PetscInt  p = facet->point, dim = space->dim, last = group->count[a] - 1;
+  const PetscInt  shift = a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0;
   PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
   MpmShapeLine    face = {.weight = weight, .gradient = unused};
@@ -478,19 +480,28 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a],
                    &face);
   for (PetscInt i = 0; i < face.count; i++) /* rounding may touch a node more than the domain does */
-    line[PetscMin(PetscMax(face.first + i - group->first[a], 0), last)] += weight[i];
+    line[PetscMin(PetscMax(face.first + shift + i - group->first[a], 0), last)] += weight[i];
+}
+
+void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                   PetscReal (*line)[MPM_MAX_WIDTH])
+{
+  const PetscBool domain = MpmShapeHasDomain(rules->shape);
+  PetscReal       half[MPM_MAX_DIM];
+
+  line[2][0] = 1.;
+  if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
+  for (PetscInt a = 0; a < space->dim; a++)
+    AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
 }
 
 static void Weights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                     const MpmGroup *box, PetscReal weight[])
 {
-  const MpmGroup *group  = &space->groups[facet->group];
-  const PetscBool domain = MpmShapeHasDomain(rules->shape);
-  PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM];
+  const MpmGroup *group = &space->groups[facet->group];
+  PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH];
 
-  line[2][0] = 1.;
-  if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
-  for (PetscInt a = 0; a < space->dim; a++) AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
+  MpmFacetLines(rules, space, points, facet, line);
   for (PetscInt i = 0; i < box->node_count; i++) {
     const PetscInt row             = i / box->count[0];
     const PetscInt at[MPM_MAX_DIM] = {i % box->count[0], row % box->count[1], row / box->count[1]};

@@ -17,7 +17,7 @@
 PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc)
 {
   PetscFunctionBeginUser;
-  *disc = (MpmDiscretization){.comm = comm, .grid = grid, .layout = layout};
+  *disc = (MpmDiscretization){.comm = comm, .grid = grid, .layout = layout, .parts = 1};
   PetscCall(PetscNew(&disc->points));
   PetscCall(PetscNew(&disc->space));
   PetscCall(PetscNew(&disc->constraints));
@@ -58,8 +58,10 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
 
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
 {
-  for (PetscInt a = 0; a < disc->dim; a++)
-    x[a] = disc->grid->lower[a] + disc->grid->h[a] * (PetscReal)disc->space->node[node * disc->dim + a];
+  PetscInt at[MPM_MAX_DIM];
+
+  MpmSpaceAt(disc->space, &disc->space->node[node * disc->dim], at);
+  for (PetscInt a = 0; a < disc->dim; a++) x[a] = disc->grid->lower[a] + disc->grid->h[a] * (PetscReal)at[a];
 }
 
 PetscErrorCode MpmTrialReset(MpmTrial *trial)

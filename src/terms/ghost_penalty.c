@@ -52,8 +52,9 @@ struct MpmFace {
 
 /* The material pieces around this rank's nodes: 0 where there is none, or a mark. */
 typedef struct {
-  PetscInt  dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
-  PetscInt *mark;
+  const MpmSpace *space;
+  PetscInt        dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
+  PetscInt       *mark;
 } CellMap;
 
 static PetscInt *CellAt(const CellMap *map, const PetscInt cell[])
@@ -76,11 +77,22 @@ static PetscBool IsMaterial(const CellMap *map, const PetscInt cell[])
   return (PetscBool)(mark && *mark);
 }
 
-/* The middle of a piece. */
-static void Middle(const MpmGrid *grid, PetscInt degree, const PetscInt piece[], PetscReal x[])
+/* The edges about the middle of a piece, in the indices of its part. */
+static void PieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt degree, const PetscInt piece[],
+                       PetscInt lower[], PetscInt upper[])
 {
+  const MpmGrid *grid  = rules->grid;
+  const PetscInt last  = grid->dim - 1;
+  const PetscInt shift = space->parts.stride * MpmSpacePart(space, piece);
+  PetscInt       at[MPM_MAX_DIM];
+  PetscReal      x[MPM_MAX_DIM];
+
+  MpmSpaceAt(space, piece, at);
   for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)piece[a] + (degree % 2 ? 0.5 : 0.));
+    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)at[a] + (degree % 2 ? 0.5 : 0.));
+  MpmSpaceEdges(rules, x, lower, upper);
+  lower[last] += shift;
+  upper[last] += shift;
 }
 
 /* Beyond a wall there is as little as beyond the grid's edge: a neighbour there makes no edge of the material. */
@@ -88,14 +100,12 @@ static PetscBool IsEdge(const CellMap *map, const MpmRules *rules, const PetscIn
 {
   const PetscInt more              = map->degree % 2 ? 0 : 1;
   PetscInt       next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]}, lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-  PetscReal      x[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < map->dim; a++) {
     for (PetscInt side = -1; side <= 1; side += 2) {
       next[a] = cell[a] + side;
       if (IsMaterial(map, next)) continue;
-      Middle(rules->grid, map->degree, cell, x);
-      MpmSpaceEdges(rules, x, lower, upper);
+      PieceEdges(map->space, rules, map->degree, cell, lower, upper);
       if (next[a] >= lower[a] && next[a] < upper[a] + more) return PETSC_TRUE;
     }
     next[a] = cell[a];
@@ -160,9 +170,12 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
                         PetscInt lower[], PetscInt count[])
 {
   const PetscInt p = MpmShapeDegree(rules->shape), one = space->order[group->point_begin] * space->dim;
+  const PetscInt shift             = MpmSpaceShift(space, points->part, space->order[group->point_begin]);
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
   MpmSpaceEdges(rules, &points->x[one], edge, far_edge);
+  edge[space->dim - 1] += shift;
+  far_edge[space->dim - 1] += shift;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     lower[a] = 0;
     count[a] = 1;
@@ -184,6 +197,7 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
   PetscInt upper[MPM_MAX_DIM] = {0, 0, 0}, lower[MPM_MAX_DIM], count[MPM_MAX_DIM], cell[MPM_MAX_DIM], total = 1;
 
   PetscFunctionBeginUser;
+  map->space  = space;
   map->dim    = space->dim;
   map->degree = MpmShapeDegree(rules->shape);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) map->lower[a] = PETSC_INT_MAX;
@@ -220,13 +234,14 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
 }
 
 /* The ranks that own a cell within two of this one: `rank` has room for grid->size. */
-static PetscInt RanksAround(const MpmGrid *grid, const PetscInt cell[], PetscMPIInt rank[])
+static PetscInt RanksAround(const MpmSpace *space, const MpmGrid *grid, const PetscInt cell[], PetscMPIInt rank[])
 {
-  PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscInt at[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
+  MpmSpaceAt(space, cell, at);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    lower[a] = cell[a] - 2;
-    upper[a] = cell[a] + 2;
+    lower[a] = at[a] - 2;
+    upper[a] = at[a] + 2;
   }
   return MpmGridBoxOwners(grid, lower, upper, rank);
 }
@@ -276,7 +291,7 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
   for (PetscInt pass = 0; pass < 2; pass++) {
     FOR_BOX(map->lower, map->size, cell)
     {
-      const PetscInt mark = *CellAt(map, cell), ranks = mark ? RanksAround(grid, cell, around) : 0;
+      const PetscInt mark = *CellAt(map, cell), ranks = mark ? RanksAround(map->space, grid, cell, around) : 0;
 
       for (PetscInt r = 0; r < ranks; r++) {
         if (around[r] == grid->rank) continue;
@@ -385,13 +400,13 @@ static void AxisMatrix(MpmFace *face, const MpmGroup *box, PetscInt a, PetscReal
 }
 
 /* The box of a face's nodes between the edges; PETSC_FALSE where there is no room for it, or nothing can jump. */
-static PetscBool FaceBox(const MpmRules *rules, const PetscInt piece[], MpmFace *face, MpmGroup *box)
+static PetscBool FaceBox(const MpmSpace *space, const MpmRules *rules, const PetscInt piece[], MpmFace *face,
+                         MpmGroup *box)
 {
   const MpmGrid *grid = rules->grid;
-  PetscReal      x[MPM_MAX_DIM], jump[FACE_WIDTH];
+  PetscReal      jump[FACE_WIDTH];
 
-  Middle(grid, face->degree, piece, x);
-  MpmSpaceEdges(rules, x, face->lower, face->upper);
+  PieceEdges(space, rules, face->degree, piece, face->lower, face->upper);
   box->node_count  = 1;
   box->point_begin = box->point_end = 0;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
@@ -427,7 +442,11 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
 
   FOR_BOX(map->lower, map->size, cell)
   {
-    if (!IsMaterial(map, cell) || MpmGridNodeOwner(grid, cell) != grid->rank) continue;
+    PetscInt at[MPM_MAX_DIM];
+
+    if (!IsMaterial(map, cell)) continue;
+    MpmSpaceAt(map->space, cell, at);
+    if (MpmGridNodeOwner(grid, at) != grid->rank) continue;
     for (PetscInt axis = 0; axis < map->dim; axis++) {
       PetscInt next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]};
       MpmFace  face              = {.axis = axis, .degree = map->degree};
@@ -438,7 +457,8 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
       const PetscInt  here = *CellAt(map, cell), there = *CellAt(map, next);
       const PetscBool sparse = (PetscBool)(MarkIsSparse(here) || MarkIsSparse(there));
 
-      if (!(sparse || IsEdge(map, rules, cell) || IsEdge(map, rules, next)) || !FaceBox(rules, cell, &face, &box))
+      if (!(sparse || IsEdge(map, rules, cell) || IsEdge(map, rules, next)) ||
+          !FaceBox(map->space, rules, cell, &face, &box))
         continue;
       face.stiffness = (sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost) *
                        PetscMax(materials[MarkMaterial(here)].penalty, materials[MarkMaterial(there)].penalty);

@@ -219,7 +219,8 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
   const MpmShapeType at_face = rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
   PetscReal    line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
   MpmShapeLine face = {.weight = face_weight, .gradient = unused};
-  PetscInt     lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], n = 0;
+  PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], shift = axis == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0,
+                                                   n = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
@@ -235,7 +236,7 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
     xi = PetscMin(PetscMax(xi, (PetscReal)lower[axis]), (PetscReal)upper[axis]);
     MpmShapeEvaluate(at_face, rules->edge, xi, 0., lower[axis], upper[axis], &face);
     for (PetscInt i = 0; i < group->count[axis]; i++) {
-      const PetscInt k = group->first[axis] + i - face.first;
+      const PetscInt k = group->first[axis] + i - face.first - shift;
 
       line[axis][i] = k >= 0 && k < face.count ? face_weight[k] : 0.;
     }

@@ -30,6 +30,8 @@ typedef struct MpmBoundaries {
   MpmBoundary *at;
 } MpmBoundaries;
 
+/* The options friction (frictionless, stick, a coefficient or an angle) and adhesion of a block. */
+PetscErrorCode MpmFrictionRead(const MpmOptions *block, PetscReal *friction, PetscReal *adhesion, PetscBool *stick);
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary);
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);

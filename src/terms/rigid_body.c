@@ -86,7 +86,6 @@ static PetscErrorCode Link(void *ctx, MpmSpace *space)
   MpmContacts *contacts = (MpmContacts *)ctx;
 
   PetscFunctionBeginUser;
-  space->extra.link_count = 0;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     contacts->bodies[b].node = space->extra.begin + contacts->bodies[b].extra;
     if (contacts->bodies[b].freedom) PetscCall(MpmSpaceLink(space, -1, contacts->bodies[b].extra, 2));

@@ -58,8 +58,7 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmBoundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* frictionless, stick, Coulomb's coefficient, or an angle; and adhesion. */
-static PetscErrorCode ReadFriction(const MpmOptions *block, MpmBoundary *boundary)
+PetscErrorCode MpmFrictionRead(const MpmOptions *block, PetscReal *friction, PetscReal *adhesion, PetscBool *stick)
 {
   char *text, *end;
 
@@ -68,19 +67,18 @@ static PetscErrorCode ReadFriction(const MpmOptions *block, MpmBoundary *boundar
                            "along the surface: frictionless, stick, Coulomb's coefficient, or its angle (20deg)",
                            "frictionless", MPM_OPTIONAL, &text));
   PetscCall(MpmOptionsReal(block, "adhesion", "Pa", "traction along the surface that is carried without pressure",
-                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &boundary->adhesion, NULL));
-  boundary->stick = (PetscBool)!strcmp(text, "stick");
-  if (!boundary->stick && strcmp(text, "frictionless")) {
-    boundary->friction    = strtod(text, &end);
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, adhesion, NULL));
+  *stick = (PetscBool)!strcmp(text, "stick");
+  if (!*stick && strcmp(text, "frictionless")) {
+    *friction             = strtod(text, &end);
     const PetscBool angle = (PetscBool)!strcmp(end, "deg");
 
-    MpmCheckInput(MpmOptionsHelp() || (end != text && (angle || !*end) && boundary->friction >= 0. &&
-                                       boundary->friction < (angle ? 90. : PETSC_INFINITY)),
+    MpmCheckInput(MpmOptionsHelp() || (end != text && (angle || !*end) && *friction >= 0. &&
+                                       *friction < (angle ? 90. : PETSC_INFINITY)),
                   "-%sfriction %s: must be frictionless, stick, a coefficient >= 0 or an angle in [0deg, 90deg)",
                   block->prefix, text);
-    if (angle) boundary->friction = tan(boundary->friction * PETSC_PI / 180.);
+    if (angle) *friction = tan(*friction * PETSC_PI / 180.);
   }
-  boundary->tangential = (PetscBool)(boundary->stick || boundary->friction > 0. || boundary->adhesion > 0.);
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,7 +124,8 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
-  PetscCall(ReadFriction(&block, boundary));
+  PetscCall(MpmFrictionRead(&block, &boundary->friction, &boundary->adhesion, &boundary->stick));
+  boundary->tangential = (PetscBool)(boundary->stick || boundary->friction > 0. || boundary->adhesion > 0.);
   boundary->bilateral = (PetscBool)bilateral;
   PetscCall(MpmOptionsReal(&block, "penalty", "E/h",
                            "pressure by depth, times Young's modulus over the cell size; unless given, 10 on materials "

@@ -102,12 +102,14 @@ static void PlaceNodes(Pass *pass, const MpmGroup *group)
   const MpmSpace *space = pass->sum->space;
   const MpmGrid  *grid  = pass->sum->grid;
   const PetscInt  dim   = space->dim;
+  PetscInt        first[MPM_MAX_DIM];
 
+  MpmSpaceAt(space, group->first, first);
   for (PetscInt i = 0; i < group->node_count; i++) {
     const PetscInt node = space->group_nodes[group->node_offset + i];
 
     for (PetscInt a = 0, k = i; a < dim; k /= group->count[a], a++) {
-      const PetscInt at = group->first[a] + k % group->count[a];
+      const PetscInt at = first[a] + k % group->count[a];
 
       pass->place[i * dim + a] = grid->lower[a] + grid->h[a] * (PetscReal)at;
       pass->place[i * dim + a] += pass->u[node * pass->sum->block + a];
@@ -378,10 +380,11 @@ static void PlaceNode(const Pass *pass, PetscInt node, PetscReal y[])
 {
   const MpmGrid *grid = pass->sum->grid;
   const PetscInt dim  = grid->dim;
+  PetscInt       at[MPM_MAX_DIM];
 
+  MpmSpaceAt(pass->sum->space, &pass->sum->space->node[node * dim], at);
   for (PetscInt a = 0; a < dim; a++)
-    y[a] = grid->lower[a] + grid->h[a] * (PetscReal)pass->sum->space->node[node * dim + a] +
-           pass->u[node * pass->sum->block + a];
+    y[a] = grid->lower[a] + grid->h[a] * (PetscReal)at[a] + pass->u[node * pass->sum->block + a];
 }
 
 /* The chosen points' share of the volume at the local nodes. */

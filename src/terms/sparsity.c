@@ -2,7 +2,8 @@
   The Jacobian's sparsity and the values on their way into the matrix.
 
   A row's columns lie in a window of (2w - 1)^dim nodes around it, w being the most nodes that a point touches on an
-  axis: a table over that window gives the place of any entry without a search. Rows whose columns all belong to this
+  axis: a table over that window gives the place of any entry without a search. Extra nodes and boxes that are coupled have
+  entries outside, in lists by row. Rows whose columns all belong to this
   rank are written where they stand in PETSc's AIJ storage. Others are kept in a buffer: owned ones are copied, rows of
   ghosts go to their owners through the matrix's stash. Matrices of other types than PETSc's own on the host (those of GPUs,
   hypre's) are given all rows, ghosts' too, as one list of coordinates and values.
@@ -20,7 +21,8 @@ PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
   PetscCall(PetscFree(pattern->row));
   PetscCall(PetscFree(pattern->column));
   PetscCall(PetscFree(pattern->slot));
-  PetscCall(PetscFree2(pattern->extra_column, pattern->extra_row));
+  PetscCall(PetscFree(pattern->far_start));
+  PetscCall(PetscFree2(pattern->far_column, pattern->far_slot));
   PetscCall(PetscFree(pattern->value));
   PetscCall(PetscFree(pattern->buffer));
   PetscCall(PetscFree(*handle));
@@ -68,42 +70,87 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The entry (row, column) of an extra node, as slots are; one of the two is extra. */
-static PetscInt *ExtraSlot(const MpmPattern *pattern, PetscInt row, PetscInt column)
+/* Adds the columns to the rows of as many nodes: counts them in fill[row], or puts them at `at` in column. */
+static void AddFar(PetscInt rows, const PetscInt row[], PetscInt columns, const PetscInt node[], PetscInt fill[],
+                   PetscInt column[])
 {
-  const PetscInt e = row - pattern->extra_begin;
-
-  if (e >= 0 && e < pattern->extra_count) return &pattern->extra_row[e * pattern->local + column];
-  return &pattern->extra_column[row * pattern->extra_count + column - pattern->extra_begin];
+  for (PetscInt i = 0; i < rows; i++) {
+    for (PetscInt j = 0; row[i] >= 0 && j < columns; j++) {
+      if (node[j] < 0) continue;
+      if (column) column[fill[row[i]]] = node[j];
+      fill[row[i]]++;
+    }
+  }
 }
 
-/* Marks the entries of extra nodes: with one another, and with the nodes of the boxes that they are coupled with. */
-static PetscErrorCode MarkExtra(MpmPattern *pattern, const MpmSpace *space)
+/* All entries that links and couples ask for, in no order, some more than once. */
+static void AddAllFar(const MpmSpace *space, PetscInt fill[], PetscInt column[])
 {
-  const PetscInt count = space->extra.count * pattern->local;
+  const MpmExtraNodes *extra = &space->extra;
 
-  PetscFunctionBeginUser;
-  pattern->extra_begin = space->extra.begin;
-  pattern->extra_count = space->extra.count;
-  PetscCall(PetscMalloc2(count, &pattern->extra_column, count, &pattern->extra_row));
-  for (PetscInt k = 0; k < count; k++) pattern->extra_column[k] = pattern->extra_row[k] = -1;
-  for (PetscInt k = 0; k < space->extra.link_count; k++) {
-    const MpmLink  *link  = &space->extra.link[k];
+  for (PetscInt k = 0; k < extra->link_count; k++) {
+    const MpmLink  *link  = &extra->link[k];
     const MpmGroup *box   = link->box < 0 ? NULL : &space->groups[link->box];
     const PetscInt *nodes = box ? &space->group_nodes[box->node_offset] : NULL;
 
     for (PetscInt e = 0; e < link->count; e++) {
-      const PetscInt extra = space->extra.begin + link->first + e;
+      const PetscInt one = extra->begin + link->first + e;
 
-      for (PetscInt o = 0; o < link->count; o++) *ExtraSlot(pattern, extra, space->extra.begin + link->first + o) = 0;
-      for (PetscInt i = 0; box && i < box->node_count; i++) {
-        if (nodes[i] < 0) continue;
-        *ExtraSlot(pattern, extra, nodes[i]) = 0;
-        *ExtraSlot(pattern, nodes[i], extra) = 0;
+      for (PetscInt o = 0; o < link->count; o++) {
+        const PetscInt other = extra->begin + link->first + o;
+
+        AddFar(1, &one, 1, &other, fill, column);
       }
+      if (!box) continue;
+      AddFar(1, &one, box->node_count, nodes, fill, column);
+      AddFar(box->node_count, nodes, 1, &one, fill, column);
     }
   }
+  for (PetscInt k = 0; k < space->parts.couple_count; k++) {
+    for (PetscInt side = 0; side < 2; side++) {
+      const MpmGroup *one   = &space->groups[space->parts.couple[k].box[side]];
+      const MpmGroup *other = &space->groups[space->parts.couple[k].box[1 - side]];
+
+      AddFar(one->node_count, &space->group_nodes[one->node_offset], other->node_count,
+             &space->group_nodes[other->node_offset], fill, column);
+    }
+  }
+}
+
+/* Lists the entries of extra nodes and of coupled boxes, by row. */
+static PetscErrorCode MarkFar(MpmPattern *pattern, const MpmSpace *space)
+{
+  PetscInt *start, *fill, end = 0;
+
+  PetscFunctionBeginUser;
+  if (!space->extra.link_count && !space->parts.couple_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1((pattern->local + 1), &pattern->far_start));
+  PetscCall(PetscCalloc1(pattern->local, &fill));
+  start = pattern->far_start;
+  AddAllFar(space, fill, NULL);
+  for (PetscInt i = 0; i < pattern->local; i++) {
+    start[i + 1] = start[i] + fill[i];
+    fill[i]      = start[i];
+  }
+  PetscCall(PetscMalloc2(start[pattern->local], &pattern->far_column, start[pattern->local], &pattern->far_slot));
+  AddAllFar(space, fill, pattern->far_column);
+  for (PetscInt i = 0; i < pattern->local; i++) { /* each once; rows move up */
+    PetscInt count = start[i + 1] - start[i], *column = &pattern->far_column[start[i]];
+
+    PetscCall(PetscSortRemoveDupsInt(&count, column));
+    PetscCall(PetscArraymove(&pattern->far_column[end], column, count));
+    start[i] = end;
+    end += count;
+  }
+  start[pattern->local] = end;
+  PetscCall(PetscFree(fill));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How many of them a row has. */
+static PetscInt FarCount(const MpmPattern *pattern, PetscInt row)
+{
+  return pattern->far_start ? pattern->far_start[row + 1] - pattern->far_start[row] : 0;
 }
 
 /*
@@ -138,11 +185,14 @@ static PetscErrorCode FindNeighbours(const MpmPattern *pattern, const MpmSpace *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The columns of a row as global numbers, in no order; `place`: where the position of each is kept; returns their count. */
+/*
+  The columns of a row as global numbers, in no order, some twice; `place`: where the position of each is kept; returns
+  their count.
+*/
 static PetscInt RowColumns(const MpmPattern *pattern, const MpmSpace *space, const Neighbours *found, PetscInt row,
                            PetscInt column[], PetscInt *place[])
 {
-  const PetscInt e = row - pattern->extra_begin, begin = row * pattern->window;
+  const PetscInt begin = row * pattern->window;
   PetscInt       count = 0;
 
   for (PetscInt w = 0; w < pattern->window; w++) {
@@ -150,18 +200,11 @@ static PetscInt RowColumns(const MpmPattern *pattern, const MpmSpace *space, con
     column[count]  = space->global[found->neighbour[begin + w]];
     place[count++] = &pattern->slot[begin + w];
   }
-  if (e >= 0 && e < pattern->extra_count) {
-    for (PetscInt j = 0; j < pattern->local; j++) {
-      if (pattern->extra_row[e * pattern->local + j] < 0) continue;
-      column[count]  = space->global[j];
-      place[count++] = &pattern->extra_row[e * pattern->local + j];
-    }
-    return count;
-  }
-  for (PetscInt k = 0; k < pattern->extra_count; k++) {
-    if (pattern->extra_column[row * pattern->extra_count + k] < 0) continue;
-    column[count]  = space->global[pattern->extra_begin + k];
-    place[count++] = &pattern->extra_column[row * pattern->extra_count + k];
+  for (PetscInt k = 0; k < FarCount(pattern, row); k++) {
+    const PetscInt at = pattern->far_start[row] + k;
+
+    column[count]  = space->global[pattern->far_column[at]];
+    place[count++] = &pattern->far_slot[at];
   }
   return count;
 }
@@ -169,7 +212,10 @@ static PetscInt RowColumns(const MpmPattern *pattern, const MpmSpace *space, con
 /* No row of this rank has more entries. */
 static PetscInt LongestRow(const MpmPattern *pattern)
 {
-  return pattern->window + (pattern->extra_count ? PetscMax(pattern->local, pattern->extra_count) : 0);
+  PetscInt most = 0;
+
+  for (PetscInt i = 0; i < pattern->local; i++) most = PetscMax(most, FarCount(pattern, i));
+  return pattern->window + most;
 }
 
 /*
@@ -180,7 +226,7 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
                                         const Neighbours *found, MpmLists *received)
 {
   MpmLists           sent = {0};
-  PetscInt           leaves, fill = 0, **unused;
+  PetscInt           leaves, size = 0, fill = 0, **unused;
   const PetscInt    *leaf;
   const PetscSFNode *remote;
 
@@ -188,8 +234,8 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
   PetscCall(PetscSFGetGraph(space->sf, NULL, &leaves, &leaf, &remote));
   PetscCall(PetscMalloc1(leaves, &sent.rank));
   PetscCall(PetscMalloc1((leaves + 1), &sent.offset));
-  PetscCall(PetscMalloc1(
-    (leaves * (pattern->window + 2 + pattern->extra_count) + pattern->extra_count * pattern->local), &sent.data));
+  for (PetscInt k = 0; k < leaves; k++) size += pattern->window + 2 + FarCount(pattern, leaf[k]);
+  PetscCall(PetscMalloc1(size, &sent.data));
   PetscCall(PetscMalloc1(LongestRow(pattern), &unused));
   /* ghosts of one owner stand side by side */
   for (PetscInt k = 0; k < leaves; k++) {
@@ -245,8 +291,7 @@ static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, co
 
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < pattern->local * pattern->window; i++) capacity += pattern->slot[i] == 0;
-  for (PetscInt i = 0; i < pattern->local * pattern->extra_count; i++)
-    capacity += (pattern->extra_row[i] == 0) + (pattern->extra_column[i] == 0);
+  if (pattern->far_start) capacity += pattern->far_start[pattern->local];
   if (foreign) capacity += foreign->start[pattern->owned];
   PetscCall(PetscMalloc1((pattern->local + 1), &pattern->row));
   PetscCall(PetscMalloc1(capacity, &pattern->column));
@@ -287,7 +332,7 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_C
   pattern->local  = space->local;
   pattern->owned  = space->owned;
   PetscCall(MarkEntries(pattern, space));
-  PetscCall(MarkExtra(pattern, space));
+  PetscCall(MarkFar(pattern, space));
   PetscCall(FindNeighbours(pattern, space, &found));
   if (space->sf) {
     PetscCall(ExchangeGhostRows(pattern, space, comm, &found, &received));
@@ -460,13 +505,24 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
 /* Where a local node stands in the row of another. */
 static PetscInt Position(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column)
 {
-  const PetscInt dim = pattern->dim;
-  PetscInt       at = (pattern->window - 1) / 2, stride = 1;
+  const PetscInt  dim = pattern->dim, far = pattern->far_start ? pattern->far_start[row] : 0;
+  PetscInt        at = (pattern->window - 1) / 2, stride = 1, low = 0, high = FarCount(pattern, row);
+  const PetscBool near = (PetscBool)(!MpmSpaceIsExtra(space, row) && !MpmSpaceIsExtra(space, column));
 
-  if (MpmSpaceIsExtra(space, row) || MpmSpaceIsExtra(space, column)) return *ExtraSlot(pattern, row, column);
-  for (PetscInt a = 0; a < dim; a++, stride *= 2 * pattern->reach + 1)
-    at += stride * (space->node[column * dim + a] - space->node[row * dim + a]);
-  return pattern->slot[row * pattern->window + at];
+  for (PetscInt a = 0; a < dim && near; a++, stride *= 2 * pattern->reach + 1) {
+    const PetscInt apart = space->node[column * dim + a] - space->node[row * dim + a];
+
+    at = at < 0 || PetscAbsInt(apart) > pattern->reach ? -1 : at + stride * apart;
+  }
+  if (near && at >= 0 && pattern->slot[row * pattern->window + at] >= 0)
+    return pattern->slot[row * pattern->window + at];
+  while (high - low > 1) {
+    const PetscInt middle = (low + high) / 2;
+
+    if (pattern->far_column[far + middle] <= column) low = middle;
+    else high = middle;
+  }
+  return pattern->far_slot[far + low];
 }
 
 void MpmPatternAddNodes(MpmPattern *pattern, const MpmSpace *space, PetscInt n, const PetscInt nodes[],

@@ -14,13 +14,13 @@
 typedef struct MpmPattern {
   PetscInt     block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
   PetscInt     local, owned;
-  PetscInt    *row;                      /* local + 1: where each row's columns start */
-  PetscInt    *column;                   /* global node numbers */
-  PetscInt    *slot;                     /* local * window: position in the row, or -1 */
-  PetscInt     extra_begin, extra_count; /* extra nodes, which stand in no window: */
-  PetscInt    *extra_column;             /* local * extra_count: where they stand in a row, or -1; */
-  PetscInt    *extra_row;                /* extra_count * local: where any node stands in theirs, or -1 */
-  PetscReal  **value;                    /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
+  PetscInt    *row;        /* local + 1: where each row's columns start */
+  PetscInt    *column;     /* global node numbers */
+  PetscInt    *slot;       /* local * window: position in the row, or -1 */
+  PetscInt    *far_start;  /* local + 1: entries that need not stand in a window, by row; NULL: there are none */
+  PetscInt    *far_column; /* their local nodes, ascending in a row, */
+  PetscInt    *far_slot;   /* and their positions in the row */
+  PetscReal  **value;      /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
   PetscReal   *buffer;
   PetscInt64   buffer_size;
   PetscBool    coordinates; /* all rows are in the buffer, and the matrix takes them as coordinates and values */
@@ -41,7 +41,10 @@ PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, Mat mat
   out.
 */
 void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group, PetscReal element[]);
-/* Likewise the block of any local nodes, which must be coupled: those of a box and its extra nodes. */
+/*
+  Likewise the block of any local nodes, which must be coupled: those of a box and its extra nodes, or of boxes that are
+  coupled (space.h).
+*/
 void MpmPatternAddNodes(MpmPattern *pattern, const MpmSpace *space, PetscInt n, const PetscInt nodes[],
                         PetscReal element[]);
 /* Adds a b^T + b c^T to a box, of vectors stored [i][c], likewise; the vectors are changed. */

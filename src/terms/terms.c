@@ -52,6 +52,7 @@ PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step)
 PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space)
 {
   PetscFunctionBeginUser;
+  space->extra.link_count = space->parts.couple_count = 0;
   for (PetscInt k = 0; k < terms->count; k++)
     if (terms->term[k]->link) PetscCall(terms->term[k]->link(terms->ctx[k], space));
   PetscFunctionReturn(PETSC_SUCCESS);

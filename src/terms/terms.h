@@ -22,7 +22,7 @@ typedef struct {
   tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL it also does what residual() does
   apply     y += (d term / d u) du; NULL for the points, whose action keeps data of its own (MpmAction)
   diagonal  its diagonal blocks, block^2 values a node
-  link      which boxes are coupled with the term's extra nodes, once it is prepared
+  link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
   commit    what the term keeps of the converged step
 */
 typedef struct {

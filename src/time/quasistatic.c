@@ -102,6 +102,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .wall_count = model->state.walls.count,
                     .walls      = model->state.walls.at,
                     .stretch    = model->scene.stretch,
+                    .parts      = model->disc.parts,
                     .materials  = model->disc.sum->materials,
                     .ghost      = model->disc.ghost,
                     .sparse     = model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
@@ -231,14 +232,14 @@ static const char *Adrift(MpmModel model)
   return model->solver.lost;
 }
 
-/* The solver and the start of Newton; what free bodies may touch is part of the sparsity. */
+/* The solver and the start of Newton; what free bodies, and bodies in contact, may touch is part of the sparsity. */
 static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char **why)
 {
-  const PetscBool bodies = (PetscBool)(model->disc.contacts->bodies != NULL);
+  const PetscBool links = (PetscBool)(model->disc.contacts->bodies || model->disc.parts > 1);
 
   PetscFunctionBeginUser;
-  if (bodies) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
-  if (!again || bodies) PetscCall(MpmSolverSetUp(&model->solver));
+  if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
+  if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
   PetscCall(InitialGuess(model, PETSC_FALSE));
   *why = Adrift(model);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -283,7 +284,9 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
 {
   const MpmGrid *grid = model->disc.grid;
   const PetscInt bs   = model->disc.block;
+  PetscInt       first[MPM_MAX_DIM];
 
+  MpmSpaceAt(model->disc.space, group->first, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
     PetscReal reach = 0.;
 
@@ -291,8 +294,8 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
       reach =
         PetscMax(reach, PetscAbsReal(model->disc.u[model->disc.space->group_nodes[group->node_offset + i] * bs + a]));
     reach *= 3. / grid->h[a];
-    if (!(reach < (PetscReal)group->first[a])) return PETSC_FALSE;
-    if (!((PetscReal)(group->first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
+    if (!(reach < (PetscReal)first[a])) return PETSC_FALSE;
+    if (!((PetscReal)(first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }

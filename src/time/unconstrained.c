@@ -2,7 +2,7 @@
   After a failed step: does anything hold the material? Rigid body motions that neither conditions nor boundaries resist
   make the Jacobian singular, and whatever Newton's method then says is not the reason.
 
-  A piece is a set of active nodes that points connect. With c its centre, R its radius and m_k(x) its rigid motions
+  A piece is a set of active nodes that points connect, or contacts of bodies, which may hold one by the other. With c its centre, R its radius and m_k(x) its rigid motions
   (translations; rotations about c, over R), each prescribed displacement q . u = g gives a row r_k = q . m_k(x). Motions in the
   null space of M = sum r r^T are free. A boundary holds along its normal what touches it, and all of it with stick.
   A free translation along which the loads have a resultant leaves no equilibrium, however short the step.
@@ -49,6 +49,15 @@ static PetscInt Root(PetscInt parent[], PetscInt i)
   return i;
 }
 
+/* The first active node of a box. */
+static PetscInt FirstNode(const MpmSpace *space, PetscInt box)
+{
+  const PetscInt *node = &space->group_nodes[space->groups[box].node_offset];
+
+  while (*node < 0) node++;
+  return *node;
+}
+
 /* Gives all nodes of a piece the lowest global number among them. */
 static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
 {
@@ -66,6 +75,11 @@ static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
     const PetscInt *node = &space->group_nodes[space->groups[g].node_offset];
 
     for (PetscInt k = 1; k < space->groups[g].node_count; k++) parent[Root(parent, node[k])] = Root(parent, node[0]);
+  }
+  for (PetscInt k = 0; k < space->parts.couple_count; k++) {
+    const PetscInt *box = space->parts.couple[k].box;
+
+    parent[Root(parent, FirstNode(space, box[1]))] = Root(parent, FirstNode(space, box[0]));
   }
   while (changed) {
     changed = PETSC_FALSE;

@@ -247,7 +247,8 @@ static PetscErrorCode Deal(MpmGrid *grid, MpmParticles *particles)
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesCreate(
-    grid, &(MpmParticleFields){STATES, 0, RATES, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, 2, extra_fields}, particles));
+    grid, &(MpmParticleFields){STATES, 0, RATES, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, 2, extra_fields},
+    particles));
   for (PetscInt id = grid->rank; id < POINTS; id += grid->size) count++;
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, count, 0));
   PetscCall(MpmParticlesGetArrays(particles, &points));

@@ -59,6 +59,9 @@ mpm:
 """
 PRESS = '  loads: press\n  load_press: {type: traction, region: box, lower: "0,4", upper: "2,4", value: "0,-3e5"}\n'
 PLATE = '  boundaries: plate\n  boundary_plate: {type: plane, point: "0,4", normal: "0,-1", motion: "0,%g"}\n'
+WEIGHT = """  boundaries: plate
+  boundary_plate: {type: box, lower: "-1,4", upper: "3,4.5", pivot: "0,4", free: "y,rz", load: "0,-4e5", moment: -3.6e5}
+"""
 ALL = '  bcs: all\n  bc_all: {components: "x,y", value: "7.3,-5.1", ramp: "0:0,1:1"}\n'
 
 
@@ -151,7 +154,26 @@ def boundary(test):
     test.check("squeezed.line", run.errors.count("squeezed"), 1, 1)
 
 
+def free_boundary(test):
+    """The grid goes where a free plate has come: with what is solved for of it, across ranks and a restart."""
+    text = PLANE % 'follow: plate, axes: "y"' + SIDES % "base" + BASE % "" + WEIGHT
+    runs = {"free": run_text(test, text, **TIGHT), "free_on_3": run_text(test, text, ranks=3, **TIGHT)}
+    half = run_text(test, text, mpm_time_end=0.5, mpm_checkpoint_every=1, **TIGHT)
+    runs["free_restart"] = run_text(test, text, ranks=2, mpm_restart=half.prefix + "_checkpoint.h5", **TIGHT)
+    for label, run in runs.items():
+        turn = np.radians(run.results.column("rotation_plate_z"))
+        middle = run.results.column("position_plate_y") + np.sin(turn) + 0.25 * np.cos(turn)
+        moved = run.results.column("grid_upper_y") - 4.0
+        test.check(label + ".grid", np.max(np.abs(moved[1:] - (middle[:-1] - 4.25))), None, 1e-12)
+        test.check(label + ".moved", moved[-1], None, -0.3)
+        test.check(label + ".turned", np.max(np.abs(turn)), 0.01, None)
+        test.check(label + ".force", run.results.column("reaction_plate_y")[-1] / -4e5 - 1.0, -1e-9, 1e-9)
+    same(test, "free_on_3", runs["free"], runs["free_on_3"], RANKS)
+    same(test, "free_restart", runs["free"], runs["free_restart"], RESTART)
+
+
 with Test() as test:
+    free_boundary(test)
     compression(test)
     load(test)
     ranks_and_restart(test)

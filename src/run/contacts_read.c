@@ -1,0 +1,60 @@
+/*
+  Contacts of bodies with one another: which bodies, and the parts of the material that they make. Parts have nodes of
+  their own, so that bodies of different parts are not welded where they meet.
+*/
+#include "options/options.h"
+#include "particles/body.h"
+#include "time/time.h"
+#include "run/run.h"
+
+/* The bodies of a contact, by their numbers. */
+static PetscErrorCode ReadPair(const MpmOptions *block, const MpmBodies *bodies, PetscInt pair[2])
+{
+  PetscInt count;
+  char   **names;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsNames(block, "bodies",
+                            "the two bodies that touch, slide and part; others are welded where they meet",
+                            MPM_REQUIRED, &count, &names));
+  if (MpmOptionsHelp()) {
+    PetscCall(MpmNamesDestroy(count, &names));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmCheckInput(count == 2, "-%sbodies: %" PetscInt_FMT " given, must be 2", block->prefix, count);
+  for (PetscInt k = 0; k < 2; k++) {
+    pair[k] = 0;
+    while (pair[k] < bodies->count && strcmp(bodies->names[pair[k]], names[k])) pair[k]++;
+    MpmCheckInput(pair[k] < bodies->count, "-%sbodies %s: must be in -mpm_bodies", block->prefix, names[k]);
+  }
+  MpmCheckInput(pair[0] != pair[1], "-%sbodies %s,%s: must be two bodies", block->prefix, names[0], names[1]);
+  PetscCall(MpmNamesDestroy(count, &names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options)
+{
+  MpmBodies *bodies = model->scene.bodies;
+  PetscInt   count;
+  char     **names;
+
+  PetscFunctionBeginUser;
+  bodies->parts = 1;
+  PetscCall(PetscCalloc1(bodies->count, &bodies->part));
+  PetscCall(MpmOptionsBlocks(options, "contacts", "names of the contacts of bodies with one another", MPM_OPTIONAL,
+                             &count, &names));
+  for (PetscInt k = 0; k < count; k++) {
+    char       prefix[256];
+    MpmOptions block = {options->comm, prefix, options->record};
+    PetscInt   pair[2];
+
+    PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_contact_%s_", names[k]));
+    PetscCall(MpmOptionsHeading(&block, "Contact of bodies"));
+    PetscCall(ReadPair(&block, bodies, pair));
+    /* the first body of each has a part of its own, so the two differ */
+    if (!MpmOptionsHelp() && !bodies->part[pair[0]]) bodies->part[pair[0]] = bodies->parts++;
+  }
+  model->disc.parts = bodies->parts;
+  PetscCall(MpmNamesDestroy(count, &names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,290 @@
+/*
+  Contact of bodies with one another, which have nodes of their own.
+
+  The facets of the first body in one cell and those of the second across from them (body_patches.c) form a patch with one
+  mean gap g, one mean slip s and one traction, as a mortar method with one multiplier a cell has them. With w the mean
+  displacement of the first body's facets less that of the second's, n the outward normal of the first body, A the area,
+
+    g = g_n - n . w ,   s = s_n + (I - n n^T) w ,   pressure p = -k g where g <= 0 ,   traction t = k' s ,   k = penalty E/h
+
+  and friction as at rigid surfaces (contact_patch.c): |t| <= mu p + adhesion. The first body gets the force -A (p n + t), spread
+  over its facets by area, the second the opposite over its own: forces balance to rounding, whatever the two lattices of points.
+  n and A are those of the step's start, so the force depends on w alone, and with B = dw/du the tangent is
+
+    B^T A (k n n^T + dt/dw) B .
+
+  With `method: barrier`, p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1, d0 a tenth of a cell, in place of
+  the penalty: the bodies never meet, for where g <= 0 there is no answer and Newton's step is halved. Source of the
+  barrier: Li, Fang, Li and Jiang (2022), BFEMP, doi:10.1016/j.cma.2021.114350.
+*/
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "terms/body_contact.h"
+#include "terms/sparsity.h"
+
+#define SLIDING 0.1 /* as at rigid surfaces: what may slide is softer along the surface than across it */
+
+/* What a patch does at a mean relative displacement w. */
+typedef struct {
+  PetscBool active, refused;    /* refused: the barrier has no answer */
+  PetscReal gap, pressure;
+  PetscReal force[MPM_MAX_DIM]; /* on the first body */
+  PetscReal slip[MPM_MAX_DIM];  /* what is kept of it */
+  PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM]; /* -d force/dw */
+} Answer;
+
+/* Pressure and its fall with the gap. */
+static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch, Answer *answer, PetscReal *rate)
+{
+  const PetscReal reach = MPM_BARRIER * contacts->cell, x = answer->gap / reach;
+
+  *rate = patch->stiffness;
+  if (!contacts->pairs->at[patch->pair].barrier) {
+    answer->active   = (PetscBool)(answer->gap <= contacts->touch);
+    answer->pressure = answer->active ? -patch->stiffness * answer->gap : 0.;
+    return;
+  }
+  answer->refused = (PetscBool)(answer->gap <= 0.);
+  answer->active  = (PetscBool)(x > 0. && x < 1.);
+  if (!answer->active) return;
+  answer->pressure = patch->stiffness * reach * (2. * (x - 1.) * PetscLogReal(x) + (x - 1.) * (x - 1.) / x);
+  *rate = patch->stiffness * (-2. * PetscLogReal(x) - 4. * (x - 1.) / x + (x - 1.) * (x - 1.) / (x * x));
+}
+
+/* Adds the traction along the surface, its derivative, and what is kept of the slip. */
+static void Friction(const MpmPair *pair, const MpmPairPatch *patch, PetscInt dim, PetscReal rate, Answer *answer)
+{
+  const PetscBool  slides = (PetscBool)(!pair->stick || patch->strength < PETSC_INFINITY);
+  const PetscReal  k = slides ? SLIDING * patch->stiffness : patch->stiffness, *n = patch->normal;
+  PetscReal        size = 0., limit = pair->friction * PetscMax(answer->pressure, 0.) + pair->adhesion, growth = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
+  size = PetscSqrtReal(size);
+  if (pair->stick || limit > patch->strength) limit = patch->strength;
+  else growth = pair->friction * rate; /* of the limit with n . w */
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal along = size > 0. ? answer->slip[a] / size : 0.;
+    const PetscBool sticks = (PetscBool)(k * size <= limit);
+
+    answer->force[a] -= patch->side[0].area * (sticks ? k * answer->slip[a] : limit * along);
+    for (PetscInt c = 0; c < dim; c++) {
+      const PetscReal project = (a == c ? 1. : 0.) - n[a] * n[c];
+      PetscReal       value   = k * project;
+
+      if (!sticks) value = limit / size * (project - along * answer->slip[c] / size) + growth * along * n[c];
+      answer->stiffness[a][c] += patch->side[0].area * value;
+    }
+  }
+  for (PetscInt a = 0; a < dim && k * size > limit; a++) answer->slip[a] *= limit / (k * size);
+}
+
+static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, const PetscReal w[],
+                     Answer *answer)
+{
+  const MpmPair   *pair = &contacts->pairs->at[patch->pair];
+  const PetscReal *n = patch->normal, area = patch->side[0].area;
+  PetscReal        along = 0., rate;
+
+  for (PetscInt a = 0; a < dim; a++) along += n[a] * w[a];
+  *answer = (Answer){.gap = patch->gap - patch->touches - along};
+  Pressure(contacts, patch, answer, &rate);
+  if (!answer->active) return;
+  for (PetscInt a = 0; a < dim; a++) {
+    answer->force[a] = -area * answer->pressure * n[a];
+    for (PetscInt c = 0; c < dim; c++) answer->stiffness[a][c] = area * rate * n[a] * n[c];
+    if (pair->tangential) answer->slip[a] = patch->slip[a] + w[a] - along * n[a];
+  }
+  if (pair->tangential) Friction(pair, patch, dim, rate, answer);
+}
+
+/* ---- sums ---- */
+
+/* sum_i w_i u_i of the first side less that of the second */
+static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
+                     const PetscReal u[], PetscReal w[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) w[a] = 0.;
+  for (PetscInt s = 0; s < 2; s++) {
+    const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
+    const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
+    const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
+
+    for (PetscInt i = 0; i < box->node_count; i++)
+      for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+        w[a] += sign * weight[i] * u[nodes[i] * sum->block + a];
+  }
+}
+
+/* y_i += w_i force on the first side's nodes, the opposite on the second's */
+static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
+                     const PetscReal force[], PetscReal y[])
+{
+  for (PetscInt s = 0; s < 2; s++) {
+    const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
+    const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
+    const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
+
+    for (PetscInt i = 0; i < box->node_count; i++)
+      for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+        y[nodes[i] * sum->block + a] += sign * weight[i] * force[a];
+  }
+}
+
+static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                               PetscInt *failed)
+{
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscReal w[MPM_MAX_DIM];
+    Answer    answer;
+
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    *failed += answer.refused;
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) answer.force[a] = -answer.force[a];
+    if (answer.active) AddForce(contacts, &contacts->patch[k], sum, answer.force, residual);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
+                            PetscReal y[])
+{
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+  const PetscInt         dim      = sum->space->dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscReal w[MPM_MAX_DIM], force[MPM_MAX_DIM] = {0., 0., 0.};
+    Answer    answer;
+
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], dim, w, &answer);
+    if (!answer.active) continue;
+    Relative(contacts, &contacts->patch[k], sum, du, w);
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt c = 0; c < dim; c++) force[a] += answer.stiffness[a][c] * w[c];
+    AddForce(contacts, &contacts->patch[k], sum, force, y);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                               PetscInt *failed)
+{
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+  const PetscInt         dim = sum->space->dim, bs = sum->block;
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  for (PetscInt k = 0; k < 2 * contacts->patch_count; k++) {
+    const MpmPairPatch *patch  = &contacts->patch[k / 2];
+    const MpmGroup     *box    = &sum->space->groups[patch->side[k % 2].box];
+    const PetscInt     *nodes  = &sum->space->group_nodes[box->node_offset];
+    const PetscReal    *weight = &contacts->weight[patch->side[k % 2].weight];
+    PetscReal           w[MPM_MAX_DIM];
+    Answer              answer;
+
+    Relative(contacts, patch, sum, u, w);
+    Evaluate(contacts, patch, dim, w, &answer);
+    for (PetscInt i = 0; answer.active && i < box->node_count; i++)
+      for (PetscInt cd = 0; weight[i] != 0. && cd < dim * dim; cd++)
+        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += weight[i] * weight[i] * answer.stiffness[cd / dim][cd % dim];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The nodes of both sides, and B: signed weights; returns how many. */
+static PetscInt NodesOf(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, PetscInt nodes[],
+                        PetscReal weight[])
+{
+  PetscInt n = 0;
+
+  for (PetscInt s = 0; s < 2; s++) {
+    const MpmGroup *box = &sum->space->groups[patch->side[s].box];
+
+    for (PetscInt i = 0; i < box->node_count; i++) {
+      const PetscReal w = contacts->weight[patch->side[s].weight + i];
+
+      if (w == 0.) continue;
+      nodes[n]    = sum->space->group_nodes[box->node_offset + i];
+      weight[n++] = s ? -w : w;
+    }
+  }
+  return n;
+}
+
+static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                              PetscReal residual[], PetscInt *failed)
+{
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+  const PetscInt         dim = sum->space->dim, bs = sum->block, most = contacts->most;
+  PetscReal             *element, *weight;
+  PetscInt              *nodes;
+
+  PetscFunctionBeginUser;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
+  PetscCall(PetscMalloc3((most * most * bs * bs), &element, most, &weight, most, &nodes));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscReal w[MPM_MAX_DIM];
+    Answer    answer;
+
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], dim, w, &answer);
+    if (!answer.active) continue;
+    const PetscInt n = NodesOf(contacts, &contacts->patch[k], sum, nodes, weight);
+
+    PetscCall(PetscArrayzero(element, n * n * bs * bs));
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt cd = 0; cd < dim * dim; cd++)
+        for (PetscInt j = 0; j < n; j++)
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] =
+            weight[i] * answer.stiffness[cd / dim][cd % dim] * weight[j];
+    MpmPatternAddNodes(pattern, sum->space, n, nodes, element);
+  }
+  PetscCall(PetscFree3(element, weight, nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Forces of the converged step; the points keep the slips. */
+static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  MpmPairContacts *contacts = (MpmPairContacts *)ctx;
+  PetscReal (*slip)[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(contacts->patch_count, &slip));
+  PetscCall(PetscArrayzero(contacts->force, contacts->pairs->count));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscReal w[MPM_MAX_DIM];
+    Answer    answer;
+
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+      slip[k][a] = answer.slip[a];
+      contacts->force[contacts->patch[k].pair][a] += answer.force[a];
+    }
+  }
+  PetscCall(MpmPairPatchesKeep(contacts, slip, sum->points->count, particles));
+  PetscCall(PetscFree(slip));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->force, (PetscMPIInt)(contacts->pairs->count * MPM_MAX_DIM),
+                           MPIU_REAL, MPIU_SUM, sum->grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmTerm MpmTermBodyContact = {.name     = "body contact",
+                                    .boxes    = MpmPairPatchesFind,
+                                    .prepare  = MpmPairPatchesPrepare,
+                                    .link     = MpmPairPatchesLink,
+                                    .residual = Residual,
+                                    .tangent  = Tangent,
+                                    .apply    = Apply,
+                                    .diagonal = Diagonal,
+                                    .commit   = Commit};

@@ -1,0 +1,72 @@
+#pragma once
+/*
+  Contact of bodies with one another: the pairs of a scene, and the patches of a step (body_patches.c, body_contact.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "terms/terms.h"
+
+/* Two bodies that touch, slide and part. */
+typedef struct {
+  char     *name, *slip_field[MPM_MAX_DIM], *gap_field; /* fields of the particles; slip: where tangential */
+  PetscInt  body[2], part[2];                           /* the first one's facets make the patches */
+  PetscReal penalty, friction, adhesion;                /* -, Coulomb's coefficient, Pa */
+  PetscBool firm, stick, tangential;                    /* firm: the penalty holds for all materials */
+  PetscBool barrier;                                    /* pressure before they touch, in place of a penalty */
+} MpmPair;
+
+/* Contacts, with the names of their blocks. */
+typedef struct MpmPairs {
+  PetscInt count;
+  char   **names;
+  MpmPair *at;
+} MpmPairs;
+
+/* The facets of one side of a patch: the nodes of a box, and the weights of the mean over the facets at them. */
+typedef struct {
+  PetscInt  begin, end, box, weight; /* begin, end: in the contacts' list of facets */
+  PetscReal area, place[MPM_MAX_DIM], vector[MPM_MAX_DIM]; /* projected; mean place; sum of the outward area vectors */
+} MpmPatchSide;
+
+/* The facets of the first body in one cell, and those of the second that lie across. */
+typedef struct {
+  PetscInt     pair;
+  PetscReal    normal[MPM_MAX_DIM], gap, slip[MPM_MAX_DIM]; /* at the step's start; the normal is outward of the first body */
+  PetscReal    touches, stiffness, strength;                /* gap at which it touches, m; Pa/m; Pa */
+  MpmPatchSide side[2];
+} MpmPairPatch;
+
+/* A facet as the ranks tell one another of it. */
+typedef struct MpmPairFacet MpmPairFacet;
+
+/* Those of this rank. */
+typedef struct MpmPairContacts {
+  const MpmPairs *pairs;
+  PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
+  PetscReal     cell, touch;       /* the smallest size of a cell; a patch no further away touches */
+  PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
+  PetscInt      state_size; /* of a point's history */
+  PetscInt      facet_count, list_count, patch_count, most; /* most: nodes of a patch */
+  MpmPairFacet *facet;      /* by cells */
+  PetscInt     *list;       /* of facets, by patches and their sides */
+  MpmPairPatch *patch;
+  PetscInt      weight_count;
+  PetscReal    *weight;
+} MpmPairContacts;
+
+/* Reads friction, penalty and method of a pair's block. */
+PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair);
+PetscErrorCode MpmPairsDestroy(MpmPairs *pairs);
+/* The pairs are borrowed. */
+PetscErrorCode MpmPairContactsCreate(const MpmPairs *pairs, PetscInt state_size, MpmPairContacts *contacts);
+#define MPM_BARRIER 0.1 /* of a cell: so near a barrier begins to push */
+PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts);
+/* Finds the step's patches and appends their boxes to the space (a term's `boxes`); collective. */
+PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+/* Their weights, and what the first bodies' points keep of them (a term's `prepare`). */
+PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
+PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
+/* The points of a patch keep its slip and the gap at which it touches. */
+PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM], PetscInt points,
+                                  MpmParticles *particles);
+extern const MpmTerm MpmTermBodyContact; /* ctx: MpmPairContacts */

@@ -1,0 +1,670 @@
+/*
+  Facets and patches of bodies in contact with one another: where they may touch in a step.
+
+  A facet is a face of a point's domain that bounds its part of the material (outer_faces.c), with the weights of its mean
+  displacement at the nodes. Every rank has the facets of its own points and copies of those of other ranks that are near.
+
+  Facets of the first body in one cell make a patch; each facet of the second body goes to the patch of the facet of the first
+  that lies across from it: the nearest one that looks the other way and before which its middle stands. The patch belongs to
+  the rank of the first body's points, which appends the nodes of both sides to its own.
+
+    n = (sum a_1 - sum a_2)/|...| ,   gap = n . (y_2 - y_1) ,   y the means of the facets' middles, by their areas along n
+
+  What overlaps when the run starts touches from there on, as at rigid surfaces; where the two bodies were cut out of their
+  lattices at an angle, small gaps do as well.
+*/
+#include "geometry/geometry.h"
+#include "options/options.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/outer_faces.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "terms/body_contact.h"
+#include "terms/contact.h"
+
+#define TOUCH   1e-12 /* of a cell: rounding */
+#define SEARCH  1.5   /* cells: no facet is looked for farther away */
+#define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */
+#define FACING  0.5   /* cosine: facets that look farther away from the other body are not part of a patch */
+#define FIRM    500.  /* penalties, as at rigid surfaces: on materials that do not flow, */
+#define SOFT    10.   /* and on those that do */
+
+struct MpmPairFacet {
+  PetscInt  part, id, point, patch; /* point: on this rank, -1: a copy; patch: of the second body's facets, or -1 */
+  PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
+  PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size, cell[MPM_MAX_DIM]; /* size: half the edge of a face; cell: of its point */
+  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH];                               /* weights by axis */
+  PetscReal modulus, strength, plastic;                                     /* of the material: Pa, Pa, does it flow? */
+};
+
+/* ---- reading ---- */
+
+PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
+{
+  static const char *const methods[] = {"penalty", "barrier", NULL};
+  char                     field[256];
+  PetscInt                 method = 0;
+
+  PetscFunctionBeginUser;
+  pair->penalty = FIRM;
+  PetscCall(MpmFrictionRead(block, &pair->friction, &pair->adhesion, &pair->stick));
+  pair->tangential = (PetscBool)(pair->stick || pair->friction > 0. || pair->adhesion > 0.);
+  PetscCall(MpmOptionsWord(block, "method", "penalty: bodies push where they overlap; barrier: before they meet", methods,
+                           MPM_OPTIONAL, &method, NULL));
+  pair->barrier = (PetscBool)method;
+  PetscCall(MpmOptionsReal(block, "penalty", "E/h",
+                           "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
+                           "10 where one of them flows",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
+  PetscCall(PetscStrallocpy(field, &pair->gap_field));
+  for (PetscInt a = 0; pair->tangential && a < dim; a++) {
+    PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", pair->name, "xyz"[a]));
+    PetscCall(PetscStrallocpy(field, &pair->slip_field[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < pairs->count; k++) {
+    PetscCall(PetscFree(pairs->at[k].name));
+    PetscCall(PetscFree(pairs->at[k].gap_field));
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(pairs->at[k].slip_field[a]));
+  }
+  PetscCall(MpmNamesDestroy(pairs->count, &pairs->names));
+  PetscCall(PetscFree(pairs->at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairContactsCreate(const MpmPairs *pairs, PetscInt state_size, MpmPairContacts *contacts)
+{
+  PetscFunctionBeginUser;
+  contacts->pairs      = pairs;
+  contacts->state_size = state_size;
+  PetscCall(PetscCalloc1(pairs->count, &contacts->force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(contacts->force));
+  PetscCall(PetscFree(contacts->facet));
+  PetscCall(PetscFree(contacts->list));
+  PetscCall(PetscFree(contacts->patch));
+  PetscCall(PetscFree(contacts->weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- facets ---- */
+
+/* Is the part one of a contact? */
+static PetscBool InContact(const MpmPairs *pairs, PetscInt part)
+{
+  for (PetscInt k = 0; k < pairs->count; k++)
+    if (pairs->at[k].part[0] == part || pairs->at[k].part[1] == part) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points, const MpmSpace *space, PetscInt group,
+                              PetscInt p, PetscInt face)
+{
+  const PetscInt     dim      = space->dim;
+  const MpmGroup    *nodes    = &space->groups[group];
+  const MpmMaterial *material = &rules->materials[points->material[p]];
+  PetscInt           cell[MPM_MAX_DIM];
+  MpmFacet           facet = {.point = p, .group = group};
+  PetscReal          arm[MPM_MAX_DIM], size = 0.;
+  MpmPairFacet       made = {.part = points->part[p], .id = 2 * dim * points->id[p] + face, .point = p, .patch = -1};
+
+  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
+  MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
+  for (PetscInt a = 0; a < dim; a++) {
+    made.place[a] = facet.place[a] = points->x[p * dim + a] + arm[a];
+    made.cell[a]                   = (PetscReal)cell[a];
+    size += PetscSqr(made.area[a]);
+  }
+  made.size = 0.5 * PetscPowReal(PetscSqrtReal(size), 1. / (PetscReal)(dim - 1));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    made.first[a] = nodes->first[a];
+    made.count[a] = nodes->count[a];
+  }
+  MpmFacetLines(rules, space, points, &facet, made.line);
+  made.modulus  = material->penalty;
+  made.plastic  = material->info.traits & MPM_LAW_PLASTIC ? 1. : 0.;
+  made.strength = MpmMaterialShearStrength(material, points->state + p * contacts->state_size);
+  return made;
+}
+
+static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                                const MpmSpace *space)
+{
+  PetscInt capacity = 0;
+
+  PetscFunctionBeginUser;
+  contacts->facet_count = 0;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      if (!points->faces[p] || !InContact(contacts->pairs, points->part[p])) continue;
+      for (PetscInt face = 0; face < 2 * space->dim; face++) {
+        if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+        if (contacts->facet_count == capacity) {
+          capacity = 2 * capacity + 64;
+          PetscCall(PetscRealloc((size_t)capacity * sizeof(MpmPairFacet), &contacts->facet));
+        }
+        contacts->facet[contacts->facet_count++] = MakeFacet(contacts, rules, points, space, g, p, face);
+      }
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define WORDS (PetscInt)(sizeof(MpmPairFacet) / sizeof(PetscInt))
+
+/* Cells around a facet, `more` on each side. */
+static void CellsAround(const MpmGrid *grid, const MpmPairFacet *facet, PetscInt more, PetscInt lower[],
+                        PetscInt upper[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscInt cell = a < grid->dim ? (PetscInt)facet->cell[a] : 0;
+
+    lower[a] = a < grid->dim ? PetscMax(cell - more, 0) : 0;
+    upper[a] = a < grid->dim ? PetscMin(cell + more, grid->cells[a] - 1) : 0;
+  }
+}
+
+/* Copies of the facets to the ranks that own cells near them; those received stand behind the own ones. */
+static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid)
+{
+  const PetscInt more = (PetscInt)ceil(2. * SEARCH) + 1;
+  MpmLists       sent = {0}, received = {0};
+  PetscMPIInt   *owner;
+  PetscInt      *count, *place;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(grid->size, &owner, grid->size, &count, grid->size, &place));
+  PetscCall(PetscMalloc2(grid->size, &sent.rank, grid->size + 1, &sent.offset));
+  PetscCall(PetscArrayzero(count, grid->size));
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt k = 0; k < contacts->facet_count; k++) {
+      PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], owners;
+
+      CellsAround(grid, &contacts->facet[k], more, lower, upper);
+      for (PetscInt a = 0; a < grid->dim; a++) upper[a]++; /* cells to nodes */
+      owners = MpmGridBoxOwners(grid, lower, upper, owner);
+      for (PetscInt i = 0; i < owners; i++) {
+        if (owner[i] == grid->rank) continue;
+        if (pass) PetscCall(PetscMemcpy(&sent.data[WORDS * place[owner[i]]++], &contacts->facet[k], sizeof(MpmPairFacet)));
+        else count[owner[i]]++;
+      }
+    }
+    if (pass) break;
+    sent.offset[0] = 0;
+    for (PetscMPIInt r = 0; r < grid->size; r++) {
+      if (!count[r]) continue;
+      place[r]                    = sent.offset[sent.count] / WORDS;
+      sent.rank[sent.count]       = r;
+      sent.offset[sent.count + 1] = sent.offset[sent.count] + WORDS * count[r];
+      sent.count++;
+    }
+    PetscCall(PetscMalloc1(sent.offset[sent.count], &sent.data));
+  }
+  PetscCall(MpmListsExchange(grid->comm, &sent, &received));
+  const PetscInt own = contacts->facet_count, more_count = received.offset[received.count] / WORDS;
+
+  PetscCall(PetscRealloc((size_t)(own + more_count) * sizeof(MpmPairFacet), &contacts->facet));
+  PetscCall(PetscMemcpy(&contacts->facet[own], received.data, (size_t)more_count * sizeof(MpmPairFacet)));
+  for (PetscInt k = own; k < own + more_count; k++) contacts->facet[k].point = -1;
+  contacts->facet_count += more_count;
+  PetscCall(PetscFree(sent.data));
+  PetscCall(PetscFree2(sent.rank, sent.offset));
+  PetscCall(PetscFree3(owner, count, place));
+  PetscCall(MpmListsDestroy(&received));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* By cell, then by id: one order, whatever the ranks. */
+static int CompareFacets(const void *a, const void *b)
+{
+  const MpmPairFacet *f = (const MpmPairFacet *)a, *g = (const MpmPairFacet *)b;
+
+  for (PetscInt k = MPM_MAX_DIM - 1; k >= 0; k--)
+    if (f->cell[k] != g->cell[k]) return f->cell[k] < g->cell[k] ? -1 : 1;
+  return f->id < g->id ? -1 : f->id > g->id;
+}
+
+/* ---- who lies across from whom ---- */
+
+/* How far the middle of a facet of the second body is from one of the first; infinite where it does not lie before it. */
+static PetscReal Across(PetscInt dim, const MpmPairFacet *one, const MpmPairFacet *other, PetscReal reach)
+{
+  PetscReal dot = 0., area = 0., along = 0., square = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal d = other->place[a] - one->place[a];
+
+    dot += one->area[a] * other->area[a];
+    area += PetscSqr(one->area[a]);
+    along += d * one->area[a];
+    square += d * d;
+  }
+  if (dot >= 0. || square > reach * reach) return PETSC_INFINITY;
+  along /= PetscSqrtReal(area);
+  if (PetscSqrtReal(PetscMax(square - along * along, 0.)) > (one->size + other->size) * PetscSqrtReal((PetscReal)dim - 1.))
+    return PETSC_INFINITY;
+  return square;
+}
+
+/* The first facet of a cell in the sorted list. */
+static PetscInt FirstOfCell(const MpmPairContacts *contacts, const PetscInt cell[])
+{
+  MpmPairFacet wanted = {.id = -1};
+  PetscInt     lower = 0, upper = contacts->facet_count;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) wanted.cell[a] = (PetscReal)cell[a];
+  while (lower < upper) {
+    const PetscInt middle = (lower + upper) / 2;
+
+    if (CompareFacets(&contacts->facet[middle], &wanted) < 0) lower = middle + 1;
+    else upper = middle;
+  }
+  return lower;
+}
+
+/* The facet of the first body that lies across from facet k of the second, or -1. */
+static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair, PetscInt k)
+{
+  const MpmPairFacet *other = &contacts->facet[k];
+  PetscInt            lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM], found = -1;
+  PetscReal           best = PETSC_INFINITY;
+
+  CellsAround(grid, other, (PetscInt)ceil(SEARCH) + 1, lower, upper);
+  for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
+    for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
+      for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
+        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count; f++) {
+          const MpmPairFacet *one = &contacts->facet[f];
+          PetscReal           distance;
+
+          if (one->cell[0] != (PetscReal)cell[0] || one->cell[1] != (PetscReal)cell[1] || one->cell[2] != (PetscReal)cell[2])
+            break;
+          if (one->part != pair->part[0]) continue;
+          distance = Across(grid->dim, one, other, SEARCH * contacts->cell);
+          if (distance < best * (1. - 1e-9) || (distance < PETSC_INFINITY && found < 0)) {
+            best  = distance;
+            found = f;
+          }
+        }
+      }
+    }
+  }
+  return found;
+}
+
+/* ---- patches ---- */
+
+/* Adds a facet to a side: its area along n, and its middle; without n the outward area alone. */
+static void AddToSide(PetscInt dim, const MpmPairFacet *facet, const PetscReal n[], MpmPatchSide *side)
+{
+  PetscReal area = 0.;
+
+  for (PetscInt a = 0; a < dim && n; a++) area += n[a] * facet->area[a];
+  area = PetscAbsReal(area);
+  for (PetscInt a = 0; a < dim; a++) {
+    if (n) side->place[a] += area * facet->place[a];
+    else side->vector[a] += facet->area[a];
+  }
+  side->area += area;
+}
+
+/* Each facet of either side with its side's number. */
+#define FOR_SIDES(patch, f, s) \
+  for (PetscInt s = 0; s < 2; s++) \
+    for (PetscInt f = (patch)->side[s].begin; f < (patch)->side[s].end; f++)
+
+/* Normal, means and stiffness from the facets. */
+static void Describe(const MpmPairContacts *contacts, PetscInt dim, MpmPairPatch *patch)
+{
+  const MpmPair *pair = &contacts->pairs->at[patch->pair];
+  PetscReal      size = 0., modulus = PETSC_INFINITY, flows = 0.;
+
+  patch->strength = PETSC_INFINITY;
+  FOR_SIDES(patch, f, s) AddToSide(dim, &contacts->facet[contacts->list[f]], NULL, &patch->side[s]);
+  for (PetscInt a = 0; a < dim; a++) {
+    patch->normal[a] = patch->side[0].vector[a] - patch->side[1].vector[a];
+    size += PetscSqr(patch->normal[a]);
+  }
+  for (PetscInt a = 0; a < dim; a++) patch->normal[a] /= PetscSqrtReal(size);
+  FOR_SIDES(patch, f, s)
+  {
+    const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+
+    AddToSide(dim, facet, patch->normal, &patch->side[s]);
+    modulus         = PetscMin(modulus, facet->modulus);
+    flows           = PetscMax(flows, facet->plastic);
+    patch->strength = PetscMin(patch->strength, facet->strength);
+  }
+  patch->gap = 0.;
+  for (PetscInt a = 0; a < dim; a++)
+    patch->gap +=
+      patch->normal[a] * (patch->side[1].place[a] / patch->side[1].area - patch->side[0].place[a] / patch->side[0].area);
+  patch->stiffness = (flows > 0. && !pair->firm ? SOFT : pair->penalty) * modulus / contacts->cell;
+}
+
+/* Widens a box of nodes to hold a facet's; an empty box has no nodes. */
+static void IncludeNodes(MpmGroup *box, const MpmPairFacet *facet)
+{
+  const PetscBool empty = (PetscBool)!box->node_count;
+
+  box->node_count = 1;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscInt first = empty ? facet->first[a] : PetscMin(box->first[a], facet->first[a]);
+    const PetscInt end   = PetscMax(empty ? 0 : box->first[a] + box->count[a], facet->first[a] + facet->count[a]);
+
+    box->first[a] = first;
+    box->count[a] = end - first;
+    box->node_count *= box->count[a];
+  }
+  box->holes = PETSC_TRUE;
+}
+
+/* The mean's weights at the nodes of a box: those of a facet, times its share of the area. */
+static void AddWeights(PetscInt dim, const MpmPairFacet *facet, const MpmGroup *box, PetscReal share, PetscReal weight[])
+{
+  for (PetscInt i = 0; i < box->node_count; i++) {
+    const PetscInt row = i / box->count[0];
+    const PetscInt at[MPM_MAX_DIM] = {i % box->count[0], row % box->count[1], row / box->count[1]};
+    PetscReal      w               = share;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscInt k = at[a] + box->first[a] - facet->first[a];
+
+      w *= k >= 0 && k < facet->count[a] ? facet->line[a][k] : 0.;
+    }
+    weight[i] += w;
+  }
+}
+
+/* Nodes of other ranks' facets become ghosts here: a box each, beside the sides' own, which have holes. */
+static PetscErrorCode AppendForeign(const MpmPairContacts *contacts, MpmSpace *space)
+{
+  PetscInt  count = 0;
+  MpmGroup *boxes;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->list_count; k++) count += contacts->facet[contacts->list[k]].point < 0;
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceAppendBoxes(space, count, &boxes));
+  for (PetscInt k = 0, box = 0; k < contacts->list_count; k++) {
+    const MpmPairFacet *facet = &contacts->facet[contacts->list[k]];
+
+    if (facet->point >= 0) continue;
+    IncludeNodes(&boxes[box], facet);
+    boxes[box++].holes = PETSC_FALSE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Boxes of both sides of all patches. */
+static PetscErrorCode MakeSides(MpmPairContacts *contacts, MpmSpace *space)
+{
+  const PetscInt begin = space->box_count;
+  MpmGroup      *boxes;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmSpaceAppendBoxes(space, 2 * contacts->patch_count, &boxes));
+  contacts->most = contacts->weight_count = 0;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPairPatch *patch = &contacts->patch[k];
+
+    FOR_SIDES(patch, f, s) IncludeNodes(&boxes[2 * k + s], &contacts->facet[contacts->list[f]]);
+    for (PetscInt s = 0; s < 2; s++) {
+      patch->side[s].box    = begin + 2 * k + s;
+      patch->side[s].weight = contacts->weight_count;
+      contacts->weight_count += boxes[2 * k + s].node_count;
+    }
+    contacts->most = PetscMax(contacts->most, boxes[2 * k].node_count + boxes[2 * k + 1].node_count);
+  }
+  PetscCall(AppendForeign(contacts, space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The weights of the means at the nodes of both sides. */
+static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *space)
+{
+  const PetscInt dim = space->dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(contacts->weight));
+  PetscCall(PetscCalloc1(contacts->weight_count, &contacts->weight));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPairPatch *patch = &contacts->patch[k];
+
+    FOR_SIDES(patch, f, s)
+    {
+      const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+      PetscReal           area  = 0.;
+
+      for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
+      AddWeights(dim, facet, &space->groups[patch->side[s].box], PetscAbsReal(area) / patch->side[s].area,
+                 &contacts->weight[patch->side[s].weight]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Do the two have the same cell? */
+static PetscBool SameCell(const MpmPairFacet *one, const MpmPairFacet *other)
+{
+  return (PetscBool)(one->cell[0] == other->cell[0] && one->cell[1] == other->cell[1] && one->cell[2] == other->cell[2]);
+}
+
+/* Does the facet look against the direction, by more than 60 degrees off being along? */
+static PetscBool Faces(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
+{
+  PetscReal dot = 0., one = 0., other = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    dot -= facet->area[a] * direction[a];
+    one += PetscSqr(facet->area[a]);
+    other += PetscSqr(direction[a]);
+  }
+  return (PetscBool)(dot > FACING * PetscSqrtReal(one * other));
+}
+
+/* One patch: `count` facets of the second body, across from facets of the first in the cell of facet `seed`. */
+static PetscErrorCode AddPatch(MpmPairContacts *contacts, PetscInt dim, PetscInt pair, PetscInt seed, PetscInt count,
+                               const PetscInt others[])
+{
+  const MpmPair *bodies = &contacts->pairs->at[pair];
+  MpmPairPatch   patch  = {.pair = pair};
+  PetscReal      sum[MPM_MAX_DIM] = {0., 0., 0.};
+  PetscInt       f                = seed;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++)
+    for (PetscInt a = 0; a < dim; a++) sum[a] += contacts->facet[others[k]].area[a];
+  while (f > 0 && SameCell(&contacts->facet[f - 1], &contacts->facet[seed])) f--;
+  patch.side[0].begin = contacts->list_count;
+  for (; f < contacts->facet_count && SameCell(&contacts->facet[f], &contacts->facet[seed]); f++)
+    if (contacts->facet[f].part == bodies->part[0] && Faces(dim, &contacts->facet[f], sum))
+      contacts->list[contacts->list_count++] = f;
+  patch.side[0].end = patch.side[1].begin = contacts->list_count;
+  if (patch.side[0].begin == patch.side[0].end) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < count; k++) contacts->list[contacts->list_count++] = others[k];
+  patch.side[1].end = contacts->list_count;
+  Describe(contacts, dim, &patch);
+  PetscCall(PetscRealloc((size_t)(contacts->patch_count + 1) * sizeof(MpmPairPatch), &contacts->patch));
+  contacts->patch[contacts->patch_count++] = patch;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The patches of one pair: facets of the second body that lie across from own ones of the first in one cell. */
+static PetscErrorCode PatchesOfPair(MpmPairContacts *contacts, const MpmGrid *grid, PetscInt pair)
+{
+  const MpmPair *bodies = &contacts->pairs->at[pair];
+  PetscInt      *opposite, *other, count = 0, end;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(contacts->facet_count, &opposite, contacts->facet_count, &other));
+  for (PetscInt k = 0; k < contacts->facet_count; k++) {
+    const PetscInt found =
+      contacts->facet[k].part == bodies->part[1] ? Opposite(contacts, grid, bodies, k) : -1;
+
+    if (found < 0 || contacts->facet[found].point < 0) continue; /* another rank's */
+    opposite[count] = found;
+    other[count++]  = k;
+  }
+  PetscCall(PetscSortIntWithArray(count, opposite, other));
+  for (PetscInt begin = 0; begin < count; begin = end) {
+    const MpmPairFacet *seed = &contacts->facet[opposite[begin]];
+
+    for (end = begin; end < count && SameCell(&contacts->facet[opposite[end]], seed); end++) continue;
+    PetscCall(PetscSortInt(end - begin, &other[begin]));
+    PetscCall(AddPatch(contacts, grid->dim, pair, opposite[begin], end - begin, &other[begin]));
+  }
+  PetscCall(PetscFree2(opposite, other));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
+{
+  MpmPairContacts *contacts = (MpmPairContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  contacts->patch_count = contacts->list_count = 0;
+  if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->cell = PETSC_INFINITY;
+  for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
+  contacts->touch  = TOUCH * contacts->cell;
+  contacts->starts = (PetscBool)(rules->time_n == 0.);
+  PetscCall(OwnFacets(contacts, rules, points, space));
+  if (rules->grid->size > 1) PetscCall(ShareFacets(contacts, rules->grid));
+  qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmPairFacet), CompareFacets);
+  PetscCall(PetscFree(contacts->list));
+  PetscCall(PetscMalloc1(2 * contacts->facet_count * contacts->pairs->count, &contacts->list));
+  for (PetscInt k = 0; k < contacts->pairs->count; k++) PetscCall(PatchesOfPair(contacts, rules->grid, k));
+  if (contacts->patch_count) PetscCall(MakeSides(contacts, space));
+  if (contacts->patch_count) PetscCall(WeighSides(contacts, space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space)
+{
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    PetscCall(MpmSpaceCouple(space, contacts->patch[k].side[0].box, contacts->patch[k].side[1].box));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the points keep ---- */
+
+/* The mean of a field over the first body's facets of each patch of a pair. */
+static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, const char *name, PetscInt dim,
+                                MpmParticles *particles, PetscReal mean[])
+{
+  PetscReal *value;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)&value));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPairPatch *patch = &contacts->patch[k];
+
+    if (patch->pair != pair) continue;
+    mean[k] = 0.;
+    for (PetscInt f = patch->side[0].begin; f < patch->side[0].end; f++) {
+      const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+      PetscReal           area  = 0.;
+
+      for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
+      mean[k] += PetscAbsReal(area) / patch->side[0].area * value[facet->point];
+    }
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)&value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The gap at which a patch touches when the run starts: that of an overlap; and, where the surface was cut through a lattice, any
+  one that is less than a facet's size.
+*/
+static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, const MpmPairPatch *patch)
+{
+  const PetscReal size = contacts->facet[contacts->list[patch->side[0].begin]].size;
+  PetscBool       cut  = PETSC_TRUE;
+
+  for (PetscInt a = 0; a < dim; a++)
+    if (PetscAbsReal(patch->normal[a]) > 1. - ALIGNED) cut = PETSC_FALSE;
+  if (contacts->pairs->at[patch->pair].barrier) /* which needs a gap */
+    return PetscMin(patch->gap - 0.5 * MPM_BARRIER * contacts->cell, 0.);
+  return patch->gap < 0. || (cut && patch->gap < size) ? patch->gap : 0.;
+}
+
+PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
+{
+  MpmPairContacts *contacts = (MpmPairContacts *)ctx;
+  const PetscInt   dim      = step->sum->space->dim;
+  PetscReal       *mean;
+
+  PetscFunctionBeginUser;
+  if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(contacts->patch_count, &mean));
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    const MpmPair *pair = &contacts->pairs->at[p];
+
+    PetscCall(LoadField(contacts, p, pair->gap_field, dim, step->particles, mean));
+    for (PetscInt k = 0; k < contacts->patch_count; k++)
+      if (contacts->patch[k].pair == p)
+        contacts->patch[k].touches = contacts->starts ? TouchesAtStart(dim, contacts, &contacts->patch[k]) : mean[k];
+    for (PetscInt a = 0; pair->tangential && a < dim; a++) {
+      PetscCall(LoadField(contacts, p, pair->slip_field[a], dim, step->particles, mean));
+      for (PetscInt k = 0; k < contacts->patch_count; k++)
+        if (contacts->patch[k].pair == p) contacts->patch[k].slip[a] = mean[k];
+    }
+  }
+  PetscCall(PetscFree(mean));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPairPatch *patch = &contacts->patch[k];
+    PetscReal     dot   = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) dot += patch->slip[a] * patch->normal[a];
+    for (PetscInt a = 0; a < dim; a++) patch->slip[a] -= dot * patch->normal[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM], PetscInt points,
+                                  MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    const MpmPair *pair = &contacts->pairs->at[p];
+
+    for (PetscInt a = -1; a < MPM_MAX_DIM; a++) { /* -1: the gap */
+      const char *name = a < 0 ? pair->gap_field : pair->slip_field[a];
+      PetscReal  *value;
+
+      if (!name) continue;
+      PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)&value));
+      if (a >= 0) PetscCall(PetscArrayzero(value, points));
+      for (PetscInt k = 0; k < contacts->patch_count; k++) {
+        const MpmPairPatch *patch = &contacts->patch[k];
+
+        for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
+          value[contacts->facet[contacts->list[f]].point] = a < 0 ? patch->touches : slip[k][a];
+      }
+      PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)&value));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
