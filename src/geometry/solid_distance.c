@@ -223,3 +223,17 @@ void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x
   }
   if (solid->side < 0.) MpmSurfaceFlip(dim, surface);
 }
+
+void MpmSolidFaceDistance(const MpmSolid *solid, const PetscReal normal[], const PetscReal x[], MpmSurface *surface)
+{
+  PetscInt face = 0;
+
+  if (solid->type != MPM_SOLID_BOX || solid->side < 0.) return;
+  for (PetscInt a = 1; a < solid->dim; a++)
+    if (PetscAbsReal(normal[a]) > PetscAbsReal(normal[face])) face = a;
+  if (PetscAbsReal(normal[face]) < 1. - STRAIGHT) return;
+  const PetscReal sign = normal[face] < 0. ? -1. : 1.;
+
+  *surface              = (MpmSurface){.distance = sign * (x[face] - solid->point[face]) - solid->half[face]};
+  surface->normal[face] = sign;
+}

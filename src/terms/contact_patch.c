@@ -108,6 +108,40 @@ static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary
   return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
 }
 
+#define BEHIND 0.02 /* of a cell: deeper than any mean that a penalty leaves */
+
+/*
+  A patch that is far behind a boundary that retreats has come through the face that was nearest at the step's start, though
+  another one may be nearer now: Newton's iterates fall deep into it, and have to be pushed out where they came from.
+*/
+static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
+  const PetscInt     dim  = boundary->dim;
+  PetscReal          mean = 0., at[MPM_MAX_DIM] = {0., 0., 0.}, normal[MPM_MAX_DIM];
+
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet   = &contacts->facet[f];
+    MpmSurface     *surface = &work->surface[f - patch->begin];
+
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
+    MpmBoundaryDistance(boundary, after, at, surface);
+    mean += facet->area / patch->area * (surface->distance - facet->touches);
+  }
+  for (PetscInt f = patch->begin; mean < -BEHIND * contacts->cell && f < patch->end; f++) {
+    const MpmFacet *facet   = &contacts->facet[f];
+    PetscReal       advance = 0.;
+
+    MpmPoseCarry(dim, before, after, facet->place, at);
+    for (PetscInt a = 0; a < dim; a++) advance += (at[a] - facet->place[a]) * facet->normal[a];
+    if (advance >= 0.) continue;
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
+    MpmPoseTurn(dim, before, after, facet->normal, normal);
+    MpmBoundaryFaceDistance(boundary, after, normal, at, &work->surface[f - patch->begin]);
+  }
+}
+
 void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer)
 {
   const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
@@ -115,6 +149,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
   const PetscInt     dim = boundary->dim;
 
   *answer = (MpmPatchAnswer){.active = boundary->bilateral};
+  Distances(contacts, patch, work);
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet *facet   = &contacts->facet[f];
     MpmSurface     *surface = &work->surface[f - patch->begin];
@@ -122,7 +157,6 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     PetscReal      *value   = work->value[f - patch->begin], at[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
-    MpmBoundaryDistance(boundary, after, at, surface);
     /* what rounding took from the place counts where a body's balance depends on its depth */
     for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));

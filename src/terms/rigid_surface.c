@@ -182,13 +182,33 @@ static void TurnSurface(PetscInt dim, const MpmPose *pose, MpmSurface *surface)
   }
 }
 
-void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface)
+/* Where the place x is on a boundary at rest. */
+static void AtRest(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], PetscReal at[])
 {
-  const MpmPose rest            = {.growth = 0.};
-  PetscReal     at[MPM_MAX_DIM] = {0., 0., 0.};
+  const MpmPose rest = {.growth = 0.};
 
   if (pose->turned) MpmPoseCarry(boundary->dim, pose, &rest, x, at);
   for (PetscInt a = 0; !pose->turned && a < boundary->dim; a++) at[a] = x[a] - pose->translation[a];
+}
+
+void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface)
+{
+  PetscReal at[MPM_MAX_DIM] = {0., 0., 0.};
+
+  AtRest(boundary, pose, x, at);
   MpmSolidDistance(&boundary->solid, pose->growth, at, surface);
+  if (pose->turned) TurnSurface(boundary->dim, pose, surface);
+}
+
+void MpmBoundaryFaceDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal normal[],
+                             const PetscReal x[], MpmSurface *surface)
+{
+  const MpmPose rest            = {.growth = 0.};
+  PetscReal     at[MPM_MAX_DIM] = {0., 0., 0.}, face[MPM_MAX_DIM] = {0., 0., 0.};
+
+  if (boundary->solid.type != MPM_SOLID_BOX || boundary->solid.side < 0.) return;
+  AtRest(boundary, pose, x, at);
+  MpmPoseTurn(boundary->dim, pose, &rest, normal, face);
+  MpmSolidFaceDistance(&boundary->solid, face, at, surface);
   if (pose->turned) TurnSurface(boundary->dim, pose, surface);
 }

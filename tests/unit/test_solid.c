@@ -263,6 +263,32 @@ static void OnWedge(PetscReal u, PetscReal v, PetscInt face, PetscReal x[3])
   x[1] = place[2];
 }
 
+/* Deep in a box that has retreated, the face that is named counts, not the nearest one; outside, its plane. */
+START_TEST(faces)
+{
+  MpmSolid        box     = Make(3, "-mpm_a_type box -mpm_a_lower -1,-1,5 -mpm_a_upper 1,1,6");
+  const PetscReal deep[3] = {0.9, 0.2, 5.4}, below[3] = {0.9, 0.2, 4.5};
+  const PetscReal bottom[3] = {0., 0., -1.};
+  MpmSurface      nearest, named;
+
+  MpmSolidDistance(&box, 0., deep, &nearest);
+  ck_assert_double_eq_tol(nearest.distance, -0.1, 1e-14);
+  named = nearest;
+  MpmSolidFaceDistance(&box, bottom, deep, &named);
+  ck_assert_double_eq_tol(named.distance, -0.4, 1e-14);
+  ck_assert_double_eq(named.normal[0], 0.);
+  ck_assert_double_eq(named.normal[2], -1.);
+  MpmSolidFaceDistance(&box, bottom, below, &named);
+  ck_assert_double_eq_tol(named.distance, 0.5, 1e-14);
+  UNIT_CALL(MpmSolidDestroy(&box));
+  box   = Make(3, "-mpm_a_type sphere -mpm_a_center 0,0,5 -mpm_a_radius 2");
+  named = nearest;
+  MpmSolidFaceDistance(&box, bottom, deep, &named);
+  ck_assert_double_eq(named.distance, nearest.distance);
+  UNIT_CALL(MpmSolidDestroy(&box));
+}
+END_TEST
+
 START_TEST(cones)
 {
   const PetscReal half  = 0.5 * PetscSqrtReal(3.);
@@ -545,7 +571,7 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {round_and_flat,    boxes,   cones,          polygons, poses, rotations,
+  const TTest *const tests[] = {round_and_flat,    boxes,   faces,          cones, polygons, poses, rotations,
                                 turned_boundaries, motions, motions_refused};
 
   return UnitRun(&argc, &argv, "solid", sizeof(tests) / sizeof(tests[0]), tests);

@@ -1,0 +1,33 @@
+#!/usr/bin/env python3
+"""A rigid footing that is pressed into an elastic block and lifted again, on a grid that goes with it: balance, lift-off without
+tension, and nothing pushed out through the footing's sides when its motion turns.
+
+A short version of examples/footing_3d, whose README has forces on finer grids.
+"""
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, difference, example  # noqa: E402
+
+COARSE = {"mpm_quiet": None, "mpm_output_every": 0, "mpm_grid_cells": "5,5,6"}
+
+
+def loading(test):
+    """25 steps down, 13 up: the table's force, and back along the same curve."""
+    run = test.run(example("footing_3d"), **COARSE)
+    quantities = test.check_example("h=1", run, "footing_3d")
+    test.check("h=1.judged", "force_at_0.5_m" in quantities, 1)
+
+
+def same(test):
+    """The same on two ranks, across the turn."""
+    short = {**COARSE, "mpm_boundary_footing_ramp": "0:0,0.12:0.12,0.2:0.04", "mpm_time_end": 0.2}
+    runs = [test.run(example("footing_3d"), ranks=ranks, **short) for ranks in (1, 2)]
+    forces = [run.results.column("reaction_footing_z") for run in runs]
+    test.check("ranks", difference(*forces), None, 1e-8)
+
+
+with Test() as test:
+    loading(test)
+    same(test)
