@@ -8,6 +8,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
+#include "terms/contact.h"
 #include "terms/discretization.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
@@ -204,9 +205,10 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
   wide enough for the soft modes of perfectly plastic points (docs/solver.md has the table). GMRES is preconditioned from
   the right: it then sees the residual itself, where a Jacobian is almost singular, too. The graph keeps weak couplings,
   since aggregates of one or two nodes make singular blocks; a shift in N/m, far below a node's stiffness, steps over those.
-  A smoother or a Krylov method that the user names has its own.
+  A smoother or a Krylov method that the user names has its own. The stiff couplings of contacts throw Chebyshev's method with
+  ILU off its range: SOR smooths there.
 */
-static PetscErrorCode TuneMultigrid(void)
+static PetscErrorCode TuneMultigrid(PetscBool contacts)
 {
   static const char *const tuned[][2] = {
     {"-pc_gamg_threshold", "0"},
@@ -223,7 +225,8 @@ static PetscErrorCode TuneMultigrid(void)
   PetscCall(MpmDatabaseHas("ksp_type", &method));
   if (!method) PetscCall(OptionDefault("-ksp_pc_side", "right"));
   PetscCall(MpmDatabaseHas("mg_levels_pc_type", &smoother));
-  if (smoother) PetscFunctionReturn(PETSC_SUCCESS);
+  if (contacts) PetscCall(OptionDefault("-mg_levels_pc_type", "sor"));
+  if (smoother || contacts) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(tuned); k++) PetscCall(OptionDefault(tuned[k][0], tuned[k][1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -236,7 +239,8 @@ PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
   PetscFunctionBeginUser;
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
-  if (!strcmp(name, "amg") && !solver->symmetric) PetscCall(TuneMultigrid());
+  if (!strcmp(name, "amg") && !solver->symmetric)
+    PetscCall(TuneMultigrid((PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1)));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
   if (name != solver->name) {
