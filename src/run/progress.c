@@ -7,9 +7,11 @@
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
+#include "terms/rigid.h"
 #include "run/laboratory.h"
 #include "run/run.h"
 
+#define COARSE        3.   /* cells: a boundary with a smaller radius meets too few of them (docs/scene.md) */
 #define MEMORY        0.95 /* weight of what was summed before this step */
 #define LINES_A_TITLE 50   /* the columns' titles come again, so that a long log can be read anywhere */
 
@@ -36,6 +38,25 @@ static PetscErrorCode PrintTitles(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(PetscPrintf(model->comm, "%7s %14s %10s %6s %6s %4s %6s %11s\n", "step", "time", "dt", "newton", "linear",
                         "cuts", "done", "time left"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Names the round boundaries that meet too few cells: contact takes means over each. */
+static PetscErrorCode PrintCoarse(const MpmModel model)
+{
+  const MpmGrid *grid = model->disc.grid;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
+    const MpmSolid *solid = &model->scene.boundaries->at[b].solid;
+    PetscReal       cells = PETSC_INFINITY;
+
+    for (PetscInt a = 0; a < grid->dim; a++) cells = PetscMin(cells, solid->radius / grid->h[a]);
+    if (cells == 0. || cells >= COARSE) continue;
+    PetscCall(PetscPrintf(model->comm,
+                          "  boundary %.40s is sampled coarsely: its radius is %.2g cells, at least %g are wanted\n",
+                          model->scene.boundaries->names[b], (double)cells, COARSE));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,6 +93,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
   PetscCall(PetscPrintf(model->comm, " m\n"));
   PetscCall(MpmWeldsPrint(model));
+  PetscCall(PrintCoarse(model));
   PetscCall(PrintTitles(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -107,8 +107,17 @@ def tables_and_restarts(test):
     test.check("restart.displacement", difference(ramp.table("displacement"), rest.table("displacement")), None, SAME)
 
 
+def coarse(test):
+    """The first lines name a boundary of few cells, and no other."""
+    for radius, lines in ((0.4, 1), (0.8, 0)):
+        run = test.run(PUNCH, **boundary("punch", type="sphere", center=f"1,{1 + radius}", radius=radius, motion="0,-0.01"),
+                       mpm_quiet="false")
+        test.check(f"coarse.{radius}", run.output.count("boundary punch is sampled coarsely"), lines, lines)
+
+
 def main():
     with Test() as test:
+        coarse(test)
         described_in_two_ways(test)
         triangles(test)
         turned(test)
