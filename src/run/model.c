@@ -521,7 +521,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
                           model->scene.motions->count +
-                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 1) + 1),
+                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 2) + 1),
                          &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
@@ -534,6 +534,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   MpmLinesAddFields(model, fields, &extra);
   for (PetscInt k = 0; k < model->scene.pairs->count; k++) {
     fields[extra++] = model->scene.pairs->at[k].gap_field;
+    if (model->scene.pairs->at[k].augmented) fields[extra++] = model->scene.pairs->at[k].pressure_field;
     for (PetscInt a = 0; model->scene.pairs->at[k].tangential && a < model->disc.dim; a++)
       fields[extra++] = model->scene.pairs->at[k].slip_field[a];
   }

@@ -13,7 +13,8 @@
 
     B^T A (k n n^T + dt/dw) B .
 
-  With `method: barrier`, p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1, d0 a tenth of a cell, in place of
+  With `method: augmented` the pressure is -k (g - shift), and between Newton's solutions the shift becomes what holds the pressure
+  at no depth. With `method: barrier`, p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1, d0 a tenth of a cell, in place of
   the penalty: the bodies never meet, for where g <= 0 there is no answer and Newton's step is halved. Source of the
   barrier: Li, Fang, Li and Jiang (2022), BFEMP, doi:10.1016/j.cma.2021.114350.
 */
@@ -89,7 +90,7 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
   PetscReal        along = 0., rate;
 
   for (PetscInt a = 0; a < dim; a++) along += n[a] * w[a];
-  *answer = (Answer){.gap = patch->gap - patch->touches - along};
+  *answer = (Answer){.gap = patch->gap - patch->touches - patch->shift - along};
   Pressure(contacts, patch, answer, &rate);
   if (!answer->active) return;
   for (PetscInt a = 0; a < dim; a++) {
@@ -253,6 +254,36 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst)
+{
+  PetscReal *shift;
+  PetscBool  any = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  *worst = 0.;
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) any = (PetscBool)(any || contacts->pairs->at[p].augmented);
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(contacts->patch_count, &shift));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPairPatch *patch = &contacts->patch[k];
+    const MpmPair      *pair  = &contacts->pairs->at[patch->pair];
+    PetscReal           w[MPM_MAX_DIM];
+    Answer              answer;
+
+    shift[k] = 0.;
+    if (!pair->augmented) continue;
+    Relative(contacts, patch, sum, u, w);
+    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    if (answer.active) shift[k] = -answer.gap;
+    if (answer.active || patch->shift > 0.)
+      *worst = PetscMax(*worst, PetscAbsReal(shift[k] - patch->shift) / (pair->penetration * contacts->cell));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, sum->grid->comm));
+  for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) contacts->patch[k].shift = shift[k];
+  PetscCall(PetscFree(shift));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Forces of the converged step; the points keep the slips. */
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
@@ -272,6 +303,8 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
       slip[k][a] = answer.slip[a];
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];
     }
+    if (contacts->pairs->at[contacts->patch[k].pair].augmented)
+      contacts->patch[k].shift = answer.pressure / contacts->patch[k].stiffness;
   }
   PetscCall(MpmPairPatchesKeep(contacts, slip, sum->points->count, particles));
   PetscCall(PetscFree(slip));

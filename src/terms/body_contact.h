@@ -8,11 +8,13 @@
 
 /* Two bodies that touch, slide and part. */
 typedef struct {
-  char     *name, *slip_field[MPM_MAX_DIM], *gap_field; /* fields of the particles; slip: where tangential */
-  PetscInt  body[2], part[2];                           /* the first one's facets make the patches */
-  PetscReal penalty, friction, adhesion;                /* -, Coulomb's coefficient, Pa */
-  PetscBool firm, stick, tangential;                    /* firm: the penalty holds for all materials */
-  PetscBool barrier;                                    /* pressure before they touch, in place of a penalty */
+  char *name, *slip_field[MPM_MAX_DIM], *gap_field,
+    *pressure_field;                     /* fields of the particles; slip: where tangential; pressure: augmented */
+  PetscInt  body[2], part[2];            /* the first one's facets make the patches */
+  PetscReal penalty, friction, adhesion; /* -, Coulomb's coefficient, Pa */
+  PetscBool firm, stick, tangential;     /* firm: the penalty holds for all materials */
+  PetscBool barrier, augmented;          /* pressure before they touch; without depth */
+  PetscReal penetration;                 /* augmented: depth that may remain, in cells */
 } MpmPair;
 
 /* Contacts, with the names of their blocks. */
@@ -34,6 +36,7 @@ typedef struct {
   PetscReal normal[MPM_MAX_DIM], gap,
     slip[MPM_MAX_DIM];                       /* at the step's start; the normal is outward of the first body */
   PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
+  PetscReal    shift; /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
   MpmPatchSide side[2];
 } MpmPairPatch;
 
@@ -67,6 +70,11 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 /* Their weights, and what the first bodies' points keep of them (a term's `prepare`). */
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
+/*
+  Method augmented, after Newton's: as MpmContactsAugment() does for boundaries. Where the worst depth over what is wanted is above
+  1, the pressures become those that the patches have at u. Collective.
+*/
+PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst);
 /* The points of a patch keep its slip and the gap at which it touches. */
 PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM], PetscInt points,
                                   MpmParticles *particles);

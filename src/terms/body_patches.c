@@ -48,7 +48,7 @@ struct MpmPairFacet {
 
 PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
 {
-  static const char *const methods[] = {"penalty", "barrier", NULL};
+  static const char *const methods[] = {"penalty", "barrier", "augmented", NULL};
   char                     field[256];
   PetscInt                 method = 0;
 
@@ -56,9 +56,14 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
   pair->penalty = FIRM;
   PetscCall(MpmFrictionRead(block, &pair->friction, &pair->adhesion, &pair->stick));
   pair->tangential = (PetscBool)(pair->stick || pair->friction > 0. || pair->adhesion > 0.);
-  PetscCall(MpmOptionsWord(block, "method", "penalty: bodies push where they overlap; barrier: before they meet",
-                           methods, MPM_OPTIONAL, &method, NULL));
-  pair->barrier = (PetscBool)method;
+  PetscCall(MpmOptionsWord(
+    block, "method", "penalty: bodies push where they overlap; barrier: before they meet; augmented: without overlap",
+    methods, MPM_OPTIONAL, &method, NULL));
+  pair->barrier     = (PetscBool)(method == 1);
+  pair->augmented   = (PetscBool)(method == 2);
+  pair->penetration = 1e-8;
+  PetscCall(MpmOptionsReal(block, "penetration", "h", "augmented: mean depth in a cell that may remain, by its size",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penetration, NULL));
   PetscCall(
     MpmOptionsReal(block, "penalty", "E/h",
                    "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
@@ -66,6 +71,8 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
                    MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
   PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
   PetscCall(PetscStrallocpy(field, &pair->gap_field));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", pair->name));
+  if (pair->augmented) PetscCall(PetscStrallocpy(field, &pair->pressure_field));
   for (PetscInt a = 0; pair->tangential && a < dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", pair->name, "xyz"[a]));
     PetscCall(PetscStrallocpy(field, &pair->slip_field[a]));
@@ -79,6 +86,7 @@ PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
   for (PetscInt k = 0; k < pairs->count; k++) {
     PetscCall(PetscFree(pairs->at[k].name));
     PetscCall(PetscFree(pairs->at[k].gap_field));
+    PetscCall(PetscFree(pairs->at[k].pressure_field));
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(pairs->at[k].slip_field[a]));
   }
   PetscCall(MpmNamesDestroy(pairs->count, &pairs->names));
@@ -666,6 +674,9 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
     for (PetscInt k = 0; k < contacts->patch_count; k++)
       if (contacts->patch[k].pair == p)
         contacts->patch[k].touches = contacts->starts ? TouchesAtStart(dim, contacts, &contacts->patch[k]) : mean[k];
+    if (pair->augmented) PetscCall(LoadField(contacts, p, pair->pressure_field, dim, step->particles, mean));
+    for (PetscInt k = 0; pair->augmented && k < contacts->patch_count; k++)
+      if (contacts->patch[k].pair == p) contacts->patch[k].shift = mean[k] / contacts->patch[k].stiffness;
     for (PetscInt a = 0; pair->tangential && a < dim; a++) {
       PetscCall(LoadField(contacts, p, pair->slip_field[a], dim, step->particles, mean));
       for (PetscInt k = 0; k < contacts->patch_count; k++)
@@ -690,19 +701,21 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair = &contacts->pairs->at[p];
 
-    for (PetscInt field = 0; field <= MPM_MAX_DIM; field++) { /* the gap, then the slip */
-      const PetscInt a    = field - 1;
-      const char    *name = a < 0 ? pair->gap_field : pair->slip_field[a];
-      PetscReal     *value;
+    for (PetscInt a = 0; a < MPM_MAX_DIM + 2; a++) { /* the slip, the gap, the pressure */
+      const char *const names[] = {pair->slip_field[0], pair->slip_field[1], pair->slip_field[2], pair->gap_field,
+                                   pair->pressure_field};
+      const char *const name    = names[a];
+      PetscReal        *value;
 
       if (!name) continue;
       PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)&value));
-      if (a >= 0) PetscCall(PetscArrayzero(value, points));
+      if (a != MPM_MAX_DIM) PetscCall(PetscArrayzero(value, points));
       for (PetscInt k = 0; k < contacts->patch_count; k++) {
         const MpmPairPatch *patch = &contacts->patch[k];
+        const PetscReal kept[] = {slip[k][0], slip[k][1], slip[k][2], patch->touches, patch->shift * patch->stiffness};
 
         for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
-          value[contacts->facet[contacts->list[f]].point] = a < 0 ? patch->touches : slip[k][a];
+          value[contacts->facet[contacts->list[f]].point] = kept[a];
       }
       PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)&value));
     }

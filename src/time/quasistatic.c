@@ -11,6 +11,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
+#include "terms/body_contact.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
@@ -441,15 +442,16 @@ static PetscErrorCode PredictStep(MpmModel model)
 
 #define AUGMENTATIONS 40 /* of one step */
 
-/* The pressures of boundaries with method augmented, corrected between solutions until what touches has no depth. */
+/* The pressures of boundaries and pairs with method augmented, corrected between solutions until what touches has no depth. */
 static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
 {
-  PetscReal worst = PETSC_INFINITY;
+  PetscReal worst = PETSC_INFINITY, pairs;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
     PetscCall(MpmContactsAugment(model->disc.contacts, model->disc.sum, model->disc.u, &worst));
-    if (worst <= 1.) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmPairsAugment(model->disc.pairs, model->disc.sum, model->disc.u, &pairs));
+    if (PetscMax(worst, pairs) <= 1.) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmSolverSolve(&model->solver, reason));
   }
   if (*reason >= 0) *reason = SNES_DIVERGED_MAX_IT;

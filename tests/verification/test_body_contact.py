@@ -21,6 +21,7 @@ def patch(test):
     runs = {}
     for label, ranks, options in (("penalty", 1, {}), ("on_2", 2, {}), ("on_3", 3, {}), ("on_4", 4, {}),
                                   ("barrier", 1, {"mpm_contact_ab_method": "barrier"}),
+                                  ("augmented", 2, {"mpm_contact_ab_method": "augmented", "mpm_contact_ab_penalty": 20}),
                                   ("rough", 2, {"mpm_contact_ab_friction": 0.3}), ("stick", 1, {"mpm_contact_ab_friction": "stick"}),
                                   ("smooth_shape", 2, {"mpm_shape": "gimp_bspline2"}),
                                   ("turned", 1, {"mpm_contact_ab_bodies": "high,low"})):
@@ -29,6 +30,9 @@ def patch(test):
         test.check(f"patch_{label}.shear", np.max(np.abs(run.table("stress")[:, 3])) / PRESSURE, None, 1e-8)
         sign = 1.0 if label == "turned" else -1.0
         test.near(f"patch_{label}.force", run.results.column("force_ab_y")[-1], sign * PRESSURE * WIDTH, 1e-10)
+    low, down = runs["augmented"].table("material") == 0, -runs["augmented"].table("displacement")[:, 1]
+    # no depth: what the half points between the faces' middles and the nearest centres give
+    test.near("patch_augmented.depth", down[~low].min() - down[low].max(), PRESSURE * (0.0625 / 1e6 + 0.03125 / 4e6), 1e-6)
     for label in ("on_2", "on_3", "on_4"):
         test.check(f"patch_{label}.same", difference(runs["penalty"].table("displacement"), runs[label].table("displacement")),
                    None, 1e-9)
