@@ -456,3 +456,70 @@ PetscErrorCode MpmGridSetPartition(MpmGrid *grid, PetscInt count, const PetscInt
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- records that other ranks need too ---- */
+
+/* How many records each rank gets, and the lists' ranks and offsets; `place` is where each rank's first one stands. */
+static PetscErrorCode CountShares(const MpmGrid *grid, PetscInt words, PetscInt count, const PetscInt boxes[],
+                                  MpmLists *sent, PetscInt place[])
+{
+  PetscMPIInt *owner;
+  PetscInt    *records;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(grid->size, &owner));
+  PetscCall(PetscCalloc1(grid->size, &records));
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscInt *box    = &boxes[2 * MPM_MAX_DIM * k];
+    const PetscInt  owners = MpmGridBoxOwners(grid, box, box + MPM_MAX_DIM, owner);
+
+    for (PetscInt i = 0; i < owners; i++) records[owner[i]] += owner[i] != grid->rank;
+  }
+  PetscCall(PetscMalloc1(grid->size, &sent->rank));
+  PetscCall(PetscMalloc1((grid->size + 1), &sent->offset));
+  sent->offset[0] = 0;
+  for (PetscMPIInt r = 0; r < grid->size; r++) {
+    if (!records[r]) continue;
+    place[r]                      = sent->offset[sent->count];
+    sent->rank[sent->count]       = r;
+    sent->offset[sent->count + 1] = sent->offset[sent->count] + words * records[r];
+    sent->count++;
+  }
+  PetscCall(PetscFree(owner));
+  PetscCall(PetscFree(records));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGridShare(const MpmGrid *grid, size_t size, const PetscInt boxes[], PetscInt *count, void **records)
+{
+  const PetscInt words = (PetscInt)(size / sizeof(PetscInt));
+  MpmLists       sent = {0}, received = {0};
+  PetscMPIInt   *owner;
+  PetscInt      *place;
+
+  PetscFunctionBeginUser;
+  if (grid->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2(grid->size, &owner, grid->size, &place));
+  PetscCall(CountShares(grid, words, *count, boxes, &sent, place));
+  PetscCall(PetscMalloc1(sent.offset[sent.count], &sent.data));
+  for (PetscInt k = 0; k < *count; k++) {
+    const PetscInt *box    = &boxes[2 * MPM_MAX_DIM * k];
+    const PetscInt  owners = MpmGridBoxOwners(grid, box, box + MPM_MAX_DIM, owner);
+
+    for (PetscInt i = 0; i < owners; i++) {
+      if (owner[i] == grid->rank) continue;
+      PetscCall(PetscMemcpy(&sent.data[place[owner[i]]], (const char *)*records + (size_t)k * size, size));
+      place[owner[i]] += words;
+    }
+  }
+  PetscCall(MpmListsExchange(grid->comm, &sent, &received));
+  const PetscInt more = received.offset[received.count] / words;
+
+  PetscCall(PetscRealloc((size_t)(*count + more) * size, records));
+  PetscCall(PetscMemcpy((char *)*records + (size_t)*count * size, received.data, (size_t)more * size));
+  *count += more;
+  PetscCall(MpmListsDestroy(&sent));
+  PetscCall(MpmListsDestroy(&received));
+  PetscCall(PetscFree2(owner, place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

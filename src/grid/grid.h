@@ -42,3 +42,9 @@ PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
 PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
+/*
+  Appends copies of other ranks' records to the own ones. boxes[k] holds the lower and the upper node, three indices
+  each, of the box about record k: it goes to all ranks that own nodes of it. Records are of `size` bytes, whole integers, and are
+  reallocated. Collective.
+*/
+PetscErrorCode MpmGridShare(const MpmGrid *grid, size_t size, const PetscInt boxes[], PetscInt *count, void **records);

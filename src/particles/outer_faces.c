@@ -151,56 +151,20 @@ static PetscBool Covered(const Bins *bins, const PetscReal z[], PetscInt part)
   return PETSC_FALSE;
 }
 
-#define WORDS (PetscInt)(sizeof(Domain) / sizeof(PetscInt))
-
 /* Copies of the domains that other ranks' probes may meet, to these ranks; theirs stand behind the own ones. */
 static PetscErrorCode ShareDomains(Bins *bins)
 {
-  const MpmGrid *grid = bins->grid;
-  MpmLists       sent = {0}, received = {0};
-  PetscMPIInt   *owner;
-  PetscInt      *count, *place;
+  PetscInt *boxes;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(grid->size, &owner));
-  PetscCall(PetscCalloc1((grid->size + 1), &count));
-  for (PetscInt pass = 0; pass < 2; pass++) {
-    for (PetscInt k = 0; k < bins->count; k++) {
-      PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], owners;
+  PetscCall(PetscMalloc1((2 * MPM_MAX_DIM * bins->count), &boxes));
+  for (PetscInt k = 0; k < bins->count; k++) {
+    PetscInt *box = &boxes[2 * MPM_MAX_DIM * k];
 
-      CellsAround(bins, bins->domain[k].x, PROBE + WIDE, lower, upper);
-      owners = MpmGridBoxOwners(grid, lower, upper, owner);
-      for (PetscInt i = 0; i < owners; i++) {
-        if (owner[i] == grid->rank) continue;
-        if (pass) PetscCall(PetscMemcpy(&sent.data[WORDS * place[owner[i]]++], &bins->domain[k], sizeof(Domain)));
-        else count[owner[i]]++;
-      }
-    }
-    if (pass) break;
-    PetscCall(PetscMalloc1(grid->size, &sent.rank));
-    PetscCall(PetscMalloc1((grid->size + 1), &sent.offset));
-    PetscCall(PetscMalloc1(grid->size, &place));
-    sent.offset[0] = 0;
-    for (PetscMPIInt r = 0; r < grid->size; r++) {
-      if (!count[r]) continue;
-      place[r]                    = sent.offset[sent.count] / WORDS;
-      sent.rank[sent.count]       = r;
-      sent.offset[sent.count + 1] = sent.offset[sent.count] + WORDS * count[r];
-      sent.count++;
-    }
-    PetscCall(PetscMalloc1(sent.offset[sent.count], &sent.data));
+    CellsAround(bins, bins->domain[k].x, PROBE + WIDE, box, box + MPM_MAX_DIM);
   }
-  PetscCall(MpmListsExchange(grid->comm, &sent, &received));
-  const PetscInt words = received.offset[received.count];
-
-  PetscCall(PetscRealloc((size_t)(bins->count + words / WORDS) * sizeof(Domain), &bins->domain));
-  PetscCall(PetscMemcpy(&bins->domain[bins->count], received.data, (size_t)words * sizeof(PetscInt)));
-  bins->count += words / WORDS;
-  PetscCall(MpmListsDestroy(&sent));
-  PetscCall(MpmListsDestroy(&received));
-  PetscCall(PetscFree(owner));
-  PetscCall(PetscFree(count));
-  PetscCall(PetscFree(place));
+  PetscCall(MpmGridShare(bins->grid, sizeof(Domain), boxes, &bins->count, (void **)&bins->domain));
+  PetscCall(PetscFree(boxes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,7 +183,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
     bins.domain[p] = MakeDomain(dim, points, p, part ? part[p] : 0);
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bins.reach, MPM_MAX_DIM, MPIU_REAL, MPIU_MAX, grid->comm));
-  if (grid->size > 1) PetscCall(ShareDomains(&bins));
+  PetscCall(ShareDomains(&bins));
   PetscCall(FillBins(&bins));
   for (PetscInt p = 0; p < points->count; p++) {
     faces[p] = 0;

@@ -179,8 +179,6 @@ static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define WORDS (PetscInt)(sizeof(MpmPairFacet) / sizeof(PetscInt))
-
 /* Cells around a facet, `more` on each side. */
 static void CellsAround(const MpmGrid *grid, const MpmPairFacet *facet, PetscInt more, PetscInt lower[],
                         PetscInt upper[])
@@ -196,51 +194,19 @@ static void CellsAround(const MpmGrid *grid, const MpmPairFacet *facet, PetscInt
 /* Copies of the facets to the ranks that own cells near them; those received stand behind the own ones. */
 static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid)
 {
-  const PetscInt more = (PetscInt)ceil(2. * SEARCH) + 1;
-  MpmLists       sent = {0}, received = {0};
-  PetscMPIInt   *owner;
-  PetscInt      *count, *place;
+  const PetscInt own = contacts->facet_count;
+  PetscInt      *boxes;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc3(grid->size, &owner, grid->size, &count, grid->size, &place));
-  PetscCall(PetscMalloc2(grid->size, &sent.rank, grid->size + 1, &sent.offset));
-  PetscCall(PetscArrayzero(count, grid->size));
-  for (PetscInt pass = 0; pass < 2; pass++) {
-    for (PetscInt k = 0; k < contacts->facet_count; k++) {
-      PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], owners;
+  PetscCall(PetscMalloc1((2 * MPM_MAX_DIM * own), &boxes));
+  for (PetscInt k = 0; k < own; k++) {
+    PetscInt *box = &boxes[2 * MPM_MAX_DIM * k];
 
-      CellsAround(grid, &contacts->facet[k], more, lower, upper);
-      for (PetscInt a = 0; a < grid->dim; a++) upper[a]++; /* cells to nodes */
-      owners = MpmGridBoxOwners(grid, lower, upper, owner);
-      for (PetscInt i = 0; i < owners; i++) {
-        if (owner[i] == grid->rank) continue;
-        if (pass)
-          PetscCall(PetscMemcpy(&sent.data[WORDS * place[owner[i]]++], &contacts->facet[k], sizeof(MpmPairFacet)));
-        else count[owner[i]]++;
-      }
-    }
-    if (pass) break;
-    sent.offset[0] = 0;
-    for (PetscMPIInt r = 0; r < grid->size; r++) {
-      if (!count[r]) continue;
-      place[r]                    = sent.offset[sent.count] / WORDS;
-      sent.rank[sent.count]       = r;
-      sent.offset[sent.count + 1] = sent.offset[sent.count] + WORDS * count[r];
-      sent.count++;
-    }
-    PetscCall(PetscMalloc1(sent.offset[sent.count], &sent.data));
+    CellsAround(grid, &contacts->facet[k], (PetscInt)ceil(2. * SEARCH) + 1, box, box + MPM_MAX_DIM);
   }
-  PetscCall(MpmListsExchange(grid->comm, &sent, &received));
-  const PetscInt own = contacts->facet_count, more_count = received.offset[received.count] / WORDS;
-
-  PetscCall(PetscRealloc((size_t)(own + more_count) * sizeof(MpmPairFacet), &contacts->facet));
-  PetscCall(PetscMemcpy(&contacts->facet[own], received.data, (size_t)more_count * sizeof(MpmPairFacet)));
-  for (PetscInt k = own; k < own + more_count; k++) contacts->facet[k].point = -1;
-  contacts->facet_count += more_count;
-  PetscCall(PetscFree(sent.data));
-  PetscCall(PetscFree2(sent.rank, sent.offset));
-  PetscCall(PetscFree3(owner, count, place));
-  PetscCall(MpmListsDestroy(&received));
+  PetscCall(MpmGridShare(grid, sizeof(MpmPairFacet), boxes, &contacts->facet_count, (void **)&contacts->facet));
+  for (PetscInt k = own; k < contacts->facet_count; k++) contacts->facet[k].point = -1;
+  PetscCall(PetscFree(boxes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -595,7 +561,7 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   contacts->touch  = TOUCH * contacts->cell;
   contacts->starts = (PetscBool)(rules->time_n == 0.);
   PetscCall(OwnFacets(contacts, rules, points, space));
-  if (rules->grid->size > 1) PetscCall(ShareFacets(contacts, rules->grid));
+  PetscCall(ShareFacets(contacts, rules->grid));
   qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmPairFacet), CompareFacets);
   PetscCall(PetscFree(contacts->list));
   PetscCall(PetscMalloc1((2 * contacts->facet_count * contacts->pairs->count), &contacts->list));

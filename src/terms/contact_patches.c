@@ -10,7 +10,7 @@
   unknowns, and what lies near it would move with it as one.
 
   Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. That distance is theirs from
-  then on: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
+  then on, stretched as the material is across the surface: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
@@ -153,6 +153,23 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How far apart planes of the material that had the normal n at the start stand now, over then: 1/|F^-T n|. */
+static PetscReal NormalStretch(const MpmPoints *points, PetscInt p, PetscInt dim, const PetscReal n[])
+{
+  const PetscReal *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
+  PetscReal        cofactor[MPM_MAX_DIM] = {0., 0., 0.}, square = 0.;
+
+  for (PetscInt axis = 0; axis < dim; axis++) {
+    PetscReal unused[MPM_MAX_DIM], area[MPM_MAX_DIM], size = 1.;
+
+    MpmOuterFace(dim, F, half, axis, 1, unused, area);
+    for (PetscInt a = 0; a < dim; a++) size *= a == axis ? 1. : 2. * half[a];
+    for (PetscInt a = 0; a < dim; a++) cofactor[a] += n[axis] * area[a] / size;
+  }
+  for (PetscInt a = 0; a < dim; a++) square += PetscSqr(cofactor[a]);
+  return MpmDeterminant(dim, F) / PetscSqrtReal(square);
+}
+
 /*
   Did the face touch the boundary at the start, and at which distance? It did where the boundary is the reason for which the lattice
   has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant.
@@ -166,12 +183,14 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   const PetscReal    sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
   PetscReal          at[MPM_MAX_DIM];
   MpmSurface         surface, beyond;
+  PetscReal          stretch;
 
   *touches = 0.;
   InitialPlace(dim, points, p, face, at);
   MpmBoundaryDistance(boundary, &still, at, &surface);
+  stretch = NormalStretch(points, p, dim, surface.normal);
   if (surface.distance <= 0.) {
-    *touches = surface.distance;
+    *touches = stretch * surface.distance;
     return PETSC_TRUE;
   }
   if (!contacts->cut[b] || -sign * surface.normal[axis] > 1. - ALIGNED)
@@ -179,7 +198,7 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   at[axis] += sign * half;
   MpmBoundaryDistance(boundary, &still, at, &beyond);
   if (beyond.distance > 0.) return PETSC_FALSE;
-  *touches = surface.distance;
+  *touches = stretch * surface.distance;
   return PETSC_TRUE;
 }
 

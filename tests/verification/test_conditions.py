@@ -209,7 +209,10 @@ def free_sides(test):
         test.check(f"{label}.stress", difference(run.table("stress")[:, 1], stress), None, 1e-8)
         test.check(f"{label}.lateral", np.max(np.abs(run.table("stress")[:, 0])) / abs(stress), None, 1e-8)
         test.near(f"{label}.force", run.results.column("reaction_plate_y")[-1], force, 1e-8)
-        test.near(f"{label}.depth", depth, -0.5 * force / np.exp(log_x) * CELL / (PENALTY * YOUNG), 1e-2)  # the area is that of the step's start
+        # the area of contact is that of the last step's start
+        before = np.log((2.0 - 0.36 + 2.0 * run.results.column("depth_floor")[-2]) / 2.0)
+        area = 2.0 * np.exp(-POISSON / (1.0 - POISSON) * before)
+        test.near(f"{label}.depth", depth, -force / area * CELL / (PENALTY * YOUNG), 1e-8)
 
 
 def stick(test):
@@ -256,12 +259,13 @@ def closing_ring(test):
     for label, (ranks, options) in cases.items():
         runs[label] = run = test.run(RING, ranks=ranks, snes_rtol=1e-12, **options)
         errors[label] = np.mean(np.abs(run.table("stress")[:, :2] / stress - 1.0))
-        test.check(f"ring_{label}.stress", errors[label], None, 0.03)
+        # distances from the ring that the lattice's steps keep are stretched from step to step: one step knows nothing of it
+        test.check(f"ring_{label}.stress", errors[label], None, 0.03 if label == "one_step" else 0.012)
         test.check(f"ring_{label}.balance", np.max(np.abs(reaction(run, "ring"))) / abs(stress), None, BALANCE)
         if label != "smooth":  # that may turn
             away = run.table("displacement") - motion - (stretch - 1.0) * (run.table("position0", "first") - 2.0)
-            test.check(f"ring_{label}.displacement", np.max(np.abs(away)), None, 0.003)
-    test.check("ring.order", np.log2(errors["coarse"] / errors["fine"]), 0.7, None)
+            test.check(f"ring_{label}.displacement", np.max(np.abs(away)), None, 0.0025 if label == "one_step" else 0.001)
+    test.check("ring.falls", errors["fine"] / errors["coarse"], None, 0.8)
     test.check("ring.same", difference(runs["coarse"].table("displacement"), runs["on_4"].table("displacement")), None, 1e-8)
     half = test.run(RING, snes_rtol=1e-12, mpm_time_end=0.5, mpm_checkpoint_every=1)
     rest = test.run(RING, snes_rtol=1e-12, mpm_restart=half.prefix + "_checkpoint.h5")
