@@ -144,7 +144,7 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
 /*
   MPM_KERNEL_MEAN(name, inputs, kernel, mean, tangent) - the same for a kernel whose last input is a mean over the cell;
-  it has one direction fewer than inputs, and brings its own tangent
+  it brings its own tangent, with as many directions as it takes for that
 */
 #if MPM_DIRECTIONS == 0
 #define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \
