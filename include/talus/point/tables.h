@@ -113,6 +113,10 @@ typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table
   stiffness  constrained modulus at a state, Pa: the stiffest that the Kirchhoff stress is against a uniaxial strain
              from there, elastic unloading included, or a bound on it; what scales penalties, tolerances and time steps.
              `state` NULL: as the state table has it; `F` NULL: not deformed; either alone is possible
+  shear_modulus  shear modulus of the elastic part at a state, Pa, > 0: the slope of a Kirchhoff shear stress over its shear
+             strain in unloading from there, the mean over all planes where they differ; `state` and `F` as for
+             `stiffness`, which bounds it. It scales the stabilization of a pressure field; NULL: a physics with one
+             refuses the law
   symmetric  NULL, or whether the law derives from a potential with these parameters, such as dilation = friction: it
              then has MPM_LAW_SYMMETRIC in that material. NULL: as `traits` has it
   history    NULL, or history from a wanted stress, where the law knows it better than a Newton iteration from rest:
@@ -137,6 +141,7 @@ typedef struct {
   unsigned                traits; /* MpmLawTrait values, or-ed */
   int (*check)(const double *parameter, const MpmLawTable *table, MpmLawFault *fault);
   double (*stiffness)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
+  double (*shear_modulus)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
   int (*symmetric)(const double *parameter, const MpmLawTable *table);
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
