@@ -309,9 +309,10 @@ typedef struct {
 /* A material as a physics sees it. */
 typedef struct {
   const MpmLawInfo  *info;
-  const double      *parameter; /* the law's */
+  const double      *parameter; /* the law's, */
+  const int         *set;       /* and whether the scene gives them */
   const MpmLawTable *table;
-  double             gravity; /* the scene's, or that of the Earth, m/s2 */
+  int                dim;
 } MpmPhysicsMaterial;
 
 /*
@@ -319,8 +320,9 @@ typedef struct {
   for every field, for every component, its value (if used), then its derivatives along the axes (if used), then its
   deviation (if used).
 
-  prepare  NULL, or what the physics makes of the values that a material's block has, once they are read; returns NULL, or
-           what is wrong with them: "permeability and conductivity are both given"
+  prepare  NULL, or what the physics makes of the values that a material's block has, once they are read, with the
+           scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with them: "permeability and
+           conductivity are both given"
   initial  NULL, or the physics' states of a point at the start, beside the table of states
 
   The first field must be the displacement increment with as many components as dimensions: it moves the points.
@@ -340,6 +342,6 @@ typedef struct {
   unsigned                traits; /* MpmPhysicsTrait values, or-ed */
   const char             *fbar;   /* the physics that takes its place with F-bar; NULL: none */
   int taken_up; /* 1 + place, in `common`, of the density of what a point takes up with its volume; 0: nothing */
-  const char *(*prepare)(const MpmPhysicsMaterial *material, double *value);
+  const char *(*prepare)(const MpmPhysicsMaterial *material, double gravity, double *value);
   void (*initial)(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own);
 } MpmPhysics;
