@@ -52,8 +52,8 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((owned * rates), &nodal));
   for (PetscInt s = 0; s < layout->shape_count; s++) {
-    const MpmPointValues values = {s, rates, rates, model->disc.points->value, model->disc.points->value_gradient,
-                                   rates * model->disc.dim};
+    const MpmPointValues values = {
+      s, rates, rates, model->disc.points->value, model->disc.points->value_gradient, rates * model->disc.dim};
 
     PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
     for (PetscInt k = 0; k < owned * rates; k++) {
@@ -230,8 +230,10 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(MpmModelPrescribe(model, time, why));
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < model->scene.surfaces->count; k++)
-    model->disc.surfaces->factor[k] = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
+    model->disc.surfaces->factor[k]   = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
+    model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
+  }
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));
@@ -407,6 +409,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(FindTrial(model));
   if (model->disc.sections)
     PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmSurfaceFlowCommit(model->disc.surfaces, model->disc.sum, model->disc.u));
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
