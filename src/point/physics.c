@@ -124,6 +124,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->near_null[b]        = field->near_null;
       layout->scale[b]            = field->scale;
       layout->increment[b]        = (PetscBool)field->increment;
+      layout->negative[b]         = (PetscBool)field->negative;
       layout->shape_of[b]         = shape;
       if (field->rate) layout->rate_component[layout->rates++] = b;
       PetscCheck(!field->deviation || (field->rate && field->gradient && layout->shape[shape].spacing == 1),

@@ -411,6 +411,8 @@ static PetscErrorCode Commit(MpmModel model)
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt k = 0; k < count; k++)
+    if (model->disc.layout->negative[k % bs]) model->disc.reaction[k] *= -1.;
   for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
     model->disc.points->x[k] =
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
