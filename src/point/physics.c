@@ -99,8 +99,9 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 {
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(layout, sizeof(*layout)));
-  layout->dim    = dim;
-  layout->kernel = &physics->kernels[dim];
+  layout->dim         = dim;
+  layout->kernel      = &physics->kernels[dim];
+  layout->field_count = physics->field_count;
   for (PetscInt f = 0; f < physics->field_count; f++) {
     const MpmField *field      = &physics->fields[f];
     const PetscInt  components = field->components ? field->components : dim;
@@ -119,6 +120,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->scale[b]            = field->scale;
       layout->increment[b]        = (PetscBool)field->increment;
       layout->shape_of[b]         = shape;
+      layout->field_of[b]         = f;
       if (field->rate) layout->rate_component[layout->rates++] = b;
       for (PetscInt basis = field->value ? 0 : 1; basis <= (field->gradient ? dim : 0); basis++) {
         PetscCheck(layout->inputs < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP,
