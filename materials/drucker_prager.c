@@ -173,6 +173,7 @@ static double MpmMaterialK0_drucker_prager(const double *parameter, const MpmLaw
   return 1. - sin(parameter[FRICTION] * 3.14159265358979323846 / 180.);
 }
 
-MPM_LAW_ALL(drucker_prager, MPM_LAW_PLASTIC, "Drucker-Prager plasticity with cohesion, dilation and volume correction",
-            parameters, states, MpmMaterialCheck_drucker_prager, ElasticStiffness, MpmMaterialEvaluate_drucker_prager,
-            NULL, NULL, MpmMaterialK0_drucker_prager)
+MPM_LAW_DEFINE(drucker_prager, parameters, states, MpmMaterialEvaluate_drucker_prager,
+               .summary = "Drucker-Prager plasticity with cohesion, dilation and volume correction",
+               .traits = MPM_LAW_PLASTIC, .check = MpmMaterialCheck_drucker_prager, .stiffness = ElasticStiffness,
+               .shear_modulus = ElasticShearModulus, .k0 = MpmMaterialK0_drucker_prager)

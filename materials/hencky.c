@@ -31,5 +31,6 @@ MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF
   return 0;
 }
 
-MPM_LAW(hencky, MPM_LAW_SYMMETRIC, "large-strain elasticity, linear in the logarithmic strain", parameters, states,
-        NULL, ElasticStiffness, MpmMaterialEvaluate_hencky)
+MPM_LAW_DEFINE(hencky, parameters, states, MpmMaterialEvaluate_hencky,
+               .summary = "large-strain elasticity, linear in the logarithmic strain", .traits = MPM_LAW_SYMMETRIC,
+               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus)

@@ -68,6 +68,7 @@ static double ShearStrength(const double *parameter, const double *state)
   return (parameter[YIELD_STRESS] + parameter[HARDENING] * state[STATE_ALPHA]) / sqrt(3.);
 }
 
-MPM_LAW_LIMITED(j2, MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC, "von Mises plasticity with linear isotropic hardening",
-                parameters, states, NULL, ElasticStiffness, MpmMaterialEvaluate_j2, NULL, NULL, NULL, NULL,
-                ShearStrength)
+MPM_LAW_DEFINE(j2, parameters, states, MpmMaterialEvaluate_j2,
+               .summary = "von Mises plasticity with linear isotropic hardening",
+               .traits = MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC, .stiffness = ElasticStiffness,
+               .shear_modulus = ElasticShearModulus, .shear_strength = ShearStrength)

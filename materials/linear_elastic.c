@@ -39,7 +39,8 @@ MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Te
   return 0;
 }
 
-/* Name (that of this file, and the option's value), traits, one line for -help, tables, check of parameters against
-   each other (NULL: none), stiffness at a state, kernel. */
-MPM_LAW(linear_elastic, MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN, "linear elasticity at small strain", parameters,
-        states, NULL, ElasticStiffness, MpmMaterialEvaluate_linear_elastic)
+/* Name (that of this file, and the option's value), tables, kernel; then members of MpmLawInfo: one line for -help, traits,
+   constrained and shear modulus at a state, and, in other laws, .check of parameters against each other and more. */
+MPM_LAW_DEFINE(linear_elastic, parameters, states, MpmMaterialEvaluate_linear_elastic,
+               .summary = "linear elasticity at small strain", .traits = MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN,
+               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus)

@@ -381,7 +381,15 @@ static double MpmMaterialK0_modified_cam_clay(const double *parameter, const Mpm
   return jaky * pow(fmax(ocr, 1.), sine);
 }
 
-MPM_LAW_ALL(modified_cam_clay, MPM_LAW_PLASTIC, "Modified Cam-Clay with logarithmic elasticity", parameters, states,
-            MpmMaterialCheck_modified_cam_clay, MpmMaterialStiffness_modified_cam_clay,
-            MpmMaterialEvaluate_modified_cam_clay, NULL, MpmMaterialHistory_modified_cam_clay,
-            MpmMaterialK0_modified_cam_clay)
+static double MpmMaterialShearModulus_modified_cam_clay(const double *parameter, const MpmLawTable *table,
+                                                        const double *state, const double *F)
+{
+  (void)table, (void)state, (void)F;
+  return parameter[SHEAR];
+}
+
+MPM_LAW_DEFINE(modified_cam_clay, parameters, states, MpmMaterialEvaluate_modified_cam_clay,
+               .summary = "Modified Cam-Clay with logarithmic elasticity", .traits = MPM_LAW_PLASTIC,
+               .check = MpmMaterialCheck_modified_cam_clay, .stiffness = MpmMaterialStiffness_modified_cam_clay,
+               .shear_modulus = MpmMaterialShearModulus_modified_cam_clay,
+               .history = MpmMaterialHistory_modified_cam_clay, .k0 = MpmMaterialK0_modified_cam_clay)

@@ -471,7 +471,9 @@ static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const M
   return sin(psi);
 }
 
-MPM_LAW_DILATANT(mohr_coulomb, MPM_LAW_PLASTIC, "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
-                 parameters, states, MpmMaterialCheck_mohr_coulomb, ElasticStiffness, MpmMaterialEvaluate_mohr_coulomb,
-                 MpmMaterialSymmetric_mohr_coulomb, ElasticHistory, MpmMaterialK0_mohr_coulomb,
-                 MpmMaterialDilatancy_mohr_coulomb)
+MPM_LAW_DEFINE(mohr_coulomb, parameters, states, MpmMaterialEvaluate_mohr_coulomb,
+               .summary = "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
+               .traits = MPM_LAW_PLASTIC, .check = MpmMaterialCheck_mohr_coulomb, .stiffness = ElasticStiffness,
+               .shear_modulus = ElasticShearModulus, .symmetric = MpmMaterialSymmetric_mohr_coulomb,
+               .history = ElasticHistory, .k0 = MpmMaterialK0_mohr_coulomb,
+               .dilatancy = MpmMaterialDilatancy_mohr_coulomb)

@@ -200,5 +200,19 @@ static double MpmMaterialStiffness_nacc(const double *parameter, const MpmLawTab
   return bulk * det + 2. / 3. * mu * (largest + mean) / cbrt(det);
 }
 
-MPM_LAW(nacc, MPM_LAW_PLASTIC | MPM_LAW_LAGGED, "snow and brittle foam: non-associated Cam-Clay with cohesion",
-        parameters, states, NULL, MpmMaterialStiffness_nacc, MpmMaterialEvaluate_nacc)
+/* d tau_xy/d gamma_xy is mu J^(-2/3) (b_xx + b_yy)/2; mu J^(-2/3) tr(b)/3 over all planes */
+static double MpmMaterialShearModulus_nacc(const double *parameter, const MpmLawTable *table, const double *state,
+                                           const double *F)
+{
+  Real b[MPM_SYM];
+
+  (void)table, (void)F;
+  if (!state) return RealValue(LameFromValues(parameter).mu);
+  for (int i = 0; i < MPM_SYM; ++i) b[i] = state[i];
+  return RealValue(LameFromValues(parameter).mu) * (state[0] + state[1] + state[2]) / 3. / cbrt(RealValue(StateDet(b)));
+}
+
+MPM_LAW_DEFINE(nacc, parameters, states, MpmMaterialEvaluate_nacc,
+               .summary = "snow and brittle foam: non-associated Cam-Clay with cohesion",
+               .traits = MPM_LAW_PLASTIC | MPM_LAW_LAGGED, .stiffness = MpmMaterialStiffness_nacc,
+               .shear_modulus = MpmMaterialShearModulus_nacc)

@@ -95,5 +95,19 @@ static double MpmMaterialStiffness_neo_hookean(const double *parameter, const Mp
   return volume * lambda + 2. * largest * mu;
 }
 
-MPM_LAW(neo_hookean, MPM_LAW_SYMMETRIC, "compressible neo-Hookean elasticity", parameters, states, NULL,
-        MpmMaterialStiffness_neo_hookean, MpmMaterialEvaluate_neo_hookean)
+/* d tau_xy/d gamma_xy is mu (b_xx + b_yy)/2, with `isochoric` mu J^{-2/3} (b_xx + b_yy)/2; mu tr(b)/3 over all planes */
+static double MpmMaterialShearModulus_neo_hookean(const double *parameter, const MpmLawTable *table,
+                                                  const double *state, const double *F)
+{
+  double mean = MPM_DIM == 2 ? 1. / 3. : 0.;
+
+  (void)table, (void)state;
+  if (!F) return RealValue(LameFromValues(parameter).mu);
+  for (int i = 0; i < MPM_DIM * MPM_DIM; i++) mean += F[i] * F[i] / 3.;
+  if (parameter[SHEAR] > 0.5) mean /= pow(MpmDeterminant(MPM_DIM, F), 2. / 3.);
+  return mean * RealValue(LameFromValues(parameter).mu);
+}
+
+MPM_LAW_DEFINE(neo_hookean, parameters, states, MpmMaterialEvaluate_neo_hookean,
+               .summary = "compressible neo-Hookean elasticity", .traits = MPM_LAW_SYMMETRIC,
+               .stiffness = MpmMaterialStiffness_neo_hookean, .shear_modulus = MpmMaterialShearModulus_neo_hookean)

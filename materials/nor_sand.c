@@ -645,6 +645,15 @@ static int MpmMaterialCheck_nor_sand(const double *parameter, const MpmLawTable 
   return count == 1;
 }
 
-MPM_LAW_ALL(nor_sand, MPM_LAW_PLASTIC, "Nor-Sand, critical state plasticity of sand", parameters, states,
-            MpmMaterialCheck_nor_sand, MpmMaterialStiffness_nor_sand, MpmMaterialEvaluate_nor_sand, NULL,
-            MpmMaterialHistory_nor_sand, MpmMaterialK0_nor_sand)
+static double MpmMaterialShearModulus_nor_sand(const double *parameter, const MpmLawTable *table, const double *state,
+                                               const double *F)
+{
+  (void)table, (void)state, (void)F;
+  return parameter[SHEAR];
+}
+
+MPM_LAW_DEFINE(nor_sand, parameters, states, MpmMaterialEvaluate_nor_sand,
+               .summary = "Nor-Sand, critical state plasticity of sand", .traits = MPM_LAW_PLASTIC,
+               .check = MpmMaterialCheck_nor_sand, .stiffness = MpmMaterialStiffness_nor_sand,
+               .shear_modulus = MpmMaterialShearModulus_nor_sand, .history = MpmMaterialHistory_nor_sand,
+               .k0 = MpmMaterialK0_nor_sand)

@@ -78,6 +78,21 @@ MPM_FN int MpmMaterialEvaluate_ogden(const MpmLawPoint *point, const Tensor *dF,
   return 0;
 }
 
+/* Squares of the principal stretches of F, largest first */
+static void SquaredStretches(const double *F, double w[3])
+{
+  Real values[MPM_DIM * MPM_DIM];
+  Sym  b;
+
+  for (int i = 0; i < MPM_DIM * MPM_DIM; i++) values[i] = F[i];
+  {
+    const Tensor tensor = TensorFromArray(values);
+
+    b = SymLeftCauchyGreen(&tensor);
+  }
+  SymPrincipalValues(&b, w);
+}
+
 /*
   d tau_a/d ln lambda_a = k J^2 + sum_i mu_i alpha_i ((4/9) lb_a^alpha_i + (1/9) (lb_b^alpha_i + lb_c^alpha_i)), bounded by
   the largest of the three powers, or the least where mu_i alpha_i < 0.
@@ -92,18 +107,7 @@ static double MpmMaterialStiffness_ogden(const double *parameter, const MpmLawTa
   double            stiffness = bulk * J * J, w[3] = {1., 1., 1.};
 
   (void)state;
-  if (F) {
-    Real values[MPM_DIM * MPM_DIM];
-    Sym  b;
-
-    for (int i = 0; i < MPM_DIM * MPM_DIM; i++) values[i] = F[i];
-    {
-      const Tensor tensor = TensorFromArray(values);
-
-      b = SymLeftCauchyGreen(&tensor);
-    }
-    SymPrincipalValues(&b, w);
-  }
+  if (F) SquaredStretches(F, w);
   for (long i = 0; i < table[TERMS].count; i++, row += 2) {
     const double large = pow(w[0] / pow(J, 2. / 3.), 0.5 * row[0]), small = pow(w[2] / pow(J, 2. / 3.), 0.5 * row[0]);
     const double product = row[0] * row[1];
@@ -111,6 +115,25 @@ static double MpmMaterialStiffness_ogden(const double *parameter, const MpmLawTa
     stiffness += 2. / 3. * product * (product > 0. ? fmax(large, small) : fmin(large, small));
   }
   return stiffness;
+}
+
+/* Least shear modulus, over that at rest: terms with mu_i alpha_i < 0 have none at large stretch. */
+#define LEAST_SHEAR 0.01
+
+/* sum_i (mu_i alpha_i/2) lb_a^alpha_i, the mean over the axes a */
+static double MpmMaterialShearModulus_ogden(const double *parameter, const MpmLawTable *table, const double *state,
+                                            const double *F)
+{
+  const double *row  = table[TERMS].value;
+  double        w[3] = {1., 1., 1.}, rest = 0., modulus = 0.;
+
+  (void)parameter, (void)state;
+  if (F) SquaredStretches(F, w);
+  for (long i = 0; i < table[TERMS].count; i++, row += 2) {
+    rest += 0.5 * row[0] * row[1];
+    for (int a = 0; a < 3; a++) modulus += row[0] * row[1] / 6. * pow(w[a] / cbrt(w[0] * w[1] * w[2]), 0.5 * row[0]);
+  }
+  return fmax(modulus, LEAST_SHEAR * rest);
 }
 
 static int MpmMaterialCheck_ogden(const double *parameter, const MpmLawTable *table, MpmLawFault *fault)
@@ -133,5 +156,7 @@ static int MpmMaterialCheck_ogden(const double *parameter, const MpmLawTable *ta
   return given ? nu == NU_LEFT_OUT : nu > -1. && nu < NU_LEFT_OUT;
 }
 
-MPM_LAW(ogden, MPM_LAW_SYMMETRIC, "compressible elasticity in powers of the principal stretches", parameters, states,
-        MpmMaterialCheck_ogden, MpmMaterialStiffness_ogden, MpmMaterialEvaluate_ogden)
+MPM_LAW_DEFINE(ogden, parameters, states, MpmMaterialEvaluate_ogden,
+               .summary = "compressible elasticity in powers of the principal stretches", .traits = MPM_LAW_SYMMETRIC,
+               .check = MpmMaterialCheck_ogden, .stiffness = MpmMaterialStiffness_ogden,
+               .shear_modulus = MpmMaterialShearModulus_ogden)

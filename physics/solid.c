@@ -19,21 +19,12 @@
 */
 #include "solid.h"
 
-/* The law's answer; in a stage without motion, the stress that is there already. */
-MPM_FN int Stress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
-{
-  if (!point->stress_n) return LawStress(point, dF, tau);
-  *tau = SymLoad(point->stress_n);
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_DIM, point->F_n), tau);
-  return 0;
-}
-
 static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
   Sym          tau;
 
-  if (Stress(point, &dF, &tau)) return 1;
+  if (SolidStress(point, &dF, &tau)) return 1;
   SolidFlux(point, &tau, &dF, flux);
   SolidKeep(point, &tau, &dF);
   return 0;

@@ -4,6 +4,15 @@
 */
 #include "talus/point/law.h"
 
+/* The law's answer; in a stage without motion, the stress that is there already. */
+MPM_FN int SolidStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
+{
+  if (!point->stress_n) return LawStress(point, dF, tau);
+  *tau = SymLoad(point->stress_n);
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_DIM, point->F_n), tau);
+  return 0;
+}
+
 /* The flux conjugate to du_a,b: V_0 (tau dF^{-T})_ab, or V_0 sigma_ac F_n,bc at small strain. */
 MPM_FN void SolidFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF, Scalar flux[])
 {

@@ -10,7 +10,9 @@
 #include "talus/point/dense.h"
 
 #define MPM_MAX_DIM 3
-#define MPM_BASES   (MPM_MAX_DIM + 1) /* basis functions of one shape: its weights, then their derivatives */
+/* Basis functions of one shape: weights, then derivatives, then weights less their means. */
+#define MPM_BASES          (MPM_MAX_DIM + 2)
+#define MPM_DEVIATION(dim) ((dim) + 1)
 
 /*
   Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the

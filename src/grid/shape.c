@@ -32,11 +32,6 @@
 const char *const MpmShapeTypes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2", NULL};
 const char *const MpmEdgeTypes[]  = {"linear", "open", NULL};
 
-/* Overlaps with an interval that are smaller than this part of the domain are rounding. */
-#define MPM_SHAPE_TOUCH 1e-9
-/* Domains shorter than this count as points: their inverse length would overflow. */
-#define MPM_SHAPE_POINT 1e-100
-
 /* The point's knot interval: B-splines are polynomials of `local` while it stays between `offset` and `offset` + 1. */
 typedef struct {
   PetscInt  index;        /* interval [index + offset, index + offset + 1] */

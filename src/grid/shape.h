@@ -56,6 +56,11 @@ typedef struct {
   PetscReal *gradient; /* derivatives by xi (divide by h for d/dx) */
 } MpmShapeLine;
 
+/* Overlaps with an interval that are smaller than this part of the domain are rounding. */
+#define MPM_SHAPE_TOUCH 1e-9
+/* Domains shorter than this count as points: their inverse length would overflow. */
+#define MPM_SHAPE_POINT 1e-100
+
 /*
   MpmShapeEvaluate - weights and gradients on one axis
 
@@ -77,3 +82,9 @@ typedef struct {
 */
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                       PetscInt edge_upper, MpmShapeLine *line);
+/*
+  The mean over the cell of what the nodes of `line` carry (shape_mean.c): mean[k] of its k-th node; where the domain lies in
+  several cells, its part in each counts. Arguments as above, with the line that MpmShapeEvaluate() has made.
+*/
+void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
+                  PetscInt edge_upper, const MpmShapeLine *line, PetscReal mean[]);

@@ -359,6 +359,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   for (PetscInt b = 0; b < body_count; b++) PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
+  if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   particles->total = id;
   PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE,

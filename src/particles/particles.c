@@ -58,6 +58,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (fields->own_size) PetscCall(Register(particles, "own", fields->own_size, PETSC_REAL));
   if (fields->increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
   if (fields->rates) PetscCall(Register(particles, "value", fields->rates, PETSC_REAL));
+  if (fields->rates) PetscCall(Register(particles, "value_gradient", fields->rates * dim, PETSC_REAL));
   for (PetscInt e = 0; e < fields->extra_count; e++) PetscCall(Register(particles, fields->extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
   particles->dim             = dim;
@@ -105,6 +106,8 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->has_faces) PetscCall(DMSwarmGetField(swarm, "faces", NULL, NULL, (void **)&points->faces));
   if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "part", NULL, NULL, (void **)&points->part));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
+  if (particles->rates)
+    PetscCall(DMSwarmGetField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,6 +134,8 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   if (particles->has_faces) PetscCall(DMSwarmRestoreField(swarm, "faces", NULL, NULL, (void **)&points->faces));
   if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "part", NULL, NULL, (void **)&points->part));
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
+  if (particles->rates)
+    PetscCall(DMSwarmRestoreField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));
   PetscCall(PetscMemzero(points, sizeof(*points)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -21,7 +21,8 @@ typedef struct MpmPoints {
   PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
   PetscReal *state;  /* state_size values */
   PetscReal *own;    /* own_size values: states of the physics' own */
-  PetscReal *value;  /* rate values */
+  PetscReal *value;  /* rate values, */
+  PetscReal *value_gradient; /* and their derivatives by x */
   PetscReal
     *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
 } MpmPoints;

@@ -31,6 +31,12 @@ MPM_FN double Stiffness(const double *parameter, const MpmLawTable *table, const
   return parameter[MODULUS];
 }
 
+MPM_FN double ShearModulus(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
+{
+  (void)table, (void)state, (void)F;
+  return 0.5 * parameter[MODULUS];
+}
+
 MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Real *parameter = point->parameter;
@@ -59,5 +65,6 @@ MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sy
   return 0;
 }
 
-MPM_LAW(k0_law, MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN | MPM_LAW_INTERNAL, "stress increments with a fixed ratio",
-        parameters, states, NULL, Stiffness, MpmMaterialEvaluate_k0)
+MPM_LAW_DEFINE(k0_law, parameters, states, MpmMaterialEvaluate_k0, .summary = "stress increments with a fixed ratio",
+               .traits = MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN | MPM_LAW_INTERNAL, .stiffness = Stiffness,
+               .shear_modulus = ShearModulus)

@@ -49,6 +49,7 @@ PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *i
 
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
 {
+  if (variable->kind == MPM_STATE_VECTOR) return dim;
   return variable->kind == MPM_STATE_SCALAR ? 1 : MpmSymSize(dim);
 }
 
@@ -211,7 +212,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   MpmOptions   block = {options->comm, prefix, options->record};
   const char **names;
   PetscInt     type = 0;
-  PetscBool    given;
+  PetscBool    given, has;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(material, sizeof(*material)));
@@ -229,10 +230,13 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->given));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->table));
+  PetscCall(PetscCalloc1(material->info.parameter_count, &material->set));
   if (!given) PetscCall(PrintLaws(&block));
   for (size_t i = 0; given && i < material->info.parameter_count; i++) {
     const MpmParameter parameter = WithDefault(material, i);
 
+    PetscCall(MpmOptionsHas(&block, parameter.name, &has));
+    material->set[i] = has;
     PetscCall(MpmParameterRead(&block, &parameter, &material->parameter[i], &material->table[i]));
     if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
     if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
@@ -259,22 +263,76 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, MpmMaterial *material)
+PetscInt MpmParameterPlaces(const MpmParameter *parameter)
+{
+  return parameter->kind == MPM_AXES ? MPM_MAX_DIM : 1;
+}
+
+/* One number, or one an axis, into three places; left out: the fallback. */
+static PetscErrorCode ReadAxes(const MpmOptions *block, PetscInt dim, const MpmParameter *parameter, double value[])
+{
+  const MpmRange range = {parameter->lower, parameter->upper, (PetscBool)(parameter->open != 0)};
+  char           text[MPM_RANGE_TEXT], number[MPM_NUMBER_TEXT];
+  PetscReal     *given;
+  PetscInt       count;
+
+  PetscFunctionBeginUser;
+  MpmRangeText(range, text);
+  PetscCall(MpmOptionsRealList(block, parameter->name, parameter->unit, parameter->help, MPM_OPTIONAL, &count, &given));
+  MpmCheckInput(count <= 1 || count == dim, "-%s%s has %" PetscInt_FMT " numbers: must be one, or one an axis",
+                block->prefix, parameter->name, count);
+  for (PetscInt a = 0; a < count; a++) {
+    MpmRealText(given[a], number);
+    MpmCheckInput(MpmRangeHolds(range, given[a]), "-%s%s %s: must be %s", block->prefix, parameter->name, number, text);
+  }
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = count ? given[PetscMin(a, count - 1)] : parameter->fallback;
+  PetscCall(PetscFree(given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, PetscInt dim,
+                                      MpmMaterial *material)
 {
   char        prefix[256];
   MpmOptions  block = {options->comm, prefix, options->record};
   MpmLawTable unused;
+  PetscInt    place = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", material->name));
-  PetscCall(PetscCalloc1(physics->parameter_count, &material->physics_parameter));
+  PetscCall(
+    PetscCalloc1((MPM_MAX_DIM * physics->parameter_count + physics->common_count), &material->physics_parameter));
   for (int k = 0; k < physics->parameter_count; k++) {
     const MpmParameter *parameter = &physics->parameters[k];
 
-    PetscCheck(parameter->kind <= MPM_WORD, options->comm, PETSC_ERR_SUP,
+    PetscCheck(parameter->kind <= MPM_WORD || parameter->kind == MPM_AXES, options->comm, PETSC_ERR_SUP,
                "physics %s: its parameter %s must be a number or a word", physics->name, parameter->name);
-    PetscCall(MpmParameterRead(&block, parameter, &material->physics_parameter[k], &unused));
+    if (parameter->kind == MPM_AXES)
+      PetscCall(ReadAxes(&block, dim, parameter, &material->physics_parameter[place]));
+    else PetscCall(MpmParameterRead(&block, parameter, &material->physics_parameter[place], &unused));
+    place += MpmParameterPlaces(parameter);
   }
+  for (int k = 0; k < physics->common_count; k++) {
+    PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_%s_", physics->common[k].block));
+    PetscCall(MpmParameterRead(&block, &physics->common[k].parameter, &material->physics_parameter[place++], &unused));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MpmPhysicsMaterial MpmMaterialForPhysics(const MpmMaterial *material, PetscInt dim)
+{
+  return (MpmPhysicsMaterial){&material->info, material->parameter, material->set, material->table, (int)dim};
+}
+
+PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, PetscReal gravity, MpmMaterial *material)
+{
+  const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, dim);
+  const char              *why;
+
+  PetscFunctionBeginUser;
+  if (!physics->prepare || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  why = physics->prepare(&of, gravity, material->physics_parameter);
+  MpmCheckInput(!why, "-mpm_material_%s: %s", material->name, why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -285,6 +343,7 @@ PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
   PetscCall(PetscFree(material->parameter));
   PetscCall(PetscFree(material->given));
   PetscCall(PetscFree(material->physics_parameter));
+  PetscCall(PetscFree(material->set));
   PetscCall(MpmTablesDestroy(material->info.parameter_count, &material->table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

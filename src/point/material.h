@@ -15,7 +15,8 @@ typedef struct MpmMaterial {
   MpmLawInfo   info;
   double      *parameter;         /* in force; strengths may be reduced */
   double      *given;             /* as the scene has them */
-  double      *physics_parameter; /* what the physics takes of this material */
+  int         *set;               /* does the scene give it? */
+  double      *physics_parameter; /* what the physics takes of this material, and of the whole scene */
   MpmLawTable *table;             /* by parameter */
   MpmFunction  law[MPM_FORM_COUNT];
   MpmDilatancy dilatancy;   /* of the law, where F-bar leaves dilation to the points; or NULL */
@@ -37,8 +38,15 @@ typedef struct MpmMaterials {
 } MpmMaterials;
 
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
-/* The parameters of the physics, which stand in the material's block too. */
-PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, MpmMaterial *material);
+/* The parameters of the physics, which stand in the material's block too, and behind them those of the whole scene. */
+PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, PetscInt dim,
+                                      MpmMaterial *material);
+/* How many places a physics' parameter takes among its values. */
+PetscInt MpmParameterPlaces(const MpmParameter *parameter);
+/* A material as its physics sees it. */
+MpmPhysicsMaterial MpmMaterialForPhysics(const MpmMaterial *material, PetscInt dim);
+/* What the physics makes of them, once the scene's gravity, m/s2, is known. */
+PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, PetscReal gravity, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Divides all strengths that the scene gives by a factor > 0, angles by their tangents; the other parameters stay. */
 void      MpmMaterialReduce(MpmMaterial *material, PetscReal factor);

@@ -95,6 +95,12 @@ static PetscErrorCode FindShape(const MpmPhysics *physics, PetscInt f, MpmLayout
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool UsesBasis(const MpmField *field, PetscInt dim, PetscInt basis)
+{
+  if (!basis) return (PetscBool)(field->value != 0);
+  return (PetscBool)((basis == MPM_DEVIATION(dim) ? field->deviation : basis <= dim && field->gradient) != 0);
+}
+
 PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout)
 {
   PetscFunctionBeginUser;
@@ -122,7 +128,13 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->shape_of[b]         = shape;
       layout->field_of[b]         = f;
       if (field->rate) layout->rate_component[layout->rates++] = b;
-      for (PetscInt basis = field->value ? 0 : 1; basis <= (field->gradient ? dim : 0); basis++) {
+      PetscCheck(!field->deviation || (field->rate && field->gradient && layout->shape[shape].spacing == 1),
+                 PETSC_COMM_SELF, PETSC_ERR_SUP,
+                 "physics %s, field %s: a deviation needs a rate, the gradient, and nodes on the grid's lattice",
+                 physics->name, field->name);
+      if (field->deviation) layout->deviation_component[layout->deviations++] = b;
+      for (PetscInt basis = 0; basis < MPM_BASES; basis++) {
+        if (!UsesBasis(field, dim, basis)) continue;
         PetscCheck(layout->inputs < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP,
                    "physics %s has more than %d kernel inputs", physics->name, MPM_MAX_INPUTS);
         layout->component_of[layout->inputs] = b;
@@ -132,6 +144,9 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
     }
   }
   for (PetscInt s = 0; s < physics->state_count; s++) layout->own_size += MpmStateComponents(&physics->states[s], dim);
+  layout->taken_up = physics->taken_up - 1;
+  for (int k = 0; physics->taken_up && k < physics->parameter_count; k++)
+    layout->taken_up += MpmParameterPlaces(&physics->parameters[k]);
   layout->means = layout->kernel->mean ? 1 : 0;
   layout->solid = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
   PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
@@ -144,6 +159,14 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
 {
   for (PetscInt k = 0; k < layout->inputs; k++)
-    if (layout->basis_of[k] % MPM_BASES == 0) return PETSC_TRUE;
+    if (layout->basis_of[k] % MPM_BASES == 0 ||
+        layout->basis_of[k] % MPM_BASES == MPM_DEVIATION(layout->dim)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscBool MpmLayoutUsesDeviation(const MpmLayout *layout, PetscInt shape)
+{
+  for (PetscInt k = 0; k < layout->deviations; k++)
+    if (layout->shape_of[layout->deviation_component[k]] == shape) return PETSC_TRUE;
   return PETSC_FALSE;
 }

@@ -359,7 +359,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     PetscCall(
       MpmMaterialCreate(options, model->scene.materials->names[m], model->disc.dim, &model->scene.materials->at[m]));
-    PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, &model->scene.materials->at[m]));
+    PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, &model->scene.materials->at[m]));
     if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->scene.materials->at[m].stiffness);
   }
@@ -431,6 +431,23 @@ static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define EARTH 9.81
+
+/* The largest of the scene's gravity loads, or that of the Earth, m/s2. */
+static PetscReal Gravity(const MpmLoads *loads, PetscInt dim)
+{
+  PetscReal most = 0.;
+
+  for (PetscInt l = 0; l < loads->count; l++) {
+    PetscReal square = 0.;
+
+    for (PetscInt a = 0; loads->at[l].type == MPM_LOAD_GRAVITY && a < dim; a++)
+      square += PetscSqr(loads->at[l].value[a]);
+    most = PetscMax(most, PetscSqrtReal(square));
+  }
+  return most > 0. ? most : EARTH;
+}
+
 static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 {
   PetscFunctionBeginUser;
@@ -463,6 +480,9 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->scene.loads->names[l]);
     }
   }
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
+                                 &model->scene.materials->at[m]));
   PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
                              &model->results->tracks.count, &model->results->tracks.names));
   PetscCall(PetscCalloc1(model->results->tracks.count, &model->results->tracks.at));
@@ -483,9 +503,18 @@ static PetscErrorCode FillOwnStates(MpmModel model)
   PetscFunctionBeginUser;
   if (!model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++)
-    MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim,
-                    &points.own[p * model->disc.layout->own_size]);
+  for (PetscInt p = 0; p < points.count; p++) {
+    const MpmMaterial *material = &model->scene.materials->at[points.material[p]];
+    PetscReal         *own      = &points.own[p * model->disc.layout->own_size];
+
+    MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim, own);
+    if (physics->initial) {
+      const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, model->disc.dim);
+
+      physics->initial(&of, material->physics_parameter,
+                       points.state ? &points.state[p * model->state.particles->state_size] : NULL, own);
+    }
+  }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -120,8 +120,10 @@ static PetscErrorCode FillOwn(const void *ctx, PetscReal values[])
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < source->points->count; p++) {
-    if (source->components == 6) CopySym(dim, &own[p * size + source->first], &values[6 * p]);
-    else values[p] = own[p * size + source->first];
+    const PetscReal *from = &own[p * size + source->first];
+
+    if (source->components == 6) CopySym(dim, from, &values[6 * p]);
+    else for (PetscInt c = 0; c < source->components; c++) values[source->components * p + c] = from[c];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -190,8 +192,9 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
   }
   for (PetscInt s = 0; s < model->scene.physics.state_count; s++) {
     const MpmStateVariable *variable = &model->scene.physics.states[s];
+    const PetscInt          size     = MpmStateComponents(variable, dim);
     const MpmDataset        set      = {
-                  .name = variable->name, .components = variable->kind == MPM_STATE_SYM ? 6 : 1, .fill = FillOwn};
+                  .name = variable->name, .components = variable->kind == MPM_STATE_SYM ? 6 : size, .fill = FillOwn};
 
     Add(fields, &set, &source);
     source.first += MpmStateComponents(variable, dim);

@@ -63,11 +63,48 @@ MPM_INLINE void Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p,
   }
 }
 
+/*
+  The values of fields with a rate, and their gradients by the new position, dF^{-T} times those by the old one; dF = I +
+  grad du.
+*/
+static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, const PetscReal field[],
+                       const PetscReal values[], MpmWorkspace *work)
+{
+  const MpmLayout *layout = sum->layout;
+  const MpmKnown   known  = KnownGeneral(layout, group);
+  const PetscInt   dim = known.dim, n = known.n, rates = layout->rates;
+  PetscReal        dF[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], det;
+
+  MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
+  for (PetscInt i = 0; i < dim; i++) {
+    for (PetscInt j = 0; j < dim; j++) {
+      dF[i * dim + j] = i == j ? 1. : 0.;
+      for (PetscInt k = 0; k < n; k++) dF[i * dim + j] += work->basis.basis[1 + j][k] * values[i * n + k];
+    }
+  }
+  det = MpmCofactors(dim, dF, cofactor);
+  for (PetscInt r = 0; r < rates; r++) {
+    const PetscInt    c = layout->rate_component[r];
+    PetscReal *const *by = &work->basis.basis[layout->shape_of[c] * MPM_BASES + 1];
+    PetscReal         G[MPM_MAX_DIM], *gradient = &sum->points->value_gradient[(p * rates + r) * dim];
+
+    sum->points->value[p * rates + r] = field[c];
+    for (PetscInt j = 0; j < dim; j++) {
+      G[j] = 0.;
+      for (PetscInt k = 0; k < n; k++) G[j] += by[j][k] * values[c * n + k];
+    }
+    for (PetscInt i = 0; i < dim; i++) {
+      gradient[i] = 0.;
+      for (PetscInt j = 0; j < dim; j++) gradient[i] += cofactor[i * dim + j] * G[j] / det;
+    }
+  }
+}
+
 /* One group's points go where the displacement at its nodes takes them. */
 MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                      const PetscReal u[], PetscReal values[])
+                                      const PetscReal u[], PetscReal values[], MpmWorkspace *work)
 {
-  const PetscInt   dim = known.dim, rates = sum->layout->rates;
+  const PetscInt   dim = known.dim;
   const MpmPoints *points = sum->points;
 
   MpmSumGather(known, sum, group, u, values);
@@ -84,7 +121,7 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     }
     Interpolate(known, sum, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
-    for (PetscInt r = 0; r < rates; r++) points->value[p * rates + r] = field[sum->layout->rate_component[r]];
+    if (!known.solid && points->value) KeepValues(sum, group, p, field, values, work);
     if (points->increment)
       KeepIncrement(dim, field, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim],
                     &points->increment[p * MPM_INCREMENT(dim)]);
@@ -96,16 +133,16 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = sum->space->dim;
-  PetscReal       *values;
+  MpmWorkspace     work;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((PetscPowInt(sum->space->width, dim) * sum->block), &values));
+  PetscCall(MpmWorkspaceCreate(sum, &work));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, values);
+    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, work.values, &work);
   }
-  PetscCall(PetscFree(values));
+  PetscCall(PetscFree(work.storage));
   PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
   PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
   PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->own_size));

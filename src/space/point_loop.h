@@ -169,6 +169,10 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->F_n               = &points->F[p * dim * dim];
   point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
+  point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
+  point->gravity           = sum->gravity;
+  point->info              = &material->info;
+  point->stage             = NULL;
   point->volume0           = points->volume0[p];
   point->dt                = sum->dt;
   point->traits            = material->info.traits;
@@ -256,6 +260,23 @@ MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, Petsc
   }
 }
 
+/* The weights less their means over the cell, from the weights. */
+MPM_INLINE void MpmShapeDeviation(const MpmKnown known, const MpmSpace *space, PetscInt shape, PetscInt point,
+                                  const PetscReal weight[], PetscReal deviation[])
+{
+  const PetscInt   dim = known.dim, W = space->width;
+  const PetscReal *mx = &space->shape[shape].mean[point * dim * W], *my = mx + W, *mz = my + W;
+  PetscInt         n  = 0;
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++) {
+      const PetscReal row = dim == 2 ? my[j] : my[j] * mz[l];
+
+      for (PetscInt k = 0; k < known.count[0]; k++, n++) deviation[n] = weight[n] - mx[k] * row;
+    }
+  }
+}
+
 /* All shapes; a solid has one. */
 MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscBool weights,
                             const MpmBasis *basis)
@@ -263,4 +284,9 @@ MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscIn
   MpmShapeBasis(known, space, 0, point, weights, basis->basis);
   for (PetscInt s = 1; !known.solid && s < space->shape_count; s++)
     MpmShapeBasis(known, space, s, point, weights, &basis->basis[s * MPM_BASES]);
+  for (PetscInt s = 0; !known.solid && s < space->shape_count; s++) {
+    PetscReal *const *of = &basis->basis[s * MPM_BASES];
+
+    if (space->shape[s].mean) MpmShapeDeviation(known, space, s, point, of[0], of[MPM_DEVIATION(known.dim)]);
+  }
 }

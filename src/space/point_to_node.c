@@ -89,7 +89,7 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
     MpmFetch(points->volume0, ahead, 1);
     WeighNodes(known, along, space->width, p, points->volume0[p], project->weight);
     for (PetscInt c = 0; c < components; c++) {
-      const PetscReal *gradient = of->gradient ? &of->gradient[p * of->stride + c * dim] : flat;
+      const PetscReal *gradient = of->gradient ? &of->gradient[p * of->gradient_stride + c * dim] : flat;
       PetscReal        start    = of->value[p * of->stride + c];
 
       for (PetscInt a = 0; a < dim; a++)

@@ -13,7 +13,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscFunctionBeginUser;
   PetscCall(PetscFree2(space->first, space->count));
   for (PetscInt k = 0; k < space->shape_count; k++)
-    PetscCall(PetscFree2(space->shape[k].weight, space->shape[k].gradient));
+    PetscCall(PetscFree3(space->shape[k].weight, space->shape[k].gradient, space->shape[k].mean));
   PetscCall(PetscFree(space->support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));

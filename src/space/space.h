@@ -25,9 +25,12 @@ typedef struct {
   PetscInt box; /* into groups: one without points that holds the nodes of them all */
 } MpmCell;
 
-/* Weights of a shape: per point and axis `width` values, from the first node of the point's group on; gradients by x. */
+/*
+  Weights of a shape: per point and axis `width` values, from the first node of the point's group on; gradients by x; and
+  means over the cell, NULL where no field asks for its deviation.
+*/
 typedef struct {
-  PetscReal *weight, *gradient;
+  PetscReal *weight, *gradient, *mean;
 } MpmWeights;
 
 /*
@@ -147,7 +150,7 @@ PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal
 PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[]);
 /*
   The weights and derivatives of one point at its group's nodes, shape by shape: basis[0] weights, basis[1..dim]
-  derivatives by x, y, z; each of node_count values, x fastest.
+  derivatives by x, y, z, basis[dim + 1] weights less their means over the cell; each of node_count values, x fastest.
 */
 #define MPM_MAX_WIDTH 16
 typedef struct {

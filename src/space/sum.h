@@ -22,6 +22,8 @@ typedef struct MpmSum {
   PetscInt           block;                /* values a node has */
   PetscInt           state_size, own_size; /* of a point's history, the law's and the physics' own */
   PetscReal          dt;
+  PetscReal          gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
+  const PetscReal   *deviation_n;          /* of the points, at the step's start (deviation.c); NULL: no field has one */
   PetscBool          rest;  /* no motion: stresses are those of the step's start */
   const MpmTrial    *trial; /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
@@ -29,13 +31,17 @@ typedef struct MpmSum {
 /*
   Values of the points at the owned nodes, by the weights of one of the space's shapes, and with their gradients by x where
   `gradient` is not NULL (point_to_node.c). Point p has `components` values from value[p*stride] and components * dim
-  derivatives from gradient[p*stride].
+  derivatives from gradient[p*gradient_stride].
 */
 typedef struct {
   PetscInt         shape, components, stride;
   const PetscReal *value, *gradient;
+  PetscInt         gradient_stride;
 } MpmPointValues;
 PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values, PetscReal nodal[]);
+
+/* The deviations at the points of all fields that have one, from values at the local nodes, `layout->block` a node. */
+PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal deviation[]);
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);

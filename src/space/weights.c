@@ -82,6 +82,7 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
 /* The nodes that points touch with one shape, and their weights: per point and axis `width` values. */
 typedef struct {
   PetscInt   width;
+  PetscBool  mean; /* are means over the cell wanted? */
   PetscInt  *first, *count;
   MpmWeights values;
 } Lines;
@@ -124,8 +125,9 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(count, &lines->first, count, &lines->count));
-  PetscCall(
-    PetscMalloc2((count * lines->width), &lines->values.weight, (count * lines->width), &lines->values.gradient));
+  PetscCall(PetscMalloc3((count * lines->width), &lines->values.weight, (count * lines->width),
+                         &lines->values.gradient, (lines->mean ? count * lines->width : 0), &lines->values.mean));
+  if (!lines->mean) lines->values.mean = NULL;
   for (PetscInt p = 0; p < points->count; p++) {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
@@ -138,6 +140,9 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
 
       EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
       for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
+      if (lines->mean)
+        MpmShapeMean(shape->type, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line,
+                     &lines->values.mean[k * lines->width]);
       lines->first[k] = line.first + (a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0);
       lines->count[k] = line.count;
     }
@@ -167,14 +172,17 @@ static PetscErrorCode Unite(MpmSpace *space, PetscInt count, Lines lines[], Pets
   for (PetscInt s = 0; s < space->shape_count; s++) {
     MpmWeights *to = &space->shape[s];
 
-    PetscCall(PetscCalloc2((count * space->width), &to->weight, (count * space->width), &to->gradient));
+    PetscCall(PetscCalloc3((count * space->width), &to->weight, (count * space->width), &to->gradient,
+                           (lines[s].mean ? count * space->width : 0), &to->mean));
+    if (!lines[s].mean) to->mean = NULL;
     for (PetscInt k = 0; k < count; k++) {
       const PetscInt place = k * space->width + lines[s].first[k] - first[k], from = k * lines[s].width;
 
       PetscCall(PetscArraycpy(&to->weight[place], &lines[s].values.weight[from], lines[s].count[k]));
       PetscCall(PetscArraycpy(&to->gradient[place], &lines[s].values.gradient[from], lines[s].count[k]));
+      if (to->mean) PetscCall(PetscArraycpy(&to->mean[place], &lines[s].values.mean[from], lines[s].count[k]));
     }
-    PetscCall(PetscFree2(lines[s].values.weight, lines[s].values.gradient));
+    PetscCall(PetscFree3(lines[s].values.weight, lines[s].values.gradient, lines[s].values.mean));
     if (s) PetscCall(PetscFree2(lines[s].first, lines[s].count));
   }
   *box_first = first;
@@ -193,6 +201,7 @@ static PetscBool ListShapes(const MpmRules *rules, PetscReal longest, Shape shap
 
     shapes[s].type    = wanted->degree ? MpmShapeOfDegree(rules->shape, wanted->degree) : rules->shape;
     shapes[s].spacing = wanted->spacing;
+    lines[s].mean     = MpmLayoutUsesDeviation(rules->layout, s);
     lines[s].width    = (MpmShapeWidth(shapes[s].type, longest / (PetscReal)wanted->spacing) - 1) * wanted->spacing + 1;
     sum += lines[s].width;
   }

@@ -53,6 +53,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscCall(MpmRigidCreate(disc->contacts, placements));
   disc->contacts->material_count = materials->count;
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
+  if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
   PetscCall(MpmPairContactsCreate(pairs, state_size, disc->pairs));
@@ -84,6 +85,7 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(MpmSpaceReset(disc->space));
   PetscCall(MpmConstraintsReset(disc->constraints));
   PetscCall(PetscFree3(disc->u, disc->residual, disc->force));
+  PetscCall(PetscFree(disc->deviation_n));
   PetscCall(MpmTrialReset(disc->trial));
   PetscCall(PetscFree(disc->reaction));
   PetscCall(MpmContactsDestroy(disc->contacts));

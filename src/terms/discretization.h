@@ -27,6 +27,7 @@ typedef struct MpmDiscretization {
   MpmTrial        *trial;
   MpmSections     *sections; /* NULL: none */
   PetscReal       *u, *residual, *force;
+  PetscReal       *deviation_n; /* of the points; sum->deviation_n */
   PetscReal       *reaction;  /* per condition or, behind them, motion, and component of the block */
   PetscBool        committed; /* do these three tell of the last step that has become the state? */
   PetscReal        diagonal;  /* of prescribed unknowns: a typical stiffness */

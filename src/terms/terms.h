@@ -42,6 +42,7 @@ typedef struct {
 
 extern const MpmTerm MpmTermPoints;      /* the physics at the points (residual.c, tangent.c) */
 extern const MpmTerm MpmTermCellMeans;   /* the same where it takes a mean over the cell */
+extern const MpmTerm MpmTermWaterWeight; /* of what points take up, where the physics has it (water_weight.c) */
 extern const MpmTerm MpmTermGhost;       /* the ghost penalty (ghost_penalty.c) */
 extern const MpmTerm MpmTermContact;     /* rigid surfaces (rigid_contact.c); ctx: MpmContacts */
 extern const MpmTerm MpmTermRigidBodies; /* those whose place is solved for (rigid_body.c); ctx: MpmContacts */

@@ -21,6 +21,25 @@
 #include "time/model.h"
 #include "time/time.h"
 
+/* The deviations that go with what the points' values have made at the nodes. */
+static PetscErrorCode KeepDeviations(MpmModel model, const PetscReal u[])
+{
+  const MpmSpace *space = model->disc.space;
+  const PetscInt  bs = model->disc.block, count = model->disc.points->count * model->disc.layout->deviations;
+  PetscReal      *local;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((space->local * bs), &local));
+  PetscCall(PetscArraycpy(local, u, space->owned * bs));
+  PetscCall(MpmSpaceToGhosts(space, bs, local));
+  PetscCall(PetscFree(model->disc.deviation_n));
+  PetscCall(PetscMalloc1(count, &model->disc.deviation_n));
+  PetscCall(MpmDeviationsAtPoints(model->disc.sum, local, model->disc.deviation_n));
+  model->disc.sum->deviation_n = model->disc.deviation_n;
+  PetscCall(PetscFree(local));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
 static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 {
@@ -32,7 +51,8 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((owned * rates), &nodal));
   for (PetscInt s = 0; s < layout->shape_count; s++) {
-    const MpmPointValues values = {s, rates, rates, model->disc.points->value, NULL};
+    const MpmPointValues values = {s, rates, rates, model->disc.points->value, model->disc.points->value_gradient,
+                                   rates * model->disc.dim};
 
     PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
     for (PetscInt k = 0; k < owned * rates; k++) {
@@ -42,6 +62,7 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
     }
   }
   PetscCall(PetscFree(nodal));
+  if (layout->deviations) PetscCall(KeepDeviations(model, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -68,7 +89,7 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 
     for (PetscInt k = 0; k < size; k++) expected[p * size + k] = last * increment[k] - before * increment[size + k];
   }
-  PetscCall(MpmProjectToNodes(model->disc.sum, &(MpmPointValues){0, dim, size, expected, expected + dim}, nodal));
+  PetscCall(MpmProjectToNodes(model->disc.sum, &(MpmPointValues){0, dim, size, expected, expected + dim, size}, nodal));
   for (PetscInt k = 0; k < model->disc.space->owned * dim; k++) u[k / dim * bs + k % dim] = nodal[k];
   PetscCall(PetscFree2(nodal, expected));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -211,9 +232,14 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
+  PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    PetscCall(MpmLoadApply(&model->scene.loads->at[l], MpmModelLoadFactor(model, l, time), rules, model->disc.sum,
-                           model->state.particles, model->disc.force));
+    const MpmLoad  *load   = &model->scene.loads->at[l];
+    const PetscReal factor = MpmModelLoadFactor(model, l, time);
+
+    PetscCall(MpmLoadApply(load, factor, rules, model->disc.sum, model->state.particles, model->disc.force));
+    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
+      model->disc.sum->gravity[a] += factor * load->value[a];
   }
   if (model->scene.body_force) {
     PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, time, model->disc.sum,

@@ -44,5 +44,12 @@ static double Stiffness(const double *parameter, const MpmLawTable *table, const
   return 4. / 3. * parameter[G] + slope;
 }
 
-MPM_LAW(data_law, MPM_LAW_SYMMETRIC, "elasticity with coefficients from a file", parameters, states, NULL, Stiffness,
-        MpmMaterialEvaluate_data_law)
+static double ShearModulus(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
+{
+  (void)table, (void)state, (void)F;
+  return parameter[G];
+}
+
+MPM_LAW_DEFINE(data_law, parameters, states, MpmMaterialEvaluate_data_law,
+               .summary = "elasticity with coefficients from a file", .traits = MPM_LAW_SYMMETRIC,
+               .stiffness = Stiffness, .shear_modulus = ShearModulus)

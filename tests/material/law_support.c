@@ -278,6 +278,15 @@ double PointStiffnessAt(const Point *point)
   return point->law->info[PLAIN].stiffness(point->parameter, table, point->state, point->F);
 }
 
+double PointShearModulus(const Point *point, int rest)
+{
+  MpmLawTable table[MAX_PARAMETERS];
+
+  PointInput(point, NULL, table);
+  return point->law->info[PLAIN].shear_modulus(point->parameter, table, rest ? NULL : point->state,
+                                               rest ? NULL : point->F);
+}
+
 double PointStiffnessAround(const Point *point, const double *dF)
 {
   Point  after = *point;

@@ -79,6 +79,25 @@ START_TEST(test_nacc_values)
 }
 END_TEST
 
+/* Strong snow far from its shape at rest: the shear modulus is the mean of those of the three planes. */
+START_TEST(test_nacc_shear_modulus)
+{
+  Point        point = Snow(-0.3);
+  double       I[DIM2], tau[SYM], dtau[SYM * DIM2], sum = 0.;
+  const double b[] = {1.1, 1.4, 0.7};
+
+  if (DIM == 2) return;
+  Identity(I);
+  memcpy(point.state, b, sizeof b);
+  ck_assert_int_eq(PointEvaluate(&point, ALL_DIRECTIONS, I, tau, dtau), 0);
+  for (int i = 0; i < DIM; ++i)
+    for (int j = i + 1; j < DIM; ++j)
+      sum += 0.5 * (dtau[SymAt(i, j) * DIM2 + i * DIM + j] + dtau[SymAt(i, j) * DIM2 + j * DIM + i]);
+  Expect("shear modulus", PointShearModulus(&point, 0), sum / 3., 1e-13 * sum);
+  ck_assert_double_gt(fabs(sum / 3. - PointShearModulus(&point, 1)), 0.01 * sum);
+}
+END_TEST
+
 /* p of the tips; strength follows a step later, from the volume lost or gained. */
 START_TEST(test_nacc_tips)
 {
@@ -167,7 +186,8 @@ END_TEST
 TCase *NaccCase(void)
 {
   TCase             *tcase   = tcase_create("NACC");
-  const TTest *const tests[] = {test_nacc_values, test_nacc_tips, test_nacc_ellipse, test_nacc_yield};
+  const TTest *const tests[] = {test_nacc_values, test_nacc_shear_modulus, test_nacc_tips, test_nacc_ellipse,
+                                test_nacc_yield};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   return tcase;

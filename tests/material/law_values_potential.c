@@ -320,6 +320,12 @@ START_TEST(test_ogden_is_neo_hookean)
     size = (double)Bulk(&solid) + MaxNorm(SYM * DIM2, dtau[1]);
     ck_assert_double_le(MaxDifference(SYM, tau[0], tau[1]), 4e-15 * size);
     ck_assert_double_le(MaxDifference(SYM * DIM2, dtau[0], dtau[1]), 1e-10 * size);
+    memcpy(rubber.F, F, sizeof F);
+    memcpy(solid.F, F, sizeof F);
+    ck_assert_double_eq_tol(PointShearModulus(&rubber, 0), PointShearModulus(&solid, 0), 1e-14 * size);
+    if (sample % 8 == 4 && DIM == 3) /* J^(-2/3) tr(b)/3 */
+      ck_assert_double_eq_tol(PointShearModulus(&solid, 0), mu * (2. * 1.69 + 1.) / (3. * pow(1.69, 2. / 3.)),
+                              1e-14 * size);
   }
 }
 END_TEST

@@ -56,8 +56,9 @@ void PointRandomPath(Point *point, int steps, double amplitude);
 MpmLawInput PointInput(const Point *point, const double *dF, MpmLawTable table[MAX_PARAMETERS]);
 /* tau and perhaps dtau, nothing committed */
 int    PointEvaluate(const Point *point, int instance, const double *dF, double *tau, double *dtau);
-double PointStiffness(const Point *point);   /* at rest */
-double PointStiffnessAt(const Point *point); /* at the point's state */
+double PointStiffness(const Point *point);              /* at rest */
+double PointStiffnessAt(const Point *point);            /* at the point's state */
+double PointShearModulus(const Point *point, int rest); /* at rest or at the point's state */
 /* The largest of that at rest, at the state, and after a step from there: what derivatives of the stress are measured by */
 double PointStiffnessAround(const Point *point, const double *dF);
 /* What a history value is measured in: PointStiffness() for a pressure, otherwise 1 */

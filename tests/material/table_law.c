@@ -62,5 +62,12 @@ static double Stiffness(const double *parameter, const MpmLawTable *table, const
   return 4. / 3. * parameter[G] + largest;
 }
 
-MPM_LAW(table_law, MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC, "elasticity and yield by tables", parameters, states, NULL,
-        Stiffness, MpmMaterialEvaluate_table_law)
+static double ShearModulus(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
+{
+  (void)table, (void)state, (void)F;
+  return parameter[G];
+}
+
+MPM_LAW_DEFINE(table_law, parameters, states, MpmMaterialEvaluate_table_law,
+               .summary = "elasticity and yield by tables", .traits = MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC,
+               .stiffness = Stiffness, .shear_modulus = ShearModulus)

@@ -38,7 +38,7 @@ START_TEST(test_tables)
   const int         density = LawParameter(law, "density");
   Point             point;
 
-  ck_assert(info->name && info->summary && info->stiffness && info->law);
+  ck_assert(info->name && info->summary && info->stiffness && info->shear_modulus && info->law);
   ck_assert_int_ge(density, 0);
   ck_assert(!info->parameters[density].required && info->parameters[density].fallback == 0.);
   ck_assert(info->parameter_count <= MAX_PARAMETERS && LawStateSize(law) + 1 <= MAX_STATE);
@@ -362,6 +362,103 @@ START_TEST(test_stiffness)
 }
 END_TEST
 
+/*
+  A small step and back again; 0 where the stress does not come back: not elastic. Where it does, `tau` becomes its change.
+*/
+static int IsReversible(const Point *point, const double *dF, const double *back, double *tau)
+{
+  double start[SYM], end[SYM], rest[DIM2];
+  Point  moved = *point;
+
+  Identity(rest);
+  if (PointEvaluate(point, PLAIN, rest, start, NULL) || PointStep(&moved, dF, tau) || PointStep(&moved, back, end))
+    return 0;
+  if (MaxDifference(SYM, start, end) > 1e-12 * PointStiffnessAt(point)) return 0;
+  for (int i = 0; i < SYM; ++i) tau[i] -= start[i];
+  return 1;
+}
+
+/* Whether the point keeps its state at rest and answers small changes of volume, both ways, elastically */
+static int IsInside(const Point *point)
+{
+  double dF[DIM2], back[DIM2], tau[SYM];
+
+  for (int k = -1; k <= 1; ++k) {
+    const double strain = k * 1e-6;
+
+    Identity(dF);
+    Identity(back);
+    for (int i = 0; i < DIM; ++i) {
+      dF[i * (DIM + 1)]   = 1. + strain;
+      back[i * (DIM + 1)] = 1. / (1. + strain);
+    }
+    if (!IsReversible(point, dF, back, tau)) return 0;
+    if (k && !((tau[0] + tau[1] + tau[2]) / strain > 1e-3 * PointStiffnessAt(point))) return 0;
+  }
+  return 1;
+}
+
+/* Slope of the shear stress in the plane i, j over a small shear strain of this sign; 0 where that is not elastic */
+static double ShearSlope(const Point *point, int i, int j, double sign)
+{
+  const double gamma = sign * 1e-6, length = 1. / (1. - 0.25 * gamma * gamma);
+  double       dF[DIM2], back[DIM2], tau[SYM];
+
+  Identity(dF);
+  Identity(back);
+  dF[i * DIM + j] = dF[j * DIM + i] = 0.5 * gamma;
+  back[i * DIM + j] = back[j * DIM + i] = -0.5 * gamma * length;
+  back[i * DIM + i] = back[j * DIM + j] = length;
+  return IsReversible(point, dF, back, tau) ? tau[SymAt(i, j)] / gamma : 0.;
+}
+
+/*
+  The shear modulus is that at rest, positive, bounded by the stiffness, and the mean slope of shear stresses wherever small
+  shears are elastic, up to the square of the strain. Plane strain has one of the three planes only.
+*/
+START_TEST(test_shear_modulus)
+{
+  const Law *law        = LawGet(_i);
+  const int  exact      = DIM == 3 && !IsSmallStrain(law); /* a small strain is not one from the state's shape */
+  int        elastic[2] = {0};
+
+  RandomSeed(13);
+  for (int sample = 0; sample < SAMPLES; ++sample) {
+    const double amplitude = 5e-4 * (sample % 4);
+    double       sum       = 0., modulus;
+    int          planes    = 0;
+    Point        point;
+
+    PointCreate(law, 0, &point); /* without any strength no shear is elastic */
+    modulus = PointShearModulus(&point, 1);
+    CHECK_SMALL(fabs(PointShearModulus(&point, 0) - modulus), 4e-15 * modulus, "shear modulus at rest");
+    PointRandomPath(&point, amplitude > 0. ? 2 : 0, amplitude);
+    modulus = PointShearModulus(&point, 0);
+    for (int i = 0; i < DIM && IsInside(&point); ++i)
+      for (int j = i + 1; j < DIM; ++j) {
+        double slope = ShearSlope(&point, i, j, 1.);
+
+        if (slope == 0.) slope = ShearSlope(&point, i, j, -1.);
+        sum += slope;
+        planes += slope != 0.;
+      }
+    if (planes == (DIM == 2 ? 1 : 3)) {
+      const double tolerance = exact ? 200. * amplitude * amplitude : 200. * amplitude;
+
+      CHECK_SMALL(fabs(sum / planes - modulus), (1e-5 + tolerance) * modulus + 1e-9 * PointStiffness(&point),
+                  "shear modulus minus slope");
+      ++elastic[amplitude > 0.];
+    }
+    PointRandomPath(&point, 2, pow(10., RandomUniform(-3.5, -0.8)));
+    modulus = PointShearModulus(&point, 0);
+    ck_assert_msg(modulus > 0., "%s, sample %d: shear modulus %g", law->info[PLAIN].name, sample, modulus);
+    CHECK_SMALL(modulus, PointStiffnessAt(&point), "shear modulus, by the stiffness");
+  }
+  ck_assert_msg(elastic[0] >= SAMPLES / 16 && elastic[1] >= SAMPLES / 8, "%s: only %d and %d elastic samples",
+                law->info[PLAIN].name, elastic[0], elastic[1]);
+}
+END_TEST
+
 enum { NEWTON_SIZE = MPM_DIM == 2 ? 3 : 6 };
 
 /* r = tau(I + H) + k H and A = dr/dH for a symmetric H of components xx, yy, xy(, zz, yz, xz) */
@@ -627,6 +724,7 @@ static Suite *LawsSuite(void)
                                 test_symmetry,
                                 test_no_answer,
                                 test_stiffness,
+                                test_shear_modulus,
                                 test_large_increments,
                                 test_history_from_stress};
 

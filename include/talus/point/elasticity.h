@@ -50,6 +50,14 @@ MPM_FN double ElasticStiffness(const double *parameter, const MpmLawTable *table
   return RealValue(lame.lambda + 2. * lame.mu);
 }
 
+/* Shear modulus of such a law: mu at any state */
+MPM_FN double ElasticShearModulus(const double *parameter, const MpmLawTable *table, const double *state,
+                                  const double *F)
+{
+  (void)table, (void)state, (void)F;
+  return RealValue(LameFromValues(parameter).mu);
+}
+
 /* lambda tr(e) I + 2 mu e: Hooke's law, or Hencky's where e is the logarithmic strain */
 MPM_FN Sym ElasticStress(Lame lame, const Sym *e)
 {

@@ -38,13 +38,32 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #endif
 
 /*
-  MPM_LAW(name, traits, summary, parameters, states, check, stiffness, kernel) - constructor of a constitutive law
+  MPM_LAW_DEFINE(name, parameters, states, kernel, .summary = ..., .traits = ..., .stiffness = ..., ...) - constructor of a
+  constitutive law: its static tables, its kernel, and what else it says of itself, as members of MpmLawInfo
 
-  `parameters` and `states` are the file's static tables; a law without history passes MPM_NO_STATE for `states`.
+  A law without history passes MPM_NO_STATE for `states`. Functions that are left out are NULL; `stiffness` is a must, and
+  `shear_modulus` where a pressure field is to be stabilized.
+*/
+#define MPM_LAW_DEFINE(name_, parameters_, states_, kernel_, ...) \
+  MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
+  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
+  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
+  { \
+    const MpmLawEntry law = MPM_LAW_FUNCTION(name_, kernel_); \
+    *info                 = (MpmLawInfo){__VA_ARGS__}; \
+    info->name            = #name_; \
+    info->parameters      = parameters_; \
+    info->parameter_count = MPM_ROWS(parameters_); \
+    info->states          = states_; \
+    info->state_count     = MPM_ROWS(states_); \
+    info->law             = (MpmFunction)law; \
+    if (info->state_count == 1 && !info->states[0].name) info->state_count = 0; \
+  }
 
-  MPM_LAW_MORE(..., kernel, symmetric, history) has optional functions of MpmLawInfo, too, MPM_LAW_ALL(..., kernel,
-  symmetric, history, k0) more, MPM_LAW_DILATANT(..., k0, dilatancy) also that, and MPM_LAW_LIMITED(..., k0, dilatancy,
-  shear_strength) all of them; any may be NULL.
+/*
+  The same by position, without a shear modulus: MPM_LAW(name, traits, summary, parameters, states, check, stiffness,
+  kernel), MPM_LAW_MORE(..., kernel, symmetric, history), MPM_LAW_ALL(..., kernel, symmetric, history, k0),
+  MPM_LAW_DILATANT(..., k0, dilatancy) and MPM_LAW_LIMITED(..., k0, dilatancy, shear_strength); functions may be NULL.
 */
 #define MPM_LAW(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_) \
   MPM_LAW_MORE(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, NULL, NULL)
@@ -65,28 +84,9 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
 #define MPM_LAW_LIMITED(name_, traits_, summary_, parameters_, states_, check_, stiffness_, kernel_, symmetric_, \
                         history_, k0_, dilatancy_, shear_strength_) \
-  MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
-  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
-  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
-  { \
-    const MpmLawEntry law = MPM_LAW_FUNCTION(name_, kernel_); \
-    info->name            = #name_; \
-    info->summary         = summary_; \
-    info->parameters      = parameters_; \
-    info->parameter_count = MPM_ROWS(parameters_); \
-    info->states          = states_; \
-    info->state_count     = MPM_ROWS(states_); \
-    if (info->state_count == 1 && !info->states[0].name) info->state_count = 0; \
-    info->traits         = traits_; \
-    info->check          = check_; \
-    info->stiffness      = stiffness_; \
-    info->symmetric      = symmetric_; \
-    info->history        = history_; \
-    info->k0             = k0_; \
-    info->dilatancy      = dilatancy_; \
-    info->law            = (MpmFunction)law; \
-    info->shear_strength = shear_strength_; \
-  }
+  MPM_LAW_DEFINE(name_, parameters_, states_, kernel_, .traits = (traits_), .summary = summary_, .check = check_, \
+                 .stiffness = stiffness_, .symmetric = symmetric_, .history = history_, .k0 = k0_, \
+                 .dilatancy = dilatancy_, .shear_strength = shear_strength_)
 
 /* The state table of a law without history: static const MpmStateVariable states[] = MPM_NO_STATE; */
 #define MPM_NO_STATE \
@@ -144,7 +144,7 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
 /*
   MPM_KERNEL_MEAN(name, inputs, kernel, mean, tangent) - the same for a kernel whose last input is a mean over the cell;
-  it has one direction fewer than inputs, and brings its own tangent
+  it brings its own tangent, with as many directions as it takes for that
 */
 #if MPM_DIRECTIONS == 0
 #define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \

@@ -18,8 +18,17 @@ typedef void (*MpmFunction)(void);
   MPM_TABLE           rows x, y with growing x: text "x:y,x:y" in the scene, or the name of a file with two columns; the
                       range is that of y
   MPM_DATA            numbers, each in the range, in a file
+  MPM_AXES            of a physics alone: one number, or one an axis; takes three places among its values
 */
-typedef enum { MPM_NUMBER, MPM_STRENGTH, MPM_STRENGTH_ANGLE, MPM_WORD, MPM_TABLE, MPM_DATA } MpmParameterKind;
+typedef enum {
+  MPM_NUMBER,
+  MPM_STRENGTH,
+  MPM_STRENGTH_ANGLE,
+  MPM_WORD,
+  MPM_TABLE,
+  MPM_DATA,
+  MPM_AXES
+} MpmParameterKind;
 
 /*
   One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required; without
@@ -49,11 +58,11 @@ typedef struct {
   const double *value;
 } MpmLawTable;
 
-typedef enum { MPM_STATE_SCALAR, MPM_STATE_SYM } MpmStateKind;
+typedef enum { MPM_STATE_SCALAR, MPM_STATE_SYM, MPM_STATE_VECTOR } MpmStateKind;
 
 /*
   One history variable of a law. A symmetric tensor takes 4 components in plane strain and 6 in 3D, and starts as
-  initial * identity.
+  initial * identity; a vector, which only a physics may have, takes as many as there are dimensions.
 */
 typedef struct {
   const char  *name; /* as it appears in the results */
@@ -104,6 +113,10 @@ typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table
   stiffness  constrained modulus at a state, Pa: the stiffest that the Kirchhoff stress is against a uniaxial strain
              from there, elastic unloading included, or a bound on it; what scales penalties, tolerances and time steps.
              `state` NULL: as the state table has it; `F` NULL: not deformed; either alone is possible
+  shear_modulus  shear modulus of the elastic part at a state, Pa, > 0: the slope of a Kirchhoff shear stress over its shear
+             strain in unloading from there, the mean over all planes where they differ; `state` and `F` as for
+             `stiffness`, which bounds it. It scales the stabilization of a pressure field; NULL: a physics with one
+             refuses the law
   symmetric  NULL, or whether the law derives from a potential with these parameters, such as dilation = friction: it
              then has MPM_LAW_SYMMETRIC in that material. NULL: as `traits` has it
   history    NULL, or history from a wanted stress, where the law knows it better than a Newton iteration from rest:
@@ -128,6 +141,7 @@ typedef struct {
   unsigned                traits; /* MpmLawTrait values, or-ed */
   int (*check)(const double *parameter, const MpmLawTable *table, MpmLawFault *fault);
   double (*stiffness)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
+  double (*shear_modulus)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
   int (*symmetric)(const double *parameter, const MpmLawTable *table);
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
@@ -177,6 +191,17 @@ typedef struct {
 } MpmLawInstance;
 
 /*
+  The first stage of a step of two (scheme `second`), to which the kernel's stored quantities refer: where a step of one
+  stage takes s - s_n, the second stage takes s - s_n - theta (s_1 - s_n).
+*/
+typedef struct {
+  const double *F;         /* deformation gradient that the first stage found */
+  const double *value;     /* as value_n, */
+  const double *deviation; /* and deviation_n */
+  double        theta;
+} MpmKernelStage;
+
+/*
   What a physics kernel is told about one point. The last four are where the step's end goes, should it turn out to be
   it; NULL when nobody asks: in Jacobians, and in residuals with one in the same pass.
 */
@@ -186,6 +211,10 @@ typedef struct {
   const double      *state_n;           /* history at the step's start */
   const double      *F_n;               /* deformation gradient at the step's start, row-major, dim x dim */
   const double      *value_n;           /* values at the step's start of the fields with a rate, in field order */
+  const double *deviation_n;  /* the deviations there, field by field, of what the points' values make at the nodes */
+  const double *gravity;      /* at the step's end, m/s2, `dim` components */
+  const MpmLawInfo     *info; /* of the point's material */
+  const MpmKernelStage *stage; /* the first one, in the second of two; or NULL */
   const double      *own_n;             /* states of the physics' own at the step's start, or NULL */
   const double      *stress_n; /* Cauchy stress there, in a stage without motion, where the law is not asked; or NULL */
   double             volume0;  /* initial volume, m3 (2D: m2 per metre of thickness) */
@@ -240,8 +269,11 @@ typedef enum { MPM_NEAR_NULL_NONE, MPM_NEAR_NULL_RIGID, MPM_NEAR_NULL_CONSTANT }
   One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.
 
   An increment field (the displacement) restarts at zero each step. Any other field is solved for as a total. With
-  `rate` the engine keeps the field's value at the points, hands it to the kernel as value_n, and starts the step from
-  its projection to the nodes.
+  `rate` the engine keeps the field's value and gradient at the points, hands the value to the kernel as value_n, and
+  starts the step from their projection to the nodes.
+
+  The deviation is the value less its mean over the cell: interpolated with the weights less their means over the cell,
+  where a point's domain lies in several cells less the domain's part in each times that cell's mean. It needs `rate`.
 
   Fields have the scene's shape unless they ask for B-splines of another degree, or for a coarser lattice of nodes; the
   displacement always has the scene's. Where the scene's shape averages over the points' domains, so do degrees 1 and 2.
@@ -253,6 +285,7 @@ typedef struct {
   int         spacing;    /* its nodes stand so many cells apart; 0: one */
   int         value;      /* is the value an input of the kernel? */
   int         gradient;   /* is the gradient? */
+  int         deviation;  /* is the value less its mean over the cell? */
   int         increment;
   int         rate;
   const char *symbol; /* in lists of components, for a field of one; NULL: by its name alone */
@@ -267,9 +300,30 @@ typedef struct {
 */
 typedef enum { MPM_PHYSICS_SYMMETRIC = 1, MPM_PHYSICS_INTERNAL = 2 } MpmPhysicsTrait;
 
+/* A number of the scene, -mpm_<block>_<name>, that a physics' kernel needs at every point. */
+typedef struct {
+  const char  *block;
+  MpmParameter parameter;
+} MpmCommonParameter;
+
+/* A material as a physics sees it. */
+typedef struct {
+  const MpmLawInfo  *info;
+  const double      *parameter; /* the law's, */
+  const int         *set;       /* and whether the scene gives them */
+  const MpmLawTable *table;
+  int                dim;
+} MpmPhysicsMaterial;
+
 /*
   A physics: its fields, in the order of their unknowns at a node, and its kernel. Inputs of the kernel, in this order:
-  for every field, for every component, its value (if used) and then its derivatives along the axes (if used).
+  for every field, for every component, its value (if used), then its derivatives along the axes (if used), then its
+  deviation (if used).
+
+  prepare  NULL, or what the physics makes of the values that a material's block has, once they are read, with the
+           scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with them: "permeability and
+           conductivity are both given"
+  initial  NULL, or the physics' states of a point at the start, beside the table of states
 
   The first field must be the displacement increment with as many components as dimensions: it moves the points.
 */
@@ -281,8 +335,13 @@ typedef struct {
   MpmKernelSet        kernels[4]; /* [2] and [3] are used */
   int                 parameter_count;
   const MpmParameter *parameters; /* numbers and words, options of every material: -mpm_material_<name>_<parameter> */
+  int                 common_count;
+  const MpmCommonParameter *common; /* numbers of the whole scene, behind those of the material */
   int                 state_count;
   const MpmStateVariable *states; /* of each point, beside the law's */
   unsigned                traits; /* MpmPhysicsTrait values, or-ed */
   const char             *fbar;   /* the physics that takes its place with F-bar; NULL: none */
+  int taken_up; /* 1 + place, in `common`, of the density of what a point takes up with its volume; 0: nothing */
+  const char *(*prepare)(const MpmPhysicsMaterial *material, double gravity, double *value);
+  void (*initial)(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own);
 } MpmPhysics;

@@ -1,0 +1,168 @@
+#pragma once
+/*
+  F-bar at one point: what the kernels of physics whose volume change is a mean over the cell share. Equations in solid_fbar.c.
+*/
+#include "solid.h"
+
+#define GRADIENTS (MPM_DIM * MPM_DIM)
+
+/* Shear strain below which its direction is not told, so that g is smooth where there is none */
+#define LEAST_SHEAR 1e-8
+
+#if MPM_DIM == 2
+/*
+  g and its derivatives, from b_n in the plane, dF and J = det dF with its derivatives. With r the radius of Mohr's circle
+  of b = dF b_n dF^T, sinh(gamma) = r/sqrt(det b), cosh(gamma) = tr b/(2 sqrt(det b)), and
+
+    d gamma = coth(gamma) (2 dF b_n/tr b - cof dF/J)
+*/
+MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cofactor, Scalar J, Tensor *dg)
+{
+  const double mean = 0.5 * (b[0] + b[1]), half = 0.5 * (b[0] - b[1]), square = half * half + b[2] * b[2];
+  const double det = mean * mean - square, least = LEAST_SHEAR * LEAST_SHEAR, sinh_n = sqrt(square / det + least);
+  Scalar       xx = ScalarConstant(0.), yy = xx, xy = xx, sinh2, sine, cosine, slope;
+  Tensor       Fb = *dF;
+
+  for (int i = 0; i < 4; i += 2) {
+    Fb.a[i]     = ScalarAdd(ScalarScale(b[0], dF->a[i]), ScalarScale(b[2], dF->a[i + 1]));
+    Fb.a[i + 1] = ScalarAdd(ScalarScale(b[2], dF->a[i]), ScalarScale(b[1], dF->a[i + 1]));
+  }
+  for (int k = 0; k < 2; k++) {
+    xx = ScalarAdd(xx, ScalarMul(Fb.a[k], dF->a[k]));
+    yy = ScalarAdd(yy, ScalarMul(Fb.a[2 + k], dF->a[2 + k]));
+    xy = ScalarAdd(xy, ScalarMul(Fb.a[k], dF->a[2 + k]));
+  }
+  sinh2  = ScalarAdd(ScalarSquare(ScalarScale(0.5, ScalarSub(xx, yy))), ScalarSquare(xy));
+  sinh2  = ScalarShift(ScalarDiv(sinh2, ScalarScale(det, ScalarSquare(J))), least);
+  sine   = ScalarSqrt(sinh2);
+  cosine = ScalarSqrt(ScalarShift(sinh2, 1.));
+  slope  = ScalarDiv(cosine, sine);
+  for (int k = 0; k < GRADIENTS; k++)
+    dg->a[k] =
+      ScalarMul(slope, ScalarSub(ScalarScale(2., ScalarDiv(Fb.a[k], ScalarAdd(xx, yy))), ScalarDiv(cofactor->a[k], J)));
+  return ScalarShift(ScalarLog(ScalarAdd(sine, cosine)), -log(sinh_n + sqrt(1. + sinh_n * sinh_n)));
+}
+#endif
+
+/* beta, with g and its derivatives where it is not 0; J = det dF and its derivatives */
+MPM_FN double Dilatancy(const MpmKernelPoint *point, const Tensor *dF, const Tensor *cofactor, Scalar J, Scalar *g,
+                        Tensor *dg)
+{
+#if MPM_DIM == 2
+  double b[3], beta;
+
+  if (!point->dilatancy) return 0.;
+  beta = point->dilatancy(point->parameter, point->table, point->state_n, b);
+  if (beta > 0.) *g = ShearGrowth(b, dF, cofactor, J, dg);
+  return beta;
+#else
+  (void)point, (void)dF, (void)cofactor, (void)J, (void)g, (void)dg;
+  return 0.;
+#endif
+}
+
+/* m, and its change with the point: dm[k] = d m / d input_k */
+MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *dm)
+{
+  Scalar J, growth;
+  Tensor dg;
+  double beta;
+
+  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+    Scalar m = ScalarConstant(1.);
+
+    for (int a = 0; a < MPM_DIM; a++) {
+      for (int b = 0; b < MPM_DIM; b++) {
+        const Scalar g = ScalarShift(dF->a[a * MPM_DIM + b], a == b ? -1. : 0.);
+
+        ScalarAddScaled(&m, point->F_n[b * MPM_DIM + a], &g);
+        dm->a[a * MPM_DIM + b] = ScalarConstant(point->F_n[b * MPM_DIM + a]);
+      }
+    }
+    return m;
+  }
+  *dm  = TensorCofactor(dF);
+  J    = TensorCofactorDet(dF, dm);
+  beta = Dilatancy(point, dF, dm, J, &growth, &dg);
+  if (beta > 0.) {
+    const Scalar factor = ScalarExp(ScalarScale(-beta, growth));
+
+    for (int k = 0; k < GRADIENTS; k++)
+      dm->a[k] = ScalarMul(factor, ScalarSub(dm->a[k], ScalarMul(J, ScalarScale(beta, dg.a[k]))));
+    return ScalarMul(factor, J);
+  }
+  return J;
+}
+
+/* A change of dF that is to dF_bar what a change of m_bar is: E = dF, or F_n^{-1} at small strain. */
+MPM_FN Tensor Dilation(const MpmKernelPoint *point, const Tensor *dF)
+{
+  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+    const Tensor F_n = TensorFromArray(point->F_n);
+
+    return TensorInverse(&F_n);
+  }
+  return *dF;
+}
+
+/* dF_bar from the ratio m_bar/m or, at small strain, m_bar - m: dF_bar F_n = dF F_n + ((m_bar - m)/d) I */
+MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scalar ratio)
+{
+  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+    const Tensor E = Dilation(point, dF), shift = TensorScale(ScalarScale(1. / MPM_DIM, ratio), &E);
+
+    return TensorAdd(dF, &shift);
+  }
+  return TensorScale(MPM_DIM == 2 ? ScalarSqrt(ratio) : ScalarPow(ratio, 1. / MPM_DIM), dF);
+}
+
+/* Adds V_0 (tr tau/d) beta dg to the fluxes. */
+MPM_FN void AddShearFlux(const MpmKernelPoint *point, const Tensor *dF, Scalar pressure, Scalar flux[])
+{
+  const Tensor cofactor = TensorCofactor(dF);
+  Scalar       g;
+  Tensor       dg;
+  const double beta = Dilatancy(point, dF, &cofactor, TensorCofactorDet(dF, &cofactor), &g, &dg);
+
+  if (!(beta > 0.)) return;
+  for (int k = 0; k < GRADIENTS; k++)
+    flux[k] = ScalarAdd(flux[k], ScalarMul(ScalarScale(beta * point->volume0, pressure), dg.a[k]));
+}
+
+/*
+  m of the point, and its first derivatives by the kernel's `count` inputs but for the mean, of which the gradients of the
+  displacement are the first; with directions the second ones too, count x count. Non-zero where there is no such m.
+*/
+MPM_FN int FbarMean(const MpmKernelPoint *point, const double input[], int count, double *m, double dm[], double ddm[])
+{
+  Scalar in[GRADIENTS];
+  Tensor derivative;
+
+  for (int k = 0; k < GRADIENTS; k++) in[k] = MPM_DIRECTIONS > 1 ? ScalarSeed(input[k], k) : ScalarConstant(input[k]);
+  const Tensor dF = TensorFromGradient(in);
+
+  *m = ScalarValue(PointMean(point, &dF, &derivative));
+  for (int k = GRADIENTS; k < count; k++) dm[k] = 0.;
+  TensorStore(dm, &derivative);
+  for (int k = 0; MPM_DIRECTIONS > 1 && k < count * count; k++) {
+    const int row = k / count, column = k % count;
+
+    ddm[k] = row < GRADIENTS && column < GRADIENTS ? ScalarDirection(derivative.a[row], column) : 0.;
+  }
+  return !(*m > 0. && *m <= DBL_MAX);
+}
+
+/* The mean part of the total work: fluxes of dF and of m_bar from the Kirchhoff stress `tau` at dF_bar. */
+MPM_FN void FbarFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF, Scalar mean, Scalar flux[],
+                     Scalar *mean_flux)
+{
+  Scalar pressure = ScalarConstant(0.); /* tr tau/d */
+  Sym    rest;
+
+  for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&pressure, 1. / MPM_DIM, &tau->a[SymIndex(a, a)]);
+  rest = SymShift(tau, ScalarNeg(pressure));
+  SolidFlux(point, &rest, dF, flux);
+  if (point->dilatancy) AddShearFlux(point, dF, pressure, flux);
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) pressure = ScalarDiv(pressure, mean);
+  *mean_flux = ScalarScale(point->volume0, pressure);
+}

@@ -1,0 +1,256 @@
+#pragma once
+/*
+  Saturated ground at one point: what the kernels with and without F-bar share. Equations in poro.c.
+*/
+#include <string.h>
+#include "solid.h"
+
+/* Places among the physics' values: those of the material, then those of the scene. */
+enum {
+  PORO_POROSITY,
+  PORO_MOBILITY, /* as read, the permeability, m2; from PoroPrepare() on permeability over viscosity, m2/(Pa s); an axis each */
+  PORO_CONDUCTIVITY     = PORO_MOBILITY + 3,
+  PORO_PERMEABILITY_LAW = PORO_CONDUCTIVITY + 3,
+  PORO_DENSITY,
+  PORO_VISCOSITY,
+  PORO_MODULUS,
+  PORO_PPP
+};
+enum { PORO_CONSTANT, PORO_KOZENY_CARMAN, PORO_UZUOKA_BORJA };
+
+/* Places among the physics' own states. */
+enum { PORO_STATE_POROSITY, PORO_STATE_FLUX, PORO_STATES = PORO_STATE_FLUX + MPM_DIM };
+
+/* Inputs */
+enum {
+  PORO_GRADIENTS = MPM_DIM * MPM_DIM,
+  PORO_P         = PORO_GRADIENTS,
+  PORO_GRAD_P,
+  PORO_DEVIATION = PORO_GRAD_P + MPM_DIM,
+  PORO_INPUTS
+};
+
+/* J as mass counts it: det F, or 1 + tr(F - I) at small strain. */
+MPM_FN double PoroVolume(const MpmKernelPoint *point, const double *F)
+{
+  double trace = 1.;
+
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ArrayDetValue(F);
+  for (int a = 0; a < MPM_DIM; a++) trace += F[a * MPM_DIM + a] - 1.;
+  return trace;
+}
+
+/* The same of F_{n+1} = dF F_n, with its derivatives. */
+MPM_FN Scalar PoroNewVolume(const MpmKernelPoint *point, const Tensor *dF)
+{
+  Scalar sum = ScalarConstant(1. - MPM_DIM);
+
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ScalarScale(ArrayDetValue(point->F_n), TensorDet(dF));
+  for (int a = 0; a < MPM_DIM; a++)
+    for (int b = 0; b < MPM_DIM; b++) ScalarAddScaled(&sum, point->F_n[b * MPM_DIM + a], &dF->a[a * MPM_DIM + b]);
+  return sum;
+}
+
+/* The part of the initial volume that is grains; it stays. */
+MPM_FN double PoroGrains(const MpmKernelPoint *point)
+{
+  return (1. - point->own_n[PORO_STATE_POROSITY]) * PoroVolume(point, point->F_n);
+}
+
+/* Water that an initial volume has taken up, at the density without pressure: (J - s)(1 + p/K_w) - (1 - s). */
+MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, Scalar p)
+{
+  const double compliance = 1. / point->physics_parameter[PORO_MODULUS];
+
+  if (point->traits & MPM_LAW_SMALL_STRAIN)
+    return ScalarAdd(ScalarShift(J, -1.), ScalarScale((1. - grains) * compliance, p));
+  if (compliance == 0.) return ScalarShift(J, -1.);
+  return ScalarShift(ScalarMul(ScalarShift(J, -grains), ScalarShift(ScalarScale(compliance, p), 1.)), grains - 1.);
+}
+MPM_FN double PoroContentValue(const MpmKernelPoint *point, double grains, const double *F, double p)
+{
+  return ScalarValue(
+    PoroContent(point, grains, ScalarConstant(PoroVolume(point, F)), ScalarConstant(p)));
+}
+
+/* A quantity that counts from the step's start, or in the second of two stages from that and the first stage's end. */
+MPM_FN double PoroReference(const MpmKernelPoint *point, double start, double stage)
+{
+  return point->stage ? start + point->stage->theta * (stage - start) : start;
+}
+
+/* The elastic shear modulus at a state, which NULL stands for rest; a third of the stiffness where the law does not tell. */
+MPM_FN double PoroShear(const MpmKernelPoint *point, const double *state, const double *F)
+{
+  const MpmLawInfo *info = point->info;
+
+  if (info->shear_modulus) return info->shear_modulus(point->parameter, point->table, state, F);
+  return info->stiffness(point->parameter, point->table, state, F) / 3.;
+}
+
+/* What the permeability is multiplied by. Non-zero where there are no pores. */
+MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Scalar J, Scalar *factor)
+{
+  const Scalar porosity = ScalarShift(ScalarDiv(ScalarConstant(-grains), J), 1.);
+
+  if (!(ScalarValue(porosity) > 0. && ScalarValue(J) > 0.)) return 1;
+  switch ((int)point->physics_parameter[PORO_PERMEABILITY_LAW]) {
+  case PORO_KOZENY_CARMAN: {
+    const Scalar ratio = ScalarScale(1. / (1. - grains), porosity);
+
+    *factor = ScalarMul(ScalarMul(ratio, ScalarSquare(ratio)), ScalarSquare(J));
+    break;
+  }
+  case PORO_UZUOKA_BORJA: {
+    const double modulus = point->info->stiffness(point->parameter, point->table, NULL, NULL);
+    const double mu      = PoroShear(point, NULL, NULL);
+    const Scalar square  = ScalarSquare(J);
+    /* J^2 M(J) = mu (1 + J^2) + lambda (1 - ln J) */
+    const Scalar scaled =
+      ScalarAdd(ScalarScale(mu, ScalarShift(square, 1.)),
+                ScalarScale(modulus - 2. * mu, ScalarShift(ScalarNeg(ScalarLog(J)), 1.)));
+
+    if (!(ScalarValue(scaled) > 0.)) return 1;
+    *factor = ScalarScale(modulus, ScalarDiv(ScalarMul(J, square), scaled));
+    break;
+  }
+  default:
+    *factor = ScalarConstant(1.);
+  }
+  return 0;
+}
+
+/*
+  The flux of grad p, -dt V_0 J dF^{-1} m (dF^{-T} grad p - rho_w g), and Darcy's velocity where somebody asks for it; at
+  small strain gradients are those by the initial position. `factor` multiplies the permeability.
+*/
+MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar factor, const Scalar gradient[],
+                        Scalar flux[])
+{
+  const int     small    = point->traits & MPM_LAW_SMALL_STRAIN;
+  const double *physics  = point->physics_parameter;
+  const Tensor  cofactor = TensorCofactor(dF), F_n = TensorFromArray(point->F_n);
+  const Scalar  inverse = ScalarDiv(ScalarConstant(1.), TensorCofactorDet(dF, &cofactor));
+  /* gradients by x or X: a row of `map` for each axis, times `scale` */
+  const Tensor map   = small ? TensorTranspose(&F_n) : cofactor;
+  const double outer = -point->dt * point->volume0 * (small ? 1. : ArrayDetValue(point->F_n));
+
+  for (int b = 0; b < MPM_DIM; b++) flux[b] = ScalarConstant(0.);
+  for (int a = 0; a < MPM_DIM; a++) {
+    Scalar slope = ScalarConstant(0.), q;
+
+    for (int b = 0; b < MPM_DIM; b++) slope = ScalarAdd(slope, ScalarMul(map.a[a * MPM_DIM + b], gradient[b]));
+    if (!small) slope = ScalarMul(slope, inverse);
+    q = ScalarShift(slope, -physics[PORO_DENSITY] * point->gravity[a]);
+    q = ScalarScale(physics[PORO_MOBILITY + a], ScalarMul(factor, q));
+    for (int b = 0; b < MPM_DIM; b++)
+      flux[b] = ScalarAdd(flux[b], ScalarScale(outer, ScalarMul(map.a[a * MPM_DIM + b], q)));
+    if (point->F) point->own[PORO_STATE_FLUX + a] = -ScalarValue(q);
+  }
+}
+
+/* Fluxes of p, of its gradient and of its deviation, from J and dF; non-zero where there are no pores. */
+MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, const Scalar input[], Scalar flux[])
+{
+  const double          grains = PoroGrains(point);
+  const MpmKernelStage *stage  = point->stage;
+  const double start = PoroContentValue(point, grains, point->F_n, point->value_n[0]);
+  const double first = stage ? PoroContentValue(point, grains, stage->F, stage->value[0]) : 0.;
+  const double mu    = PoroShear(point, point->state_n, point->F_n);
+  const double tau   = 0.5 * point->physics_parameter[PORO_PPP] / mu;
+  const double deviation = PoroReference(point, point->deviation_n[0], stage ? stage->deviation[0] : 0.);
+  const Scalar content   = PoroContent(point, grains, J, input[PORO_P]);
+  Scalar       factor;
+
+  if (PoroPermeabilityFactor(point, grains, J, &factor)) return 1;
+  flux[PORO_P] = ScalarScale(-point->volume0, ScalarShift(content, -PoroReference(point, start, first)));
+  PoroSeepage(point, dF, factor, &input[PORO_GRAD_P], &flux[PORO_GRAD_P]);
+  flux[PORO_DEVIATION] = ScalarScale(-tau * point->volume0, ScalarShift(input[PORO_DEVIATION], -deviation));
+  if (point->F) point->own[PORO_STATE_POROSITY] = 1. - grains / ScalarValue(J);
+  return 0;
+}
+
+#ifdef MPM_PHYSICS
+static const MpmField poro_fields[] = {
+  {.name = "displacement", .gradient = 1, .increment = 1, .unit = "m", .near_null = MPM_NEAR_NULL_RIGID},
+  {.name       = "pressure",
+   .components = 1,
+   .value      = 1,
+   .gradient   = 1,
+   .deviation  = 1,
+   .rate       = 1,
+   .symbol     = "p",
+   .unit       = "Pa",
+   .near_null  = MPM_NEAR_NULL_CONSTANT,
+   .scale      = MPM_SCALE_STRESS},
+};
+
+/* clang-format off */
+static const MpmParameter poro_parameters[] = {
+  {MPM_NUMBER, "porosity", "-", -1., 0, 0., 1., 1,
+   "initial porosity; without it, where the law has a specific volume v, 1 - 1/v", NULL, 0.4, NULL},
+  {MPM_AXES, "permeability", "m2", 0., 0, 0., HUGE_VAL, 1, "permeability, one number or one an axis", NULL, 1e-12, NULL},
+  {MPM_AXES, "conductivity", "m/s", 0., 0, 0., HUGE_VAL, 1,
+   "hydraulic conductivity in place of the permeability: permeability times density times gravity over viscosity", NULL, 1e-5, NULL},
+  {MPM_WORD, "permeability_law", "-", PORO_CONSTANT, 0, 0., 0., 0, "how permeability changes with the volume",
+   "constant|kozeny_carman|uzuoka_borja", 0., NULL},
+};
+static const MpmCommonParameter poro_common[] = {
+  {"water", {MPM_NUMBER, "density", "kg/m3", 1000., 0, 0., HUGE_VAL, 0, "density of the water", NULL, 1000., NULL}},
+  {"water", {MPM_NUMBER, "viscosity", "Pa s", 1e-3, 0, 0., HUGE_VAL, 1, "dynamic viscosity of the water", NULL, 1e-3, NULL}},
+  {"water", {MPM_NUMBER, "modulus", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 1, "bulk modulus of the water; without it the water is incompressible", NULL, 2.2e9, NULL}},
+  {"stabilization", {MPM_NUMBER, "ppp", "-", 1., 0, 0., HUGE_VAL, 0, "factor of the polynomial pressure projection, times 1/(2 mu)", NULL, 1., NULL}},
+};
+/* clang-format on */
+static const MpmStateVariable poro_states[] = {{"porosity", MPM_STATE_SCALAR, 0., "-"},
+                                               {"flux", MPM_STATE_VECTOR, 0., "m/s"}};
+
+/* The law's number of this name, or NULL. */
+static const double *PoroLawNumber(const MpmPhysicsMaterial *material, const char *name, int *set)
+{
+  for (size_t k = 0; k < material->info->parameter_count; k++) {
+    if (strcmp(material->info->parameters[k].name, name)) continue;
+    *set = material->set[k];
+    return &material->parameter[k];
+  }
+  *set = 0;
+  return NULL;
+}
+
+static const char *PoroPrepare(const MpmPhysicsMaterial *material, double gravity, double *value)
+{
+  int           set;
+  const double *volume       = PoroLawNumber(material, "specific_volume", &set);
+  const int     permeability = value[PORO_MOBILITY] > 0., conductivity = value[PORO_CONDUCTIVITY] > 0.;
+
+  if (permeability && conductivity) return "permeability and conductivity are both given, must be one of them";
+  if (!permeability && !conductivity) return "permeability is missing (or conductivity)";
+  if (value[PORO_POROSITY] > 0. && set) return "porosity and specific_volume are both given, must be one of them";
+  if (value[PORO_POROSITY] < 0. && !volume) return "porosity is missing";
+  if (value[PORO_POROSITY] < 0.) value[PORO_POROSITY] = 1. - 1. / *volume;
+  for (int a = 0; a < 3; a++) {
+    if (conductivity) value[PORO_MOBILITY + a] = value[PORO_CONDUCTIVITY + a] / (value[PORO_DENSITY] * gravity);
+    else value[PORO_MOBILITY + a] /= value[PORO_VISCOSITY];
+  }
+  if (conductivity && !(value[PORO_DENSITY] > 0.)) return "conductivity needs water_density > 0";
+  return NULL;
+}
+
+/* A specific volume of the point's own comes before the material's. */
+static void PoroInitial(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own)
+{
+  own[PORO_STATE_POROSITY] = value[PORO_POROSITY];
+  for (size_t k = 0; state && k < material->info->state_count; k++) {
+    const MpmStateVariable *variable = &material->info->states[k];
+
+    if (!strcmp(variable->name, "specific_volume") && *state > 1.) own[PORO_STATE_POROSITY] = 1. - 1. / *state;
+    state += variable->kind == MPM_STATE_SCALAR ? 1 : material->dim == 2 ? 4 : 6;
+  }
+}
+
+#define PORO_PHYSICS \
+  .field_count = MPM_ROWS(poro_fields), .fields = poro_fields, .parameter_count = MPM_ROWS(poro_parameters), \
+  .parameters = poro_parameters, .common_count = MPM_ROWS(poro_common), .common = poro_common, \
+  .state_count = MPM_ROWS(poro_states), .states = poro_states, .taken_up = 1, .prepare = PoroPrepare, \
+  .initial = PoroInitial
+#endif

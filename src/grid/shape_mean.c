@@ -1,0 +1,61 @@
+/*
+  Means of shape functions over cells.
+
+    mean_i = sum_c f_c (1/h) int_c N_i dx ,   f_c the part of the point's domain that lies in cell c
+
+  A piecewise polynomial of degree 3 at most, with knots at the ends or in the middle of a cell, is integrated exactly by
+  two Gauss points in each half.
+*/
+#include <math.h>
+#include "grid/shape.h"
+
+/*
+  Adds a node's share. Nodes that the point does not touch have the value that those which it does touch extend to
+  linearly: no node gets an unknown by its mean alone, and means of linear fields stay what they are.
+*/
+static void AddNode(const MpmShapeLine *line, PetscInt node, PetscReal share, PetscReal mean[])
+{
+  const PetscInt k = node - line->first, last = line->count - 1;
+
+  if (k >= 0 && k <= last) mean[k] += share;
+  else if (!last) mean[0] += share;
+  else if (k < 0) {
+    mean[0] += share * (1. - (PetscReal)k);
+    mean[1] += share * (PetscReal)k;
+  } else {
+    mean[last] += share * (1. + (PetscReal)(k - last));
+    mean[last - 1] -= share * (PetscReal)(k - last);
+  }
+}
+
+void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
+                  PetscInt edge_upper, const MpmShapeLine *line, PetscReal mean[])
+{
+  static const MpmShapeType at_point[] = {MPM_SHAPE_LINEAR, MPM_SHAPE_LINEAR, MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3};
+  const PetscInt            degree     = MpmShapeDegree(type);
+  const PetscReal l = MpmShapeHasDomain(type) ? half_length : 0., reach = l * (1. - 2. * MPM_SHAPE_TOUCH);
+  const PetscReal gauss = 0.25 / PetscSqrtReal(3.);
+  PetscInt        low   = PetscClipInterval((PetscInt)floor(xi - reach), edge_lower, edge_upper - 1);
+  PetscInt        high  = PetscClipInterval((PetscInt)ceil(xi + reach) - 1, low, edge_upper - 1);
+
+  if (l <= MPM_SHAPE_POINT) high = low;
+  for (PetscInt k = 0; k < line->count; k++) mean[k] = 0.;
+  for (PetscInt c = low; c <= high; c++) {
+    const PetscReal from = c == low ? xi - l : (PetscReal)c, to = c == high ? xi + l : (PetscReal)(c + 1);
+    const PetscReal part = low == high ? 1. : (to - from) / (2. * l);
+
+    if (degree == 1) {
+      AddNode(line, c, 0.5 * part, mean);
+      AddNode(line, c + 1, 0.5 * part, mean);
+      continue;
+    }
+    for (PetscInt q = 0; q < 4; q++) {
+      const PetscReal at = (PetscReal)c + (q < 2 ? 0.25 : 0.75) + (q % 2 ? gauss : -gauss);
+      PetscReal       weight[4], unused[4];
+      MpmShapeLine    here = {.weight = weight, .gradient = unused};
+
+      MpmShapeEvaluate(at_point[degree], edge, at, 0., edge_lower, edge_upper, &here);
+      for (PetscInt k = 0; k < here.count; k++) AddNode(line, here.first + k, 0.25 * part * weight[k], mean);
+    }
+  }
+}
