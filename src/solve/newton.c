@@ -175,6 +175,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
   if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscCall(MpmFieldsplitUpdate(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

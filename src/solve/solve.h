@@ -41,6 +41,14 @@ typedef struct {
   PetscInt          made_count_last; /* and of the last one */
 } MpmEvaluations;
 
+/* The preconditioner of two fields by blocks (fieldsplit.c). */
+typedef struct {
+  PetscBool     on;
+  IS            is[2]; /* unknowns of the displacement and of the pressure */
+  Mat           schur, mass;
+  PetscObjectId modes; /* the near null space that the displacement's comes from */
+} MpmFieldsplit;
+
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
   MpmDiscretization *disc;
@@ -59,6 +67,7 @@ typedef struct {
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
   Vec            x, f;
+  MpmFieldsplit  split;
   MpmEvaluations cache;
   MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
   PetscBool      told_unstable; /* it has, and that was said */
@@ -95,6 +104,14 @@ PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[]);
 PetscErrorCode MpmFieldsSetReference(MpmSolver *solver, Vec f);
 PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y);
 PetscErrorCode MpmFieldsConverged(MpmSolver *solver, Vec f, PetscReal rtol, PetscReal floor, PetscReal *excess);
+/*
+  PCFIELDSPLIT (fieldsplit.c). Serves: are there a displacement and one unknown beside it? Attach: tells a new preconditioner of that
+  kind which unknowns its blocks have. Update: what goes with a new Jacobian.
+*/
+PetscBool      MpmFieldsplitServes(const MpmLayout *layout);
+PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver);
+PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
+PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 /* The residual that tolerances refer to: that at the step's start. */
 PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);
 /* Presets, PETSc's solver objects and their options (solver.c). */
