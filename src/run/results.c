@@ -70,6 +70,12 @@ static PetscErrorCode AddColumn(const char *quantity, const char *of, PetscInt a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A component of a condition as columns name it. */
+static const char *ComponentName(const MpmLayout *layout, PetscInt component)
+{
+  return layout->component_symbol[component] ? layout->component_symbol[component] : layout->component_name[component];
+}
+
 /* Names the columns; returns how many there are. Names are allocated. */
 static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
 {
@@ -88,7 +94,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++) {
       PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->scene.bcs->names[b],
-                              model->disc.layout->component_name[model->scene.bcs->at[b].component[k]]));
+                              ComponentName(model->disc.layout, model->scene.bcs->at[b].component[k])));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
     if (model->scene.bcs->at[b].inclined) { /* along the normal */

@@ -23,9 +23,9 @@ typedef struct MpmSum {
   PetscInt           state_size, own_size; /* of a point's history, the law's and the physics' own */
   PetscReal          dt;
   PetscReal          gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
-  const PetscReal   *deviation_n;          /* of the points, at the step's start (deviation.c); NULL: no field has one */
-  PetscBool          rest;  /* no motion: stresses are those of the step's start */
-  const MpmTrial    *trial; /* where residuals leave the step's end; NULL: nowhere */
+  const PetscReal   *deviation_n; /* of the points, at the step's start (deviation.c); NULL: no field has one */
+  PetscBool          rest;        /* no motion: stresses are those of the step's start */
+  const MpmTrial    *trial;       /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
 /*

@@ -111,6 +111,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   MpmRigidGuess(model->disc.contacts, model->disc.space, model->disc.block,
                 predict ? model->disc.sum->dt / model->state.dt_last : 0., x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
+  MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -417,6 +418,8 @@ static PetscErrorCode Commit(MpmModel model)
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt k = 0; k < count; k++)
+    if (model->disc.layout->negative[k % bs]) model->disc.reaction[k] *= -1.;
   for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
     model->disc.points->x[k] =
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
@@ -434,8 +437,7 @@ static PetscErrorCode FindReference(MpmModel model)
   model->disc.sum->rest = (PetscBool)(motion == 0. && !model->disc.layout->means);
   PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
   model->disc.sum->rest = PETSC_FALSE;
-  PetscCall(VecNorm(model->solver.f, NORM_2, &model->solver.cache.reference));
-  if (PetscIsInfOrNanReal(model->solver.cache.reference)) model->solver.cache.reference = 0.;
+  PetscCall(MpmSolverSetReference(&model->solver, model->solver.f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
