@@ -183,6 +183,7 @@ static const MpmField poro_fields[] = {
    .gradient   = 1,
    .deviation  = 1,
    .rate       = 1,
+   .negative   = 1,
    .symbol     = "p",
    .unit       = "Pa",
    .near_null  = MPM_NEAR_NULL_CONSTANT,

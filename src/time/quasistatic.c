@@ -12,6 +12,7 @@
 #include "bc/bc.h"
 #include "bc/body_motion.h"
 #include "terms/body_contact.h"
+#include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
@@ -110,6 +111,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   MpmRigidGuess(model->disc.contacts, model->disc.space, model->disc.block,
                 predict ? model->disc.sum->dt / model->state.dt_last : 0., x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
+  MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -229,6 +231,10 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(MpmModelPrescribe(model, time, why));
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
+    model->disc.surfaces->factor[k]   = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
+    model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
+  }
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));
@@ -404,6 +410,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(FindTrial(model));
   if (model->disc.sections)
     PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmSurfaceFlowCommit(model->disc.surfaces, model->disc.sum, model->disc.u));
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
@@ -411,6 +418,8 @@ static PetscErrorCode Commit(MpmModel model)
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt k = 0; k < count; k++)
+    if (model->disc.layout->negative[k % bs]) model->disc.reaction[k] *= -1.;
   for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
     model->disc.points->x[k] =
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
@@ -428,8 +437,7 @@ static PetscErrorCode FindReference(MpmModel model)
   model->disc.sum->rest = (PetscBool)(motion == 0. && !model->disc.layout->means);
   PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
   model->disc.sum->rest = PETSC_FALSE;
-  PetscCall(VecNorm(model->solver.f, NORM_2, &model->solver.cache.reference));
-  if (PetscIsInfOrNanReal(model->solver.cache.reference)) model->solver.cache.reference = 0.;
+  PetscCall(MpmSolverSetReference(&model->solver, model->solver.f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
