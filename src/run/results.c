@@ -10,6 +10,7 @@
 #include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/body_contact.h"
+#include "terms/body_surface.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "time/time.h"
@@ -82,7 +83,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
                       model->scene.boundaries->count * (3 * dim + 4) + model->scene.pairs->count * dim +
-                      model->scene.motions->count * dim + MpmLinesColumnCount(model) + 2 * dim + 2;
+                      model->scene.motions->count * dim + model->scene.surfaces->count + MpmLinesColumnCount(model) +
+                      2 * dim + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -123,6 +125,10 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   }
   for (PetscInt k = 0; k < model->scene.pairs->count * dim; k++)
     PetscCall(AddColumn("force", model->scene.pairs->names[k / dim], k % dim, count, *names));
+  for (PetscInt k = 0; k < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; k++) {
+    PetscCall(PetscSNPrintf(name, sizeof(name), "outflow_%s", model->scene.surfaces->names[k]));
+    PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+  }
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
     for (PetscInt a = 0; a < dim; a++) {
       PetscCall(PetscSNPrintf(name, sizeof(name), "track_%s_u%c", model->results->tracks.names[t], "xyz"[a]));
@@ -180,7 +186,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->solver.newton;
   row[k++] = (PetscReal)model->solver.linear;
   row[k++] = (PetscReal)model->state.cuts;
-  row[k++] = model->scene.loads->count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
+  row[k++] =
+    model->scene.loads->count + model->scene.surfaces->count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const PetscReal *reaction = &model->disc.reaction[b * model->disc.block];
 
@@ -205,6 +212,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   for (PetscInt p = 0; p < model->scene.pairs->count * model->disc.dim; p++)
     row[k++] = model->disc.pairs->force[p / model->disc.dim][p % model->disc.dim];
+  for (PetscInt s = 0; s < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; s++)
+    row[k++] = model->state.loads[model->scene.loads->count + s].outflow;
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
   PetscCall(MpmLinesAddValues(model, row, &k));

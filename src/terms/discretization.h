@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "talus/point/tables.h"
 
 /*
   The discrete problem of a step: the points as they are lent to it, its space, what is prescribed, and what the sums over
@@ -22,7 +23,8 @@ typedef struct MpmDiscretization {
   MpmPattern      *pattern; /* NULL before the first assembled matrix */
   MpmSum          *sum;
   MpmContacts     *contacts;
-  MpmPairContacts *pairs; /* of bodies */
+  MpmPairContacts *pairs;    /* of bodies */
+  MpmSurfaceFaces *surfaces; /* of bodies */
   MpmTerms        *terms;
   MpmTrial        *trial;
   MpmSections     *sections; /* NULL: none */
@@ -44,6 +46,9 @@ PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
                                       const MpmBoundaries *boundaries, const MpmPairs *pairs, MpmPlacement *placements,
                                       PetscInt state_size);
+/* Surfaces, what acts of them, by surface, and the physics' kernel without means over cells are borrowed. After SetUp. */
+PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
+                                            MpmLoadActing *acting, const MpmKernelSet *kernel);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Where a local node is, m. */
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);

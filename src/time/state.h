@@ -46,8 +46,8 @@ typedef struct {
   PetscInt             stage;  /* the one under way */
   MpmParked           *parked; /* per body: points that a later stage adds */
   MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way; motions behind conditions */
-  MpmLoadActing       *loads;
-  MpmWalls             walls;      /* that follow from it */
+  MpmLoadActing       *loads;  /* surfaces behind loads */
+  MpmWalls             walls;  /* that follow from it */
   PetscReal            time_start; /* of the stage under way; time_end is its end */
   PetscReal            run_end;
   PetscReal            load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
