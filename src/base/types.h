@@ -53,3 +53,4 @@ typedef struct MpmSections       MpmSections;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;
 typedef struct MpmIntegrator     MpmIntegrator;
+typedef struct MpmSdirk          MpmSdirk;

@@ -32,9 +32,19 @@ typedef struct {
   MpmWall *at;
 } MpmWalls;
 
-/* What moves on: points, time, and how steps go. */
+/* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
+  MpmSdirk            *sdirk;    /* what the integrator of two stages keeps of the first; NULL before its first step */
+  PetscReal            error;    /* largest that is accepted, relative; 0: any */
+  PetscReal            estimate; /* of the last step that has converged */
+  PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
+  PetscReal            largest;  /* what errors are relative to: the largest change since the stage's start */
+} MpmScheme;
+
+/* What moves on: points, time, and how steps go. */
+typedef struct {
+  MpmScheme            scheme;
   MpmParticles        *particles;
   PetscReal            time, time_end, dt_nominal, dt_min, dt_max, growth;
   PetscReal            dt_wanted; /* of the next step */
