@@ -146,7 +146,6 @@ typedef struct {
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
   double (*shear_strength)(const double *parameter, const double *state);
-  double (*shear_modulus)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
   MpmDilatancy dilatancy;
   MpmFunction  law;
 } MpmLawInfo;
