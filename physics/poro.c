@@ -29,8 +29,8 @@
 
 static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
-  const Tensor dF = TensorFromGradient(input);
-  const Scalar J  = PoroNewVolume(point, &dF);
+  const Tensor dF    = TensorFromGradient(input);
+  const Scalar J     = PoroNewVolume(point, &dF);
   const int    small = point->traits & MPM_LAW_SMALL_STRAIN;
   Sym          tau, total;
 

@@ -69,8 +69,7 @@ MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, 
 }
 MPM_FN double PoroContentValue(const MpmKernelPoint *point, double grains, const double *F, double p)
 {
-  return ScalarValue(
-    PoroContent(point, grains, ScalarConstant(PoroVolume(point, F)), ScalarConstant(p)));
+  return ScalarValue(PoroContent(point, grains, ScalarConstant(PoroVolume(point, F)), ScalarConstant(p)));
 }
 
 /* A quantity that counts from the step's start, or in the second of two stages from that and the first stage's end. */
@@ -106,9 +105,8 @@ MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Sc
     const double mu      = PoroShear(point, NULL, NULL);
     const Scalar square  = ScalarSquare(J);
     /* J^2 M(J) = mu (1 + J^2) + lambda (1 - ln J) */
-    const Scalar scaled =
-      ScalarAdd(ScalarScale(mu, ScalarShift(square, 1.)),
-                ScalarScale(modulus - 2. * mu, ScalarShift(ScalarNeg(ScalarLog(J)), 1.)));
+    const Scalar scaled = ScalarAdd(ScalarScale(mu, ScalarShift(square, 1.)),
+                                    ScalarScale(modulus - 2. * mu, ScalarShift(ScalarNeg(ScalarLog(J)), 1.)));
 
     if (!(ScalarValue(scaled) > 0.)) return 1;
     *factor = ScalarScale(modulus, ScalarDiv(ScalarMul(J, square), scaled));
@@ -152,15 +150,15 @@ MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar fa
 /* Fluxes of p, of its gradient and of its deviation, from J and dF; non-zero where there are no pores. */
 MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, const Scalar input[], Scalar flux[])
 {
-  const double          grains = PoroGrains(point);
-  const MpmKernelStage *stage  = point->stage;
-  const double start = PoroContentValue(point, grains, point->F_n, point->value_n[0]);
-  const double first = stage ? PoroContentValue(point, grains, stage->F, stage->value[0]) : 0.;
-  const double mu    = PoroShear(point, point->state_n, point->F_n);
-  const double tau   = 0.5 * point->physics_parameter[PORO_PPP] / mu;
-  const double deviation = PoroReference(point, point->deviation_n[0], stage ? stage->deviation[0] : 0.);
-  const Scalar content   = PoroContent(point, grains, J, input[PORO_P]);
-  Scalar       factor;
+  const double          grains    = PoroGrains(point);
+  const MpmKernelStage *stage     = point->stage;
+  const double          start     = PoroContentValue(point, grains, point->F_n, point->value_n[0]);
+  const double          first     = stage ? PoroContentValue(point, grains, stage->F, stage->value[0]) : 0.;
+  const double          mu        = PoroShear(point, point->state_n, point->F_n);
+  const double          tau       = 0.5 * point->physics_parameter[PORO_PPP] / mu;
+  const double          deviation = PoroReference(point, point->deviation_n[0], stage ? stage->deviation[0] : 0.);
+  const Scalar          content   = PoroContent(point, grains, J, input[PORO_P]);
+  Scalar                factor;
 
   if (PoroPermeabilityFactor(point, grains, J, &factor)) return 1;
   flux[PORO_P] = ScalarScale(-point->volume0, ScalarShift(content, -PoroReference(point, start, first)));

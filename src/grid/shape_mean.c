@@ -33,10 +33,10 @@ void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal h
 {
   static const MpmShapeType at_point[] = {MPM_SHAPE_LINEAR, MPM_SHAPE_LINEAR, MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3};
   const PetscInt            degree     = MpmShapeDegree(type);
-  const PetscReal l = MpmShapeHasDomain(type) ? half_length : 0., reach = l * (1. - 2. * MPM_SHAPE_TOUCH);
-  const PetscReal gauss = 0.25 / PetscSqrtReal(3.);
-  PetscInt        low   = PetscClipInterval((PetscInt)floor(xi - reach), edge_lower, edge_upper - 1);
-  PetscInt        high  = PetscClipInterval((PetscInt)ceil(xi + reach) - 1, low, edge_upper - 1);
+  const PetscReal           l = MpmShapeHasDomain(type) ? half_length : 0., reach = l * (1. - 2. * MPM_SHAPE_TOUCH);
+  const PetscReal           gauss = 0.25 / PetscSqrtReal(3.);
+  PetscInt                  low   = PetscClipInterval((PetscInt)floor(xi - reach), edge_lower, edge_upper - 1);
+  PetscInt                  high  = PetscClipInterval((PetscInt)ceil(xi + reach) - 1, low, edge_upper - 1);
 
   if (l <= MPM_SHAPE_POINT) high = low;
   for (PetscInt k = 0; k < line->count; k++) mean[k] = 0.;

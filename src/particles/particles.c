@@ -5,6 +5,7 @@
   Ownership is arithmetic on the grid: the rank that owns a cell's lower node owns the points in it, so a point goes to
   its rank in one message however far it moved.
 */
+#include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "grid/partition.h"
@@ -436,4 +437,24 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
 PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial *materials, PetscInt p)
 {
   return points->mass ? points->mass[p] : points->volume0[p] * materials[points->material[p]].density;
+}
+
+PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[])
+{
+  PetscReal ratio = 1.;
+
+  if (!(material->info.traits & MPM_LAW_SMALL_STRAIN)) return MpmDeterminant(dim, F);
+  for (PetscInt a = 0; a < dim; a++) ratio += F[a * dim + a] - 1.;
+  return ratio;
+}
+
+PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials, const MpmLayout *layout, PetscInt p)
+{
+  const MpmMaterial *material = &materials[points->material[p]];
+  const PetscInt     dim      = layout->dim;
+  PetscReal          mass     = MpmPointMass(points, materials, p);
+
+  if (layout->taken_up < 0) return mass;
+  return mass + material->physics_parameter[layout->taken_up] * points->volume0[p] *
+                  (MpmPointVolumeRatio(material, dim, &points->F[p * dim * dim]) - 1.);
 }

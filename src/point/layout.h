@@ -23,11 +23,11 @@ typedef struct MpmLayout {
   PetscInt      shape_of[MPM_MAX_BLOCK];
   PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
   PetscInt  component_of[MPM_MAX_INPUTS];
-  PetscInt  basis_of[MPM_MAX_INPUTS]; /* shape * MPM_BASES, + 0 weight, + 1.. derivatives, + dim + 1 deviation */
+  PetscInt  basis_of[MPM_MAX_INPUTS];      /* shape * MPM_BASES, + 0 weight, + 1.. derivatives, + dim + 1 deviation */
   PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
   PetscInt  deviations;
   PetscInt  deviation_component[MPM_MAX_BLOCK]; /* and of each deviation */
-  PetscInt  means;                         /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
+  PetscInt  means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
   PetscBool increment[MPM_MAX_BLOCK];
   const char *component_name[MPM_MAX_BLOCK], *component_symbol[MPM_MAX_BLOCK]; /* symbol: NULL where it has none */
   MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */

@@ -307,8 +307,7 @@ PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysic
 
     PetscCheck(parameter->kind <= MPM_WORD || parameter->kind == MPM_AXES, options->comm, PETSC_ERR_SUP,
                "physics %s: its parameter %s must be a number or a word", physics->name, parameter->name);
-    if (parameter->kind == MPM_AXES)
-      PetscCall(ReadAxes(&block, dim, parameter, &material->physics_parameter[place]));
+    if (parameter->kind == MPM_AXES) PetscCall(ReadAxes(&block, dim, parameter, &material->physics_parameter[place]));
     else PetscCall(MpmParameterRead(&block, parameter, &material->physics_parameter[place], &unused));
     place += MpmParameterPlaces(parameter);
   }

@@ -157,8 +157,8 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
 {
   for (PetscInt k = 0; k < layout->inputs; k++)
-    if (layout->basis_of[k] % MPM_BASES == 0 ||
-        layout->basis_of[k] % MPM_BASES == MPM_DEVIATION(layout->dim)) return PETSC_TRUE;
+    if (layout->basis_of[k] % MPM_BASES == 0 || layout->basis_of[k] % MPM_BASES == MPM_DEVIATION(layout->dim))
+      return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

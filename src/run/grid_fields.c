@@ -156,7 +156,7 @@ static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscRe
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt  p  = space->order[s];
-      const PetscReal mp = MpmPointMass(points, model->disc.sum->materials, p);
+      const PetscReal mp = MpmPointMassNow(points, model->disc.sum->materials, model->disc.layout, p);
 
       MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)

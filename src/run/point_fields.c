@@ -70,7 +70,8 @@ static PetscErrorCode FillMass(const void *ctx, PetscReal values[])
   const MpmMaterial *materials = ((const Source *)ctx)->model->scene.materials->at;
 
   PetscFunctionBeginUser;
-  for (PetscInt p = 0; p < points->count; p++) values[p] = MpmPointMass(points, materials, p);
+  for (PetscInt p = 0; p < points->count; p++)
+    values[p] = MpmPointMassNow(points, materials, ((const Source *)ctx)->model->disc.layout, p);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -123,7 +124,8 @@ static PetscErrorCode FillOwn(const void *ctx, PetscReal values[])
     const PetscReal *from = &own[p * size + source->first];
 
     if (source->components == 6) CopySym(dim, from, &values[6 * p]);
-    else for (PetscInt c = 0; c < source->components; c++) values[source->components * p + c] = from[c];
+    else
+      for (PetscInt c = 0; c < source->components; c++) values[source->components * p + c] = from[c];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

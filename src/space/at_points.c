@@ -40,8 +40,7 @@ PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], Pet
   const MpmLayout *layout = sum->layout;
 
   PetscFunctionBeginUser;
-  PetscCall(AtPoints(sum, u, layout->deviations, layout->deviation_component, MPM_DEVIATION(layout->dim),
-                     deviation));
+  PetscCall(AtPoints(sum, u, layout->deviations, layout->deviation_component, MPM_DEVIATION(layout->dim), deviation));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -84,7 +84,7 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
   }
   det = MpmCofactors(dim, dF, cofactor);
   for (PetscInt r = 0; r < rates; r++) {
-    const PetscInt    c = layout->rate_component[r];
+    const PetscInt    c  = layout->rate_component[r];
     PetscReal *const *by = &work->basis.basis[layout->shape_of[c] * MPM_BASES + 1];
     PetscReal         G[MPM_MAX_DIM], *gradient = &sum->points->value_gradient[(p * rates + r) * dim];
 
@@ -104,7 +104,7 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
 MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                       const PetscReal u[], PetscReal values[], MpmWorkspace *work)
 {
-  const PetscInt   dim = known.dim;
+  const PetscInt   dim    = known.dim;
   const MpmPoints *points = sum->points;
 
   MpmSumGather(known, sum, group, u, values);

@@ -266,7 +266,7 @@ MPM_INLINE void MpmShapeDeviation(const MpmKnown known, const MpmSpace *space, P
 {
   const PetscInt   dim = known.dim, W = space->width;
   const PetscReal *mx = &space->shape[shape].mean[point * dim * W], *my = mx + W, *mz = my + W;
-  PetscInt         n  = 0;
+  PetscInt         n = 0;
 
   for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
     for (PetscInt j = 0; j < known.count[1]; j++) {

@@ -14,20 +14,20 @@ typedef struct MpmTrial {
 
 /* All that the loops over points need; borrowed for the length of a step. */
 typedef struct MpmSum {
-  const MpmGrid     *grid;
-  const MpmSpace    *space;
-  const MpmLayout   *layout;
-  const MpmMaterial *materials;
-  const MpmPoints   *points;
-  PetscInt           block;                /* values a node has */
-  PetscInt           state_size, own_size; /* of a point's history, the law's and the physics' own */
-  PetscReal          dt;   /* in which something flows, s: the step's length, with two stages a part of it */
-  PetscReal          span; /* from the step's start to the time that is solved for, s */
-  PetscReal          gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
-  const PetscReal   *deviation_n;          /* of the points, at the step's start (at_points.c); NULL: no field has one */
-  const MpmKernelStage *first; /* of each point, in the second of two stages (sdirk.c); or NULL */
-  PetscBool          rest;  /* no motion: stresses are those of the step's start */
-  const MpmTrial    *trial; /* where residuals leave the step's end; NULL: nowhere */
+  const MpmGrid        *grid;
+  const MpmSpace       *space;
+  const MpmLayout      *layout;
+  const MpmMaterial    *materials;
+  const MpmPoints      *points;
+  PetscInt              block;                /* values a node has */
+  PetscInt              state_size, own_size; /* of a point's history, the law's and the physics' own */
+  PetscReal             dt;   /* in which something flows, s: the step's length, with two stages a part of it */
+  PetscReal             span; /* from the step's start to the time that is solved for, s */
+  PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
+  const PetscReal      *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
+  const MpmKernelStage *first;       /* of each point, in the second of two stages (sdirk.c); or NULL */
+  PetscBool             rest;        /* no motion: stresses are those of the step's start */
+  const MpmTrial       *trial;       /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
 /*

@@ -125,8 +125,8 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(count, &lines->first, count, &lines->count));
-  PetscCall(PetscMalloc3((count * lines->width), &lines->values.weight, (count * lines->width),
-                         &lines->values.gradient, (lines->mean ? count * lines->width : 0), &lines->values.mean));
+  PetscCall(PetscMalloc3((count * lines->width), &lines->values.weight, (count * lines->width), &lines->values.gradient,
+                         (lines->mean ? count * lines->width : 0), &lines->values.mean));
   if (!lines->mean) lines->values.mean = NULL;
   for (PetscInt p = 0; p < points->count; p++) {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];

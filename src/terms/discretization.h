@@ -28,11 +28,11 @@ typedef struct MpmDiscretization {
   MpmSections     *sections; /* NULL: none */
   PetscReal       *u, *residual, *force;
   PetscReal       *deviation_n; /* of the points; sum->deviation_n */
-  PetscReal       *reaction;  /* per condition or, behind them, motion, and component of the block */
-  PetscBool        committed; /* do these three tell of the last step that has become the state? */
-  PetscReal        diagonal;  /* of prescribed unknowns: a typical stiffness */
-  PetscReal        ghost;     /* factor of the ghost penalty, 0: none */
-  PetscInt         parts;     /* of the material, with nodes of their own; 1: all bodies share them */
+  PetscReal       *reaction;    /* per condition or, behind them, motion, and component of the block */
+  PetscBool        committed;   /* do these three tell of the last step that has become the state? */
+  PetscReal        diagonal;    /* of prescribed unknowns: a typical stiffness */
+  PetscReal        ghost;       /* factor of the ghost penalty, 0: none */
+  PetscInt         parts;       /* of the material, with nodes of their own; 1: all bodies share them */
 } MpmDiscretization;
 
 /*

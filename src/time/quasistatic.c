@@ -52,8 +52,8 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((owned * rates), &nodal));
   for (PetscInt s = 0; s < layout->shape_count; s++) {
-    const MpmPointValues values = {s, rates, rates, model->disc.points->value, model->disc.points->value_gradient,
-                                   rates * model->disc.dim};
+    const MpmPointValues values = {
+      s, rates, rates, model->disc.points->value, model->disc.points->value_gradient, rates * model->disc.dim};
 
     PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
     for (PetscInt k = 0; k < owned * rates; k++) {

@@ -59,10 +59,11 @@ static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *contro
   PetscBool                controlled;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsReal(block, "error", "-",
-                           "largest error in time of a step, relative to the largest change since the stage's start: it "
-                           "chooses the steps, up to step_max; needs scheme second",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->error, &controlled));
+  PetscCall(
+    MpmOptionsReal(block, "error", "-",
+                   "largest error in time of a step, relative to the largest change since the stage's start: it "
+                   "chooses the steps, up to step_max; needs scheme second",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->error, &controlled));
   if (controlled) control->adaptive = control->second = PETSC_TRUE;
   scheme = control->second ? 1 : 0;
   PetscCall(MpmOptionsWord(block, "scheme",
@@ -80,9 +81,9 @@ static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *contro
 /* `control` holds the defaults on entry; a step of 0 is none. */
 static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *prefix, MpmTimeControl *control)
 {
-  const MpmOptions block = {options->comm, prefix, options->record};
-  const PetscReal  ratio = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
-  const MpmNeed    need  = control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED;
+  const MpmOptions block   = {options->comm, prefix, options->record};
+  const PetscReal  ratio   = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
+  const MpmNeed    need    = control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED;
   PetscReal        longest = 0.;
   PetscBool        given;
 
@@ -102,7 +103,8 @@ static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *pre
                            &control->adaptive, NULL));
   control->step_max = control->step;
   if (control->adaptive)
-    control->step_max = given ? longest : PetscMax(control->limit > 0. ? control->limit : control->end / 4., control->step);
+    control->step_max =
+      given ? longest : PetscMax(control->limit > 0. ? control->limit : control->end / 4., control->step);
   PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this; by default step/1024",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->step_min, NULL));
   PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",

@@ -7,7 +7,8 @@
 #include "time/model.h"
 #include "time/time.h"
 
-#define STUBBORN 0.5 /* an error in time that falls no faster than this power of the step's length does not come from it */
+#define STUBBORN \
+  0.5 /* an error in time that falls no faster than this power of the step's length does not come from it */
 
 #define CUTS_WITH_DILATION 1 /* of one step, before F-bar averages dilation, too */
 

@@ -20,15 +20,7 @@ typedef void (*MpmFunction)(void);
   MPM_DATA            numbers, each in the range, in a file
   MPM_AXES            of a physics alone: one number, or one an axis; takes three places among its values
 */
-typedef enum {
-  MPM_NUMBER,
-  MPM_STRENGTH,
-  MPM_STRENGTH_ANGLE,
-  MPM_WORD,
-  MPM_TABLE,
-  MPM_DATA,
-  MPM_AXES
-} MpmParameterKind;
+typedef enum { MPM_NUMBER, MPM_STRENGTH, MPM_STRENGTH_ANGLE, MPM_WORD, MPM_TABLE, MPM_DATA, MPM_AXES } MpmParameterKind;
 
 /*
   One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required; without
@@ -207,16 +199,16 @@ typedef struct {
   it; NULL when nobody asks: in Jacobians, and in residuals with one in the same pass.
 */
 typedef struct {
-  const double      *parameter;         /* of the point's material */
-  const double      *physics_parameter; /* of the physics, for that material: in the order of its parameter table */
-  const double      *state_n;           /* history at the step's start */
-  const double      *F_n;               /* deformation gradient at the step's start, row-major, dim x dim */
-  const double      *value_n;           /* values at the step's start of the fields with a rate, in field order */
-  const double *deviation_n;  /* the deviations there, field by field, of what the points' values make at the nodes */
-  const double *gravity;      /* at the step's end, m/s2, `dim` components */
-  const MpmLawInfo     *info; /* of the point's material */
+  const double *parameter;         /* of the point's material */
+  const double *physics_parameter; /* of the physics, for that material: in the order of its parameter table */
+  const double *state_n;           /* history at the step's start */
+  const double *F_n;               /* deformation gradient at the step's start, row-major, dim x dim */
+  const double *value_n;           /* values at the step's start of the fields with a rate, in field order */
+  const double *deviation_n;   /* the deviations there, field by field, of what the points' values make at the nodes */
+  const double *gravity;       /* at the step's end, m/s2, `dim` components */
+  const MpmLawInfo     *info;  /* of the point's material */
   const MpmKernelStage *stage; /* the first one, in the second of two; or NULL */
-  const double      *own_n;             /* states of the physics' own at the step's start, or NULL */
+  const double         *own_n; /* states of the physics' own at the step's start, or NULL */
   const double      *stress_n; /* Cauchy stress there, in a stage without motion, where the law is not asked; or NULL */
   double             volume0;  /* initial volume, m3 (2D: m2 per metre of thickness) */
   double             dt;       /* s */
@@ -340,10 +332,10 @@ typedef struct {
   const MpmParameter *parameters; /* numbers and words, options of every material: -mpm_material_<name>_<parameter> */
   int                 common_count;
   const MpmCommonParameter *common; /* numbers of the whole scene, behind those of the material */
-  int                 state_count;
-  const MpmStateVariable *states; /* of each point, beside the law's */
-  unsigned                traits; /* MpmPhysicsTrait values, or-ed */
-  const char             *fbar;   /* the physics that takes its place with F-bar; NULL: none */
+  int                       state_count;
+  const MpmStateVariable   *states; /* of each point, beside the law's */
+  unsigned                  traits; /* MpmPhysicsTrait values, or-ed */
+  const char               *fbar;   /* the physics that takes its place with F-bar; NULL: none */
   int taken_up; /* 1 + place, in `common`, of the density of what a point takes up with its volume; 0: nothing */
   const char *(*prepare)(const MpmPhysicsMaterial *material, double gravity, double *value);
   void (*initial)(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own);
