@@ -38,6 +38,7 @@ typedef struct MpmBodyMotions MpmBodyMotions;
 typedef struct MpmConstraints MpmConstraints;
 
 /* terms, time */
+typedef struct MpmBodySurfaces   MpmBodySurfaces;
 typedef struct MpmBoundaries     MpmBoundaries;
 typedef struct MpmContacts       MpmContacts;
 typedef struct MpmDiscretization MpmDiscretization;
@@ -50,6 +51,7 @@ typedef struct MpmFreedom        MpmFreedom;
 typedef struct MpmPlacement      MpmPlacement;
 typedef struct MpmRigidBody      MpmRigidBody;
 typedef struct MpmSections       MpmSections;
+typedef struct MpmSurfaceFaces   MpmSurfaceFaces;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;
 typedef struct MpmIntegrator     MpmIntegrator;

@@ -301,3 +301,17 @@ void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscRe
     Evaluate(1, edge, xi, 0., edge_lower, edge_upper, line);
   }
 }
+
+void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal by, PetscInt edge_lower,
+                    PetscInt edge_upper, MpmShapeLine *line)
+{
+  const PetscInt degree = MpmShapeDegree(type);
+  const Interval at     = Locate(degree, xi, edge_lower, edge_upper);
+
+  line->first = at.index - degree / 2;
+  line->count = degree + 1;
+  for (PetscInt k = 0; k <= degree; k++) line->weight[k] = line->gradient[k] = 0.;
+  AddSegment(degree, at.local + by, 0., 1., line->weight, line->gradient);
+  if (degree > 1) FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, line);
+  TrimEnds(line);
+}

@@ -83,6 +83,12 @@ typedef struct {
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                       PetscInt edge_upper, MpmShapeLine *line);
 /*
+  The weights at xi + by of the polynomials that hold in the knot interval of xi, also where they do not hold any more; domains are
+  left out of account.
+*/
+void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal by, PetscInt edge_lower,
+                    PetscInt edge_upper, MpmShapeLine *line);
+/*
   The mean over the cell of what the nodes of `line` carry (shape_mean.c): mean[k] of its k-th node; where the domain lies in
   several cells, its part in each counts. Arguments as above, with the line that MpmShapeEvaluate() has made.
 */

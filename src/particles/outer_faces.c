@@ -168,7 +168,8 @@ static PetscErrorCode ShareDomains(Bins *bins)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, const PetscInt part[], PetscInt faces[])
+PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, const PetscInt part[],
+                                 const PetscInt asked[], PetscInt faces[])
 {
   const PetscInt dim  = grid->dim;
   Bins           bins = {.grid = grid, .count = points->count};
@@ -190,6 +191,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
     for (PetscInt k = 0; k < 2 * dim; k++) {
       PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM], probe[MPM_MAX_DIM];
 
+      if (asked && !(asked[p] & MpmFaceBit(k / 2, k % 2))) continue;
       MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], k / 2, k % 2, arm, area);
       for (PetscInt a = 0; a < dim; a++) probe[a] = points->x[p * dim + a] + PROBE * arm[a];
       if (!Covered(&bins, probe, part ? part[p] : 0)) faces[p] |= MpmFaceBit(k / 2, k % 2);
@@ -211,7 +213,7 @@ PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid)
   PetscCall(MpmParticlesDistribute(particles, grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(MpmOuterFacesFind(grid, &points, points.part, points.faces));
+  PetscCall(MpmOuterFacesFind(grid, &points, points.part, NULL, points.faces));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

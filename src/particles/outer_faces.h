@@ -12,9 +12,11 @@ static inline PetscInt MpmFaceBit(PetscInt axis, PetscInt side)
 }
 /*
   Sets the bits of the faces across which no domain of the same part lies; `part` numbers the points' parts, NULL: they are
-  all of one. The domains are the initial ones deformed by F. Collective; points of other ranks count as well.
+  all of one; with `asked` only bits that it has. The domains are the initial ones deformed by F. Collective; points of other ranks
+  count as well.
 */
-PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, const PetscInt part[], PetscInt faces[]);
+PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, const PetscInt part[],
+                                 const PetscInt asked[], PetscInt faces[]);
 /* The vector from a point's centre to the middle of a face, and the face's outward area vector, m^(dim-1), both by F. */
 void MpmOuterFace(PetscInt dim, const PetscReal F[], const PetscReal half[], PetscInt axis, PetscInt side,
                   PetscReal arm[], PetscReal area[]);

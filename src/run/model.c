@@ -16,6 +16,7 @@
 #include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/body_contact.h"
+#include "terms/body_surface.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
 #include "time/integrator.h"
@@ -39,6 +40,7 @@ static PetscErrorCode CreateParts(MpmModel model)
   PetscCall(PetscNew(&model->scene.boundaries));
   PetscCall(PetscNew(&model->scene.pairs));
   PetscCall(PetscNew(&model->scene.loads));
+  PetscCall(PetscNew(&model->scene.surfaces));
   PetscCall(PetscNew(&model->state.particles));
   PetscCall(PetscNew(&grid));
   PetscCall(PetscNew(&layout));
@@ -205,6 +207,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.pairs));
   PetscCall(MpmNamesDestroy(model->scene.loads->count, &model->scene.loads->names));
   PetscCall(PetscFree(model->scene.loads));
+  PetscCall(MpmBodySurfacesDestroy(model->scene.surfaces));
+  PetscCall(PetscFree(model->scene.surfaces));
   PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
   PetscCall(MpmNamesDestroy(model->results->output_field_count, &model->results->output_fields));
   PetscCall(PetscFree(model->scene.title));
@@ -432,6 +436,20 @@ static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ReadSurfaces(MpmModel model, const MpmOptions *options)
+{
+  MpmBodySurfaces *surfaces = model->scene.surfaces;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(surfaces->count, &surfaces->at));
+  for (PetscInt k = 0; k < surfaces->count; k++) {
+    PetscCall(
+      MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.dim, model->scene.bodies, &surfaces->at[k]));
+    if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 #define EARTH 9.81
 
 /* The largest of the scene's gravity loads, or that of the Earth, m/s2. */
@@ -458,11 +476,13 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                              &model->scene.motions->count, &model->scene.motions->names));
   PetscCall(MpmOptionsBlocks(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads->count,
                              &model->scene.loads->names));
+  PetscCall(MpmOptionsBlocks(options, "surfaces", "names of the surfaces of bodies on which something acts",
+                             MPM_OPTIONAL, &model->scene.surfaces->count, &model->scene.surfaces->names));
   PetscCall(MpmStagesReadLists(model, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
   PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
-  PetscCall(PetscCalloc1(model->scene.loads->count, &model->state.loads));
+  PetscCall(PetscCalloc1((model->scene.loads->count + model->scene.surfaces->count), &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
@@ -481,6 +501,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->scene.loads->names[l]);
     }
   }
+  PetscCall(ReadSurfaces(model, options));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
@@ -538,13 +559,34 @@ static PetscErrorCode FillParts(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Which points are those of the surfaces' bodies. */
+static void SetSurfaceBodies(MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
+    MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
+
+    MpmBodyGetIds(model->scene.bodies->at[model->scene.surfaces->at[k].body], &acting->first, &acting->end);
+  }
+}
+
+/* The first stage of a run that does not go on from a checkpoint. */
+static PetscErrorCode BeginStages(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmStageBegin(model, 0));
+  PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
+                                 model->state.particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt     state_size = 0, extra = 0, axis, up;
-  PetscBool    parts       = (PetscBool)(model->disc.parts > 1);
-  PetscBool    half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || model->scene.boundaries->count ||
-                                      parts || MpmStagesAreGeostatic(model) || MpmStagesReduce(model));
+  PetscInt  state_size = 0, extra = 0, axis, up;
+  PetscBool parts       = (PetscBool)(model->disc.parts > 1);
+  PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
+  PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
+                                      MpmStagesReduce(model));
   const char  *why;
   const char **fields;
 
@@ -584,9 +626,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(model->disc.grid,
                                &(MpmParticleFields){state_size, model->disc.layout->own_size, model->disc.layout->rates,
-                                                    half_length, model->state.predict,
-                                                    (PetscBool)(model->scene.boundaries->count > 0 || parts), parts,
-                                                    extra, fields},
+                                                    half_length, model->state.predict, faces, parts, extra, fields},
                                model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
@@ -601,6 +641,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                               model->disc.grid, model->state.particles));
   PetscCall(FillOwnStates(model));
   PetscCall(FillParts(model));
+  SetSurfaceBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
@@ -614,7 +655,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmMovingGridSelect(model));
   PetscCall(MpmStagesSelect(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
-  else PetscCall(MpmStageBegin(model, 0));
+  else PetscCall(BeginStages(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -708,6 +749,8 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
                                    model->state.placements, model->state.particles->state_size));
+  PetscCall(
+    MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces, &model->state.loads[model->scene.loads->count]));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

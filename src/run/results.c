@@ -10,6 +10,7 @@
 #include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/body_contact.h"
+#include "terms/body_surface.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "time/time.h"
@@ -174,7 +175,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->solver.newton;
   row[k++] = (PetscReal)model->solver.linear;
   row[k++] = (PetscReal)model->state.cuts;
-  row[k++] = model->scene.loads->count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
+  row[k++] =
+    model->scene.loads->count + model->scene.surfaces->count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const PetscReal *reaction = &model->disc.reaction[b * model->disc.block];
 

@@ -6,6 +6,8 @@
 */
 #include <stddef.h>
 #include "bc/bc.h"
+#include "terms/body_surface.h"
+#include "terms/load.h"
 #include "terms/rigid_body.h"
 #include "run/run.h"
 
@@ -73,6 +75,15 @@ static const struct {
               {"volume", KIND_REAL, offsetof(MpmActing, volume)}};
 #define MOVING ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(moving))
 
+/* Numbers of a surface, behind those. */
+static const struct {
+  const char *name;
+  Kind        kind;
+  size_t      offset;
+} lasting[] = {{"first", KIND_INT, offsetof(struct MpmLoadActing, first)},
+               {"end", KIND_INT, offsetof(struct MpmLoadActing, end)}};
+#define LASTING ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(lasting))
+
 /* Numbers of a place of a free body, behind those. */
 #define PLACE ((PetscInt)(sizeof(MpmPlacement) / sizeof(PetscReal)))
 
@@ -87,12 +98,13 @@ static PetscInt FreeBoundary(const MpmModel model, PetscInt k, PetscInt *count)
   return found;
 }
 
-typedef enum { PART_TABLE, PART_CONDITIONS, PART_PLACES } Part;
+typedef enum { PART_TABLE, PART_CONDITIONS, PART_SURFACES, PART_PLACES } Part;
 
-/* The part in which the number k stands; `of` and `place`: of which condition or boundary it is, and which of its numbers. */
+/* The part in which the number k stands; `of` and `place`: of which condition, surface or boundary it is, and which of its numbers. */
 static Part PartOf(const MpmModel model, PetscInt k, PetscInt *of, PetscInt *place)
 {
   const PetscInt conditions = TABLE + MOVING * model->scene.bcs->count;
+  const PetscInt surfaces   = conditions + LASTING * model->scene.surfaces->count;
   PetscInt       bodies;
 
   *of    = 0;
@@ -101,8 +113,11 @@ static Part PartOf(const MpmModel model, PetscInt k, PetscInt *of, PetscInt *pla
   *of    = (k - TABLE) / MOVING;
   *place = (k - TABLE) % MOVING;
   if (k < conditions) return PART_CONDITIONS;
-  *of    = FreeBoundary(model, (k - conditions) / PLACE, &bodies);
-  *place = (k - conditions) % PLACE;
+  *of    = (k - conditions) / LASTING;
+  *place = (k - conditions) % LASTING;
+  if (k < surfaces) return PART_SURFACES;
+  *of    = FreeBoundary(model, (k - surfaces) / PLACE, &bodies);
+  *place = (k - surfaces) % PLACE;
   return PART_PLACES;
 }
 
@@ -115,6 +130,8 @@ static Kind KindOf(const MpmModel model, PetscInt k)
     return table[k].kind;
   case PART_CONDITIONS:
     return moving[place].kind;
+  case PART_SURFACES:
+    return lasting[place].kind;
   default:
     return KIND_REAL;
   }
@@ -130,6 +147,8 @@ static void *Member(MpmModel model, PetscInt k)
     return (table[k].results ? (char *)model->results : (char *)model) + table[k].offset;
   case PART_CONDITIONS:
     return (char *)&model->state.bcs[of] + moving[place].offset;
+  case PART_SURFACES:
+    return (char *)&model->state.loads[model->scene.loads->count + of] + lasting[place].offset;
   default:
     return (PetscReal *)&model->state.placements[of] + place;
   }
@@ -149,6 +168,9 @@ static PetscErrorCode NameOf(MpmModel model, PetscInt k, char **name)
   case PART_CONDITIONS:
     PetscCall(MpmTextAppend(name, "condition_%s_%s", model->scene.bcs->names[of], moving[place].name));
     break;
+  case PART_SURFACES:
+    PetscCall(MpmTextAppend(name, "surface_%s_%s", model->scene.surfaces->names[of], lasting[place].name));
+    break;
   default:
     PetscCall(MpmTextAppend(name, "place_%s_%" PetscInt_FMT, model->scene.boundaries->names[of], place));
   }
@@ -161,7 +183,7 @@ PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars)
 
   PetscFunctionBeginUser;
   (void)FreeBoundary(model, 0, &bodies);
-  count          = TABLE + MOVING * model->scene.bcs->count + PLACE * bodies;
+  count          = TABLE + MOVING * model->scene.bcs->count + LASTING * model->scene.surfaces->count + PLACE * bodies;
   scalars->count = count;
   PetscCall(PetscCalloc5(count, &scalars->name, count, &scalars->real, count, &scalars->there, count, &scalars->value,
                          count, &scalars->number));

@@ -10,6 +10,7 @@
 #include "bc/bc.h"
 #include "terms/discretization.h"
 #include "terms/body_contact.h"
+#include "terms/body_surface.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
@@ -24,6 +25,7 @@ PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *
   PetscCall(PetscNew(&disc->constraints));
   PetscCall(PetscNew(&disc->contacts));
   PetscCall(PetscNew(&disc->pairs));
+  PetscCall(PetscNew(&disc->surfaces));
   PetscCall(PetscNew(&disc->trial));
   PetscCall(PetscNew(&disc->sum));
   *disc->sum = (MpmSum){.grid = grid, .space = disc->space, .layout = layout, .points = disc->points};
@@ -62,6 +64,16 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
+                                            const MpmLoadActing *acting)
+{
+  PetscFunctionBeginUser;
+  if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSurfaceFacesCreate(surfaces, acting, disc->surfaces));
+  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaces, disc->surfaces));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
 {
   PetscInt at[MPM_MAX_DIM];
@@ -90,12 +102,14 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(PetscFree(disc->reaction));
   PetscCall(MpmContactsDestroy(disc->contacts));
   PetscCall(MpmPairContactsDestroy(disc->pairs));
+  PetscCall(MpmSurfaceFacesDestroy(disc->surfaces));
   PetscCall(MpmTermsDestroy(&disc->terms));
   PetscCall(PetscFree(disc->points));
   PetscCall(PetscFree(disc->space));
   PetscCall(PetscFree(disc->constraints));
   PetscCall(PetscFree(disc->contacts));
   PetscCall(PetscFree(disc->pairs));
+  PetscCall(PetscFree(disc->surfaces));
   PetscCall(PetscFree(disc->trial));
   PetscCall(PetscFree(disc->sum));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -22,7 +22,8 @@ typedef struct MpmDiscretization {
   MpmPattern      *pattern; /* NULL before the first assembled matrix */
   MpmSum          *sum;
   MpmContacts     *contacts;
-  MpmPairContacts *pairs; /* of bodies */
+  MpmPairContacts *pairs;    /* of bodies */
+  MpmSurfaceFaces *surfaces; /* of bodies */
   MpmTerms        *terms;
   MpmTrial        *trial;
   MpmSections     *sections; /* NULL: none */
@@ -44,6 +45,9 @@ PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
                                       const MpmBoundaries *boundaries, const MpmPairs *pairs, MpmPlacement *placements,
                                       PetscInt state_size);
+/* Surfaces and what acts of them, by surface, are borrowed. After SetUp. */
+PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
+                                            const MpmLoadActing *acting);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Where a local node is, m. */
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);

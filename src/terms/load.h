@@ -27,12 +27,13 @@ typedef struct MpmLoads {
   MpmLoad *at;
 } MpmLoads;
 
-/* Whether a load acts in the stage, and by which factor. */
+/* Whether a load, or what acts on a surface, acts in the stage, and by which factor. */
 struct MpmLoadActing {
   PetscBool active;
   PetscReal start;  /* its ramp counts from here */
   PetscBool forced; /* the caller has set the factor, and the ramp is not asked */
   PetscReal factor;
+  PetscInt  first, end; /* of a surface: the ids of its body's points, [first, end) */
 };
 
 PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load);

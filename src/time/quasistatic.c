@@ -12,6 +12,7 @@
 #include "bc/bc.h"
 #include "bc/body_motion.h"
 #include "terms/body_contact.h"
+#include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
@@ -230,6 +231,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(MpmModelPrescribe(model, time, why));
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++)
+    model->disc.surfaces->factor[k] = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));

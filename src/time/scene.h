@@ -41,10 +41,10 @@ typedef struct {
 typedef struct MpmStage {
   char          *name;
   MpmTimeControl time;
-  PetscBool     *bcs, *motions, *loads; /* by the model's lists: does it act? */
-  PetscBool     *removed, *adds;        /* by the model's bodies */
-  PetscInt      *material;              /* by the model's bodies: of its points from here on, or -1 */
-  PetscBool      reset;                 /* displacements start at zero again */
+  PetscBool     *bcs, *motions, *loads, *surfaces; /* by the model's lists: does it act? */
+  PetscBool     *removed, *adds;                   /* by the model's bodies */
+  PetscInt      *material;                         /* by the model's bodies: of its points from here on, or -1 */
+  PetscBool      reset;                            /* displacements start at zero again */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
 } MpmStage;
@@ -64,24 +64,25 @@ typedef struct {
 
 /* What was read: constant from then on. */
 typedef struct {
-  char           *title, *prefix;
-  MpmPhysics      physics;
-  MpmStretch      stretch;
-  MpmShapeType    shape;
-  MpmEdgeType     edge;
-  MpmMaterials   *materials;
-  MpmBodies      *bodies;
-  MpmConditions  *bcs;
-  MpmBodyMotions *motions;
-  MpmBoundaries  *boundaries;
-  MpmPairs       *pairs; /* contacts of bodies */
-  MpmLoads       *loads;
-  MpmFollow       follow;
-  MpmBodyForce    body_force;
-  void           *body_force_ctx;
-  PetscBool       fbar, fbar_auto;
-  PetscBool       fbar_plain; /* F-bar averages dilation by shear, too */
-  const char     *fbar_why;   /* what `auto` went by, or NULL */
-  PetscInt        stage_count;
-  MpmStage       *stages;
+  char            *title, *prefix;
+  MpmPhysics       physics;
+  MpmStretch       stretch;
+  MpmShapeType     shape;
+  MpmEdgeType      edge;
+  MpmMaterials    *materials;
+  MpmBodies       *bodies;
+  MpmConditions   *bcs;
+  MpmBodyMotions  *motions;
+  MpmBoundaries   *boundaries;
+  MpmPairs        *pairs; /* contacts of bodies */
+  MpmLoads        *loads;
+  MpmBodySurfaces *surfaces; /* of bodies */
+  MpmFollow        follow;
+  MpmBodyForce     body_force;
+  void            *body_force_ctx;
+  PetscBool        fbar, fbar_auto;
+  PetscBool        fbar_plain; /* F-bar averages dilation by shear, too */
+  const char      *fbar_why;   /* what `auto` went by, or NULL */
+  PetscInt         stage_count;
+  MpmStage        *stages;
 } MpmScene;

@@ -26,6 +26,7 @@
 #include "space/walls.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
+#include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/integrator.h"
@@ -508,6 +509,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(stage->bcs));
     PetscCall(PetscFree(stage->motions));
     PetscCall(PetscFree(stage->loads));
+    PetscCall(PetscFree(stage->surfaces));
     PetscCall(PetscFree(stage->removed));
     PetscCall(PetscFree(stage->adds));
     PetscCall(PetscFree(stage->material));
@@ -541,10 +543,12 @@ PetscBool MpmStagesKeepMass(const MpmModel model)
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
   const MpmLoadActing *acting = &model->state.loads[load];
+  const PetscInt       loads  = model->scene.loads->count;
+  const MpmRamp ramp = load < loads ? model->scene.loads->at[load].ramp : model->scene.surfaces->at[load - loads].ramp;
 
   if (!acting->active) return 0.;
   if (acting->forced) return model->state.load_scale * acting->factor;
-  return model->state.load_scale * MpmRampEvaluate(model->scene.loads->at[load].ramp, time - acting->start);
+  return model->state.load_scale * MpmRampEvaluate(ramp, time - acting->start);
 }
 
 /* ---- the points are there ---- */
@@ -670,11 +674,13 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
     if (stage->motions[m] && !motion->active) motion->start = model->state.time_start;
     motion->active = stage->motions[m];
   }
-  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    MpmLoadActing *load = &model->state.loads[l];
+  for (PetscInt l = 0; l < model->scene.loads->count + model->scene.surfaces->count; l++) {
+    MpmLoadActing  *load = &model->state.loads[l];
+    const PetscBool acts =
+      l < model->scene.loads->count ? stage->loads[l] : stage->surfaces[l - model->scene.loads->count];
 
-    if (stage->loads[l] && !load->active) load->start = model->state.time_start;
-    load->active = stage->loads[l];
+    if (acts && !load->active) load->start = model->state.time_start;
+    load->active = acts;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,7 @@
 #include "options/options.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
+#include "terms/body_surface.h"
 #include "terms/load.h"
 #include "time/model.h"
 #include "time/stage_lists.h"
@@ -72,7 +73,7 @@ static PetscErrorCode WidenMarks(PetscInt had, PetscInt count, PetscInt scene, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define LISTS 3
+#define LISTS 4
 
 /* The lists of a stage whose blocks act in it: what they are called, the model's names, and the stage's marks. */
 typedef struct {
@@ -87,7 +88,7 @@ static PetscBool **Marks(MpmStage *stage, const ActiveList *list)
   return (PetscBool **)((char *)stage + list->marks);
 }
 
-/* Conditions, motions and loads of all stages; `had` holds how many names were known when each stage's list was read. */
+/* Conditions, motions, loads and surfaces of all stages; `had` holds how many names were known when each stage's list was read. */
 static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
 {
   MpmScene  *scene       = &model->scene;
@@ -105,7 +106,12 @@ static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
                              "loads that act; default: -mpm_loads; none",
                              {&scene->loads->count, &scene->loads->names, PETSC_TRUE},
                              scene->loads->count,
-                             offsetof(MpmStage, loads)}};
+                             offsetof(MpmStage, loads)},
+                            {"surfaces",
+                             "surfaces of bodies on which something acts; default: -mpm_surfaces; none",
+                             {&scene->surfaces->count, &scene->surfaces->names, PETSC_TRUE},
+                             scene->surfaces->count,
+                             offsetof(MpmStage, surfaces)}};
   PetscInt  *had;
   PetscBool *given;
   char       prefix[256];

@@ -53,10 +53,10 @@ typedef struct {
   PetscBool      adaptive;
   PetscBool      predict; /* start from the last step's increment */
   PetscInt       step, cuts, cuts_total;
-  PetscInt       stage;  /* the one under way */
-  MpmParked     *parked; /* per body: points that a later stage adds */
-  MpmActing     *bcs;    /* by the scene's lists: what acts in the stage under way; motions behind conditions */
-  MpmLoadActing *loads;
+  PetscInt       stage;      /* the one under way */
+  MpmParked     *parked;     /* per body: points that a later stage adds */
+  MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
+  MpmLoadActing *loads;      /* surfaces behind loads */
   MpmWalls       walls;      /* that follow from it */
   PetscReal      time_start; /* of the stage under way; time_end is its end */
   PetscReal      run_end;

@@ -64,7 +64,7 @@ PetscBool      MpmStagesReduce(const MpmModel model);
 PetscReal      MpmReductionFactor(const MpmModel model, PetscReal time);
 /* The points' fields for it, one an axis. */
 extern const char *const MpmReductionFields[MPM_MAX_DIM];
-/* The factor of a load at a time, 0 where it does not act. */
+/* The factor of a load, or of a surface behind them, at a time; 0 where it does not act. */
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
 
 /*

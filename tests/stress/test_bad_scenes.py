@@ -72,6 +72,7 @@ CONE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "cone", "mpm_boundar
         "mpm_boundary_wall_radius": "0.3"}
 WALL_POINTS = {**PLANE, "mpm_boundary_wall_points_region": "box", "mpm_boundary_wall_points_lower": "3,3",
                "mpm_boundary_wall_points_upper": "4,4"}
+SURFACE = {"mpm_surfaces": "top", "mpm_surface_top_body": "block", "mpm_surface_top_side": "+y", "mpm_surface_top_normal": "-1e3"}
 ON_REGION = {"mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_region": "box"}
 
 STAGES = {"mpm_stages": "one,two"}
@@ -323,6 +324,18 @@ CASES = [
     ("boundary for no points", WALL_POINTS, "-mpm_boundary_wall_points_region"),
     ("boundary that holds no points", {**PLANE, "mpm_boundary_wall_point": "3,0",
                                        "mpm_boundary_wall_contact": "bilateral"}, "-mpm_boundary_wall_contact"),
+    # surfaces of bodies
+    ("surface without a body", {**SURFACE, "mpm_surface_top_body": None}, "-mpm_surface_top_body"),
+    ("surface of an unknown body", {**SURFACE, "mpm_surface_top_body": "clay"}, "-mpm_surface_top_body clay"),
+    ("surface without a side", {**SURFACE, "mpm_surface_top_side": None}, "-mpm_surface_top_side"),
+    ("surface on an unknown side", {**SURFACE, "mpm_surface_top_side": "up"}, "-mpm_surface_top_side"),
+    ("surface on a side that 2D has not", {**SURFACE, "mpm_surface_top_side": "+z"}, "-mpm_surface_top_side +z"),
+    ("surface on which nothing acts", {**SURFACE, "mpm_surface_top_normal": None}, "-mpm_surface_top_traction is missing"),
+    ("surface with two stresses", {**SURFACE, "mpm_surface_top_traction": "0,1"}, "-mpm_surface_top_normal"),
+    ("surface with a traction of one component", {**SURFACE, "mpm_surface_top_normal": None, "mpm_surface_top_traction": "1"},
+     "-mpm_surface_top_traction"),
+    ("surface whose stress is no number", {**SURFACE, "mpm_surface_top_normal": "nan"}, "-mpm_surface_top_normal"),
+    ("surface that is not in the list", {**SURFACE, "mpm_surfaces": None}, "-mpm_surface_top_"),
     # loads, ramps, tracks
     ("load without a type", {"mpm_load_push_type": None}, "-mpm_load_push_type"),
     ("unknown type of load", {"mpm_load_push_type": "kick"}, "-mpm_load_push_type"),

@@ -62,6 +62,12 @@ static const char *const rubbing_2d = "-mpm_boundary_disc_friction 0.3 -mpm_boun
                                       "-mpm_boundary_wedge_adhesion 1e4 ";
 static const char *const rubbing_3d = "-mpm_boundary_ball_friction 0.3 -mpm_boundary_rod_friction 15deg "
                                       "-mpm_boundary_rod_adhesion 1e4 ";
+/* held, with stresses on all faces and a traction on one side, which follow the body */
+#define LOADED_BODY \
+  "-mpm_surfaces skin,top -mpm_surface_skin_body b -mpm_surface_skin_side all -mpm_surface_skin_normal -4e5 " \
+  "-mpm_surface_top_body b "
+static const char *const loaded_2d = LOADED_BODY "-mpm_surface_top_side +y -mpm_surface_top_traction 2e5,-6e5 ";
+static const char *const loaded_3d = LOADED_BODY "-mpm_surface_top_side +z -mpm_surface_top_traction 2e5,-1e5,-6e5 ";
 static const char *const touching_3d =
   "-mpm_bcs edge -mpm_bc_edge_region box -mpm_bc_edge_lower 0,0.5,0 -mpm_bc_edge_upper 2,0.5,2 "
   "-mpm_bc_edge_normal 0.1,1,0.4 -mpm_boundaries floor,ball,rod -mpm_boundary_floor_type plane "
@@ -90,17 +96,18 @@ static const Law laws[] = {
   {"mohr_coulomb", "-mpm_material_m_cohesion 1e3 -mpm_material_m_friction 30 -mpm_material_m_dilation 30 ", PETSC_TRUE},
 };
 
-/* A body without conditions; held; held with F-bar; held along normals, with F-bar in 3D; touching boundaries. */
-enum { FREE, HELD, HELD_FBAR, INCLINED, TOUCHING, RUBBING, VARIANTS };
-static const char *const variant_names[] = {"free", "held", "held, F-bar", "held along normals", "touching", "rubbing"};
+/* A body without conditions; held; held with F-bar; held along normals, with F-bar in 3D; touching boundaries; with loads on faces. */
+enum { FREE, HELD, HELD_FBAR, INCLINED, TOUCHING, RUBBING, LOADED, VARIANTS };
+static const char *const variant_names[] = {"free",     "held",    "held, F-bar", "held along normals",
+                                            "touching", "rubbing", "loaded"};
 
 static const char *edge = "linear"; /* how splines end */
 
 static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscInt held, MpmModel *model)
 {
   const PetscBool   fbar            = (PetscBool)(held == HELD_FBAR || (held == INCLINED && dim == 3));
-  const char *const conditions_2d[] = {"", held_2d, held_2d, inclined_2d, touching_2d, touching_2d};
-  const char *const conditions_3d[] = {"", held_3d, held_3d, inclined_3d, touching_3d, touching_3d};
+  const char *const conditions_2d[] = {"", held_2d, held_2d, inclined_2d, touching_2d, touching_2d, held_2d};
+  const char *const conditions_3d[] = {"", held_3d, held_3d, inclined_3d, touching_3d, touching_3d, held_3d};
   char              options[4096];
 
   PetscFunctionBeginUser;
@@ -110,9 +117,9 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
     "%s%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
     "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi -mpm_shape_edge %s%s%s%s",
     dim == 2 ? scene_2d : scene_3d, dim == 2 ? conditions_2d[held] : conditions_3d[held],
-    held != RUBBING ? ""
-    : dim == 2      ? rubbing_2d
-                    : rubbing_3d,
+    held == RUBBING  ? dim == 2 ? rubbing_2d : rubbing_3d
+    : held == LOADED ? dim == 2 ? loaded_2d : loaded_3d
+                     : "",
     law->parameters, shape, law->name, edge, held ? " -mpm_stabilization_ghost 0.05" : " -mpm_stabilization_ghost off",
     fbar ? " -mpm_stabilization_fbar " : " -mpm_stabilization_fbar false", fbar ? "true" : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
@@ -284,7 +291,7 @@ static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plast
   /* blocks of a yielding law may be singular */
   ck_assert_msg(law->plastic || verdict->blocks <= 1e-8, "%s: inverted diagonal blocks are wrong by %g", name,
                 (double)verdict->blocks);
-  if (traits & MPM_LAW_SYMMETRIC && held != RUBBING)
+  if (traits & MPM_LAW_SYMMETRIC && held < RUBBING)
     ck_assert_msg(verdict->asymmetry <= 1e-13, "%s: unsymmetric by %g", name, (double)verdict->asymmetry);
   if (traits & MPM_LAW_SMALL_STRAIN)
     ck_assert_msg(verdict->remainder <= 1e-10, "%s: not linear, by %g", name, (double)verdict->remainder);
@@ -317,8 +324,8 @@ static void CheckAll(PetscInt dim)
         SCENE_CALL(Look(model, &laws[l], 0., &plastic, &verdict));
         ck_assert_int_eq(model->disc.constraints->any || !held || held >= TOUCHING,
                          1); /* its one edge may be on one rank */
-        ck_assert_int_eq(model->disc.constraints->frame_of != NULL, held >= INCLINED);
-        if (held >= TOUCHING) CheckTouch(model);
+        ck_assert_int_eq(model->disc.constraints->frame_of != NULL, held >= INCLINED && held != LOADED);
+        if (held == TOUCHING || held == RUBBING) CheckTouch(model);
         ck_assert_int_eq((int)model->disc.layout->means, held == HELD_FBAR || (held == INCLINED && dim == 3));
         Check(model, &laws[l], held, plastic, &verdict);
         SCENE_CALL(SceneDestroy(&model));

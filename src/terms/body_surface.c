@@ -1,0 +1,113 @@
+/*
+  Surfaces of bodies: their blocks.
+*/
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "particles/body.h"
+#include "particles/outer_faces.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "terms/body_surface.h"
+#include "terms/load.h"
+
+static const char *const sides[] = {"-x", "+x", "-y", "+y", "-z", "+z", "all", NULL};
+
+static PetscErrorCode ReadBody(const MpmOptions *block, const MpmBodies *bodies, PetscInt *body)
+{
+  char *name;
+
+  PetscFunctionBeginUser;
+  *body = 0;
+  PetscCall(MpmOptionsText(block, "body", "the body whose surface it is", NULL, MPM_REQUIRED, &name));
+  if (!MpmOptionsHelp()) {
+    while (*body < bodies->count && strcmp(bodies->names[*body], name)) (*body)++;
+    MpmCheckInput(*body < bodies->count, "-%sbody %s: must be in -mpm_bodies", block->prefix, name);
+  }
+  PetscCall(PetscFree(name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The bits of the faces on a side of the lattice. */
+static PetscErrorCode ReadSide(const MpmOptions *block, PetscInt dim, PetscInt *faces)
+{
+  const PetscInt all  = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(sides) - 2;
+  PetscInt       side = all;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsWord(block, "side",
+                   "faces of the points' domains that bound the material and look, in the initial lattice, this "
+                   "way; all: all that bound it",
+                   sides, MPM_REQUIRED, &side, NULL));
+  MpmCheckInput(side == all || side < 2 * dim || MpmOptionsHelp(),
+                "-%sside %s: must be one of -x, +x, -y, +y, all in two dimensions", block->prefix, sides[side]);
+  *faces = side == all ? (1 << (2 * dim)) - 1 : MpmFaceBit(side / 2, side % 2);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, PetscInt dim, const MpmBodies *bodies,
+                                    MpmBodySurface *surface)
+{
+  char       prefix[256];
+  MpmOptions block = {options->comm, prefix, options->record};
+  PetscBool  traction, normal;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_surface_%s_", name));
+  PetscCall(PetscStrallocpy(name, &surface->name));
+  PetscCall(MpmOptionsHeading(&block, "Surface of a body"));
+  PetscCall(ReadBody(&block, bodies, &surface->body));
+  PetscCall(ReadSide(&block, dim, &surface->faces));
+  PetscCall(MpmOptionsReals(&block, "traction", "Pa", "force by area of the faces as they stand at a step's end",
+                            MPM_RANGE_ANY, MPM_OPTIONAL, dim, surface->traction, &traction));
+  PetscCall(MpmOptionsReal(&block, "normal", "Pa",
+                           "stress along the faces' outward normal, which it follows; a pressure is negative",
+                           MPM_RANGE_ANY, MPM_OPTIONAL, &surface->normal, &normal));
+  PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &surface->ramp));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!traction || !normal, "-%snormal: a surface has a traction or a normal stress, not both", prefix);
+  MpmCheckInput(traction || normal,
+                "-%straction is missing: nothing acts on the surface; it must have a traction or a "
+                "normal stress",
+                prefix);
+  surface->loaded = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; surfaces->at && k < surfaces->count; k++) {
+    PetscCall(PetscFree(surfaces->at[k].name));
+    PetscCall(MpmRampDestroy(&surfaces->at[k].ramp));
+  }
+  PetscCall(MpmNamesDestroy(surfaces->count, &surfaces->names));
+  PetscCall(PetscFree(surfaces->at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
+                                    MpmParticles *particles)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  for (PetscInt k = 0; k < surfaces->count; k++) {
+    PetscInt count[2] = {0, 0}; /* points of the body, and those with a face of the surface */
+
+    for (PetscInt p = 0; p < points.count; p++) {
+      if (points.id[p] < acting[k].first || points.id[p] >= acting[k].end) continue;
+      count[0]++;
+      count[1] += points.faces[p] & surfaces->at[k].faces ? 1 : 0;
+    }
+    PetscCall(
+      MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
+    MpmCheckInput(!acting[k].active || !count[0] || count[1],
+                  "-mpm_surface_%s_side: the material does not end there: no face of its body bounds it",
+                  surfaces->names[k]);
+  }
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

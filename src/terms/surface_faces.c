@@ -1,0 +1,172 @@
+/*
+  The faces of surfaces in a step: which there are, their areas and their weights at the nodes.
+
+  A face is one of a point's domain (outer_faces.c) that bounded the material as the stage began and still does. It stands at
+  y = x + F l_a e_a with the outward area a = cof(F) A_a e_a. Its weights are those at y: for shapes with a domain the mean over the
+  face, so that a uniform load on an even face balances a uniform stress in every node; for the others those of the
+  polynomials that hold in the point's own knot intervals, which go on where the face stands in the next ones. Either way only nodes
+  that the point itself touches take part, and what the face's load does in a uniform strain is exact.
+*/
+#include "point/material.h"
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/outer_faces.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "terms/body_surface.h"
+#include "terms/contact.h"
+#include "terms/load.h"
+
+PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
+                                     MpmSurfaceFaces *faces)
+{
+  PetscFunctionBeginUser;
+  *faces = (MpmSurfaceFaces){.surfaces = surfaces, .acting = acting};
+  PetscCall(PetscCalloc1(surfaces->count, &faces->factor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(faces->factor));
+  PetscCall(PetscFree(faces->face));
+  PetscCall(PetscFree(faces->weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does the point belong to the surface's body, and does the surface act? */
+static PetscBool Has(const MpmSurfaceFaces *faces, PetscInt surface, PetscInt id)
+{
+  const MpmLoadActing *acting = &faces->acting[surface];
+
+  return (PetscBool)(acting->active && id >= acting->first && id < acting->end);
+}
+
+/* The faces that are still outer ones of those that a surface may have. Collective. */
+static PetscErrorCode FindOuter(const MpmSurfaceFaces *faces, const MpmRules *rules, const MpmPoints *points,
+                                PetscInt outer[])
+{
+  PetscInt *asked;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(points->count, &asked));
+  for (PetscInt k = 0; k < faces->surfaces->count; k++)
+    for (PetscInt p = 0; p < points->count; p++)
+      if (Has(faces, k, points->id[p])) asked[p] |= points->faces[p] & faces->surfaces->at[k].faces;
+  PetscCall(MpmOuterFacesFind(rules->grid, points, points->part, asked, outer));
+  PetscCall(PetscFree(asked));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- weights ---- */
+
+/* On one axis, of shapes without a domain: at `by` cells from the point, in its own knot interval. */
+static void ExtendedLine(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                         PetscInt a, PetscReal line[])
+{
+  const MpmGrid   *grid  = rules->grid;
+  const MpmGroup  *group = &space->groups[facet->group];
+  const PetscInt   p = facet->point, dim = space->dim, count = group->count[a];
+  const PetscInt   shift = a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0;
+  const PetscReal  x = points->x[p * dim + a], by = (facet->place[a] - x) / grid->h[a];
+  const PetscReal *own      = &space->shape[0].weight[(p * dim + a) * space->width];
+  const PetscReal *gradient = &space->shape[0].gradient[(p * dim + a) * space->width];
+  PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscReal        weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+  MpmShapeLine     face   = {.weight = weight, .gradient = unused};
+  PetscBool        inside = PETSC_TRUE;
+
+  MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
+  MpmShapeExtend(rules->shape, rules->edge, (x - grid->lower[a]) / grid->h[a], by, lower[a], upper[a], &face);
+  for (PetscInt i = 0; i < count; i++) line[i] = 0.;
+  for (PetscInt i = 0; i < face.count; i++) {
+    const PetscInt k = face.first + shift + i - group->first[a];
+
+    if (k >= 0 && k < count) line[k] = weight[i];
+    else inside = PETSC_FALSE;
+  }
+  /* a point on a knot touches a node less than its interval has */
+  for (PetscInt i = 0; !inside && i < count; i++) line[i] = own[i] + (facet->place[a] - x) * gradient[i];
+}
+
+static void FaceWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                        PetscReal weight[])
+{
+  const MpmGroup *group = &space->groups[facet->group];
+  PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH];
+
+  line[2][0] = 1.;
+  if (MpmShapeHasDomain(rules->shape)) MpmFacetLines(rules, space, points, facet, line);
+  else
+    for (PetscInt a = 0; a < space->dim; a++) ExtendedLine(rules, space, points, facet, a, line[a]);
+  for (PetscInt k = 0; k < group->count[2]; k++)
+    for (PetscInt j = 0; j < group->count[1]; j++)
+      for (PetscInt i = 0; i < group->count[0]; i++) *weight++ = line[0][i] * line[1][j] * line[2][k];
+}
+
+/* ---- faces ---- */
+
+static PetscErrorCode Reserve(MpmSurfaceFaces *faces, PetscInt weights)
+{
+  PetscFunctionBeginUser;
+  if (faces->face_count == faces->face_capacity) {
+    faces->face_capacity = 2 * faces->face_capacity + 64;
+    PetscCall(PetscRealloc((size_t)faces->face_capacity * sizeof(MpmSurfaceFace), &faces->face));
+  }
+  if (weights > faces->weight_capacity) {
+    faces->weight_capacity = 2 * weights + 1024;
+    PetscCall(PetscRealloc((size_t)faces->weight_capacity * sizeof(PetscReal), &faces->weight));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The faces of point p among the bits `outer`; `used`: weights that there are. */
+static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules, const MpmPoints *points,
+                                   const MpmSpace *space, const MpmFacet *start, PetscInt outer, PetscInt *used)
+{
+  const PetscInt dim = space->dim, p = start->point, nodes = space->groups[start->group].node_count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < 2 * dim * faces->surfaces->count; k++) {
+    const PetscInt surface = k / (2 * dim), face = k % (2 * dim), bit = MpmFaceBit(face / 2, face % 2);
+    MpmFacet       facet = *start;
+    PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.};
+
+    if (!(outer & faces->surfaces->at[surface].faces & bit) || !Has(faces, surface, points->id[p])) continue;
+    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
+    PetscCall(Reserve(faces, *used + nodes));
+    FaceWeights(rules, space, points, &facet, &faces->weight[*used]);
+    faces->face[faces->face_count] =
+      (MpmSurfaceFace){.surface = surface, .point = p, .group = start->group, .weight = *used};
+    for (PetscInt a = 0; a < dim; a++) faces->face[faces->face_count].area[a] = area[a];
+    faces->face_count++;
+    *used += nodes;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
+{
+  MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
+  PetscBool        any   = PETSC_FALSE;
+  PetscInt        *outer, used = 0;
+
+  PetscFunctionBeginUser;
+  faces->face_count = 0;
+  for (PetscInt k = 0; k < faces->surfaces->count; k++) any = (PetscBool)(any || faces->acting[k].active);
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(points->count, &outer));
+  PetscCall(FindOuter(faces, rules, points, outer));
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
+      const MpmFacet facet = {.point = space->order[s], .group = g};
+
+      if (outer[facet.point]) PetscCall(FacesOfPoint(faces, rules, points, space, &facet, outer[facet.point], &used));
+    }
+  }
+  PetscCall(PetscFree(outer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
