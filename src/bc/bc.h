@@ -62,11 +62,13 @@ typedef struct {
 */
 typedef struct MpmConstraints {
   PetscInt  *condition; /* per local unknown: which condition or, behind them, motion holds it, or one of these two */
-  PetscReal *value;     /* the value that it takes */
+  PetscReal *value;     /* the value that it takes, in its unit */
   PetscBool  any;
   PetscInt   dim, block;
-  PetscReal  diagonal[MPM_MAX_BLOCK]; /* of the equations of prescribed unknowns, by component */
-  PetscInt  *frame_of;                /* per local node: its frame, or -1; NULL where no condition has a normal */
+  PetscReal  diagonal;            /* of the equations of prescribed unknowns, N/m */
+  PetscReal  unit[MPM_MAX_BLOCK]; /* of the solver's unknowns, by component: a power of 2 */
+  PetscBool  scaled;              /* are there units other than 1? */
+  PetscInt  *frame_of;            /* per local node: its frame, or -1; NULL where no condition has a normal */
   MpmFrame  *frames;
 } MpmConstraints;
 
@@ -115,6 +117,17 @@ void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt nodes, Pet
 */
 void MpmConstraintsAddReactions(const MpmConstraints *constraints, PetscInt block, PetscInt owned,
                                 const PetscReal residual[], PetscReal reaction[]);
+
+/*
+  The solver works with unknowns in units that make all equations forces: a pressure in K/h, K a typical stiffness and h a cell, so
+  that the unknown is a length and its volume balance, times K/h, a force. Times: values of the first `count` local
+  unknowns from these units to the physics', or of their equations the other way; Over: the reverse. The second kind is for
+  blocks c, d of the Jacobian: nothing is done where all units are 1.
+*/
+void MpmUnitsTimes(const MpmConstraints *constraints, PetscInt count, PetscReal values[]);
+void MpmUnitsOver(const MpmConstraints *constraints, PetscInt count, PetscReal values[]);
+/* `width` blocks side by side of one node's rows: row c has bs * width numbers. */
+void MpmUnitsTimesRows(const MpmConstraints *constraints, PetscInt width, PetscReal rows[]);
 
 static inline const MpmFrame *MpmConstraintsFrame(const MpmConstraints *constraints, PetscInt node)
 {

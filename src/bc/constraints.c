@@ -18,7 +18,7 @@ PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints)
   PetscCall(PetscFree(constraints->value));
   PetscCall(PetscFree(constraints->frame_of));
   PetscCall(PetscFree(constraints->frames));
-  constraints->any = PETSC_FALSE;
+  constraints->any = constraints->scaled = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -242,17 +242,13 @@ static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescripti
   }
 }
 
-/* By scale of the field: K h^dim / scale^2 where a node's typical stiffness is K h^(dim - 2). */
-static PetscReal Diagonal(MpmScale scale, PetscReal stiffness, PetscReal h, PetscInt dim)
+/* What a component's values are measured in, over h, where a node's typical stiffness is K h^(dim - 2); to a power of 2. */
+static PetscReal Unit(MpmScale scale, PetscReal stiffness, PetscReal h, PetscInt dim)
 {
-  switch (scale) {
-  case MPM_SCALE_STRESS:
-    return PetscPowRealInt(h, 2 * dim - 2) / stiffness;
-  case MPM_SCALE_ONE:
-    return stiffness * h * h;
-  default:
-    return stiffness;
-  }
+  const PetscReal K = scale == MPM_SCALE_STRESS ? stiffness / PetscPowRealInt(h, dim - 2) : 1.;
+
+  if (scale == MPM_SCALE_LENGTH || !(K > 0.)) return 1.;
+  return PetscPowReal(2., PetscFloorReal(PetscLog2Real(K / h) + 0.5));
 }
 
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
@@ -265,10 +261,13 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   PetscFunctionBeginUser;
   *contradicts = -1;
   PetscCall(MpmConstraintsReset(constraints));
-  constraints->dim   = grid->dim;
-  constraints->block = bs;
-  for (PetscInt c = 0; c < bs; c++)
-    constraints->diagonal[c] = Diagonal(layout->scale[c], step->diagonal, grid->h[0], grid->dim);
+  constraints->dim      = grid->dim;
+  constraints->block    = bs;
+  constraints->diagonal = step->diagonal;
+  for (PetscInt c = 0; c < bs; c++) {
+    constraints->unit[c] = Unit(layout->scale[c], step->diagonal, grid->h[0], grid->dim);
+    if (constraints->unit[c] != 1.) constraints->scaled = PETSC_TRUE;
+  }
   PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
   PetscCall(PetscCalloc1((space->local * bs), &constraints->value));
   for (PetscInt k = 0; k < space->local * bs; k++) constraints->condition[k] = MPM_FREE;
@@ -283,10 +282,32 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   if (marks) PrescribeMotions(constraints, step, marks, space, contradicts);
   LeaveOutUnsupported(constraints, layout, space);
   LeaveOutUnused(constraints, bs, space);
+  MpmUnitsOver(constraints, space->local * bs, constraints->value);
   if (!marks) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(marks));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contradicts, 1, MPIU_INT, MPI_MAX, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmUnitsTimes(const MpmConstraints *constraints, PetscInt count, PetscReal values[])
+{
+  if (!constraints->scaled) return;
+  for (PetscInt k = 0; k < count; k++) values[k] *= constraints->unit[k % constraints->block];
+}
+
+void MpmUnitsOver(const MpmConstraints *constraints, PetscInt count, PetscReal values[])
+{
+  if (!constraints->scaled) return;
+  for (PetscInt k = 0; k < count; k++) values[k] /= constraints->unit[k % constraints->block];
+}
+
+void MpmUnitsTimesRows(const MpmConstraints *constraints, PetscInt width, PetscReal rows[])
+{
+  const PetscInt bs = constraints->block;
+
+  for (PetscInt c = 0; c < bs && constraints->scaled; c++)
+    for (PetscInt k = 0; k < width * bs; k++)
+      rows[c * width * bs + k] *= constraints->unit[c] * constraints->unit[k % bs];
 }
 
 void MpmConstraintsPrescribe(const MpmConstraints *constraints, PetscInt count, PetscScalar x[])
@@ -304,15 +325,14 @@ void MpmConstraintsZero(const MpmConstraints *constraints, PetscInt count, Petsc
 void MpmConstraintsMultiply(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[], PetscScalar y[])
 {
   for (PetscInt k = 0; k < count; k++)
-    if (!MpmConstraintsFree(constraints, k)) y[k] = constraints->diagonal[k % constraints->block] * x[k];
+    if (!MpmConstraintsFree(constraints, k)) y[k] = constraints->diagonal * x[k];
 }
 
 void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[],
                             PetscScalar residual[])
 {
   for (PetscInt k = 0; k < count; k++)
-    if (!MpmConstraintsFree(constraints, k))
-      residual[k] = constraints->diagonal[k % constraints->block] * (x[k] - constraints->value[k]);
+    if (!MpmConstraintsFree(constraints, k)) residual[k] = constraints->diagonal * (x[k] - constraints->value[k]);
 }
 
 void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt nodes, PetscReal blocks[])
@@ -324,7 +344,7 @@ void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt nodes, Pet
 
     if (MpmConstraintsFree(constraints, k)) continue;
     for (PetscInt c = 0; c < bs; c++) block[(k % bs) * bs + c] = block[c * bs + k % bs] = 0.;
-    block[(k % bs) * (bs + 1)] = constraints->diagonal[k % bs];
+    block[(k % bs) * (bs + 1)] = constraints->diagonal;
   }
 }
 

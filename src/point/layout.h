@@ -18,6 +18,7 @@ typedef struct {
 */
 typedef struct MpmLayout {
   PetscInt      dim, block, inputs, rates;
+  PetscInt      field_count, field_of[MPM_MAX_BLOCK]; /* of each component */
   PetscInt      shape_count;
   MpmFieldShape shape[MPM_MAX_SHAPES];
   PetscInt      shape_of[MPM_MAX_BLOCK];

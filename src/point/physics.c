@@ -105,8 +105,9 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 {
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(layout, sizeof(*layout)));
-  layout->dim    = dim;
-  layout->kernel = &physics->kernels[dim];
+  layout->dim         = dim;
+  layout->kernel      = &physics->kernels[dim];
+  layout->field_count = physics->field_count;
   for (PetscInt f = 0; f < physics->field_count; f++) {
     const MpmField *field      = &physics->fields[f];
     const PetscInt  components = field->components ? field->components : dim;
@@ -125,6 +126,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->scale[b]            = field->scale;
       layout->increment[b]        = (PetscBool)field->increment;
       layout->shape_of[b]         = shape;
+      layout->field_of[b]         = f;
       if (field->rate) layout->rate_component[layout->rates++] = b;
       PetscCheck(!field->deviation || (field->rate && field->gradient && layout->shape[shape].spacing == 1),
                  PETSC_COMM_SELF, PETSC_ERR_SUP,

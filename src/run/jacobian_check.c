@@ -28,7 +28,7 @@ static PetscErrorCode AddNoise(MpmModel model, PetscReal cells, PetscInt seed, V
   PetscCall(VecGetArray(x, &values));
   for (PetscInt k = 0; k < disc->space->owned * bs; k++) {
     const PetscInt *node = &disc->space->node[(k / bs) * dim], c = k % bs;
-    const PetscReal scale = disc->layout->increment[c] ? cells * disc->h[c % dim] : cells;
+    const PetscReal scale = cells * disc->h[c % dim]; /* in the unknowns' units: a part of 1, or of a stiffness */
     const PetscInt  place = node[0] + 31 * node[1] + (dim > 2 ? 977 * node[2] : 0);
 
     if (MpmConstraintsFree(disc->constraints, k)) values[k] += scale * Noise(place, seed * MPM_MAX_BLOCK + c);

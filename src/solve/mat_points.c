@@ -25,6 +25,7 @@ static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
   PetscCall(VecGetArrayRead(x, &values));
   PetscCall(PetscArraycpy(local, values, space->owned * bs));
   MpmConstraintsZero(free->solver->disc->constraints, space->owned * bs, local);
+  MpmUnitsTimes(free->solver->disc->constraints, space->owned * bs, local);
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(space, bs, local));
   MpmFramesToAxes(free->solver->disc->constraints, bs, space->local, local);
@@ -51,6 +52,7 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   PetscCall(VecGetArrayRead(x, &from));
   PetscCall(VecGetArrayWrite(y, &to));
   PetscCall(PetscArraycpy(to, free->y, solver->disc->space->owned * bs));
+  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * bs, to);
   MpmConstraintsMultiply(solver->disc->constraints, solver->disc->space->owned * bs, from, to);
   PetscCall(VecRestoreArrayWrite(y, &to));
   PetscCall(VecRestoreArrayRead(x, &from));
@@ -68,6 +70,8 @@ static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
   PetscCall(MpmTermsDiagonal(solver->disc->terms, solver->disc->sum, free->action.u, blocks, &failed));
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs * bs, blocks));
   MpmFramesRotateBlocks(solver->disc->constraints, bs, solver->disc->space->owned, blocks);
+  for (PetscInt i = 0; i < solver->disc->space->owned; i++)
+    MpmUnitsTimesRows(solver->disc->constraints, 1, &blocks[i * bs * bs]);
   MpmConstraintsBlocks(solver->disc->constraints, solver->disc->space->owned, blocks);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -129,7 +133,7 @@ static PetscErrorCode MatInvertBlockDiagonal_Matfree(Mat J, const PetscScalar **
 
     if (!InvertBlock(bs, block)) { /* a node without stiffness: any number will do in a preconditioner */
       for (PetscInt k = 0; k < bs * bs; k++)
-        block[k] = k % (bs + 1) ? 0. : 1. / free->solver->disc->constraints->diagonal[k % bs];
+        block[k] = k % (bs + 1) ? 0. : 1. / free->solver->disc->constraints->diagonal;
     }
     for (PetscInt r = 0; r < bs; r++)
       for (PetscInt c = 0; c < bs; c++) free->inverse[(i * bs + c) * bs + r] = block[r * bs + c];
@@ -188,6 +192,7 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x)
   PetscCall(VecGetArrayRead(x, &values));
   PetscCall(PetscArraycpy(free->du, values, solver->disc->space->owned * solver->disc->block));
   PetscCall(VecRestoreArrayRead(x, &values));
+  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, free->du);
   PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, free->du));
   MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, free->du);
   PetscCall(MpmActionSetState(&free->action, free->du, &failed));

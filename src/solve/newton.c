@@ -2,6 +2,7 @@
   Newton's parts: residual and Jacobian as SNES calls them, when a step has converged, and the line search.
 */
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
+#include "point/layout.h"
 #include "point/material.h"
 #include "space/space.h"
 #include "space/sum.h"
@@ -22,6 +23,7 @@ PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
   PetscCall(VecGetArrayRead(x, &values));
   PetscCall(PetscArraycpy(solver->disc->u, values, solver->disc->space->owned * solver->disc->block));
   PetscCall(VecRestoreArrayRead(x, &values));
+  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, solver->disc->u);
   PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, solver->disc->u));
   MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, solver->disc->u);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -99,6 +101,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));
   PetscCall(PetscArraycpy(values, solver->disc->residual, solver->disc->space->owned * bs));
+  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * bs, values);
   MpmConstraintsResidual(solver->disc->constraints, solver->disc->space->owned * bs, at, values);
   PetscCall(VecRestoreArrayRead(x, &at));
   /* a rank may own no unknown of its failing points: the flag travels apart */
@@ -109,7 +112,10 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A displacement unknown is weak when its diagonal is below this part of a typical one; it is raised by that part. */
+/*
+  A displacement unknown is weak when its diagonal is below this part of a typical one, and with the node's last one its other
+  fields; their diagonals are raised by that part.
+*/
 #define WEAK_NODE 1e-3
 #define WEAK_LIFT 1e-11
 
@@ -121,6 +127,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 static PetscErrorCode LiftWeakNodes(MpmSolver *solver, Mat J)
 {
   const PetscInt bs = solver->disc->block, dim = solver->disc->dim;
+  PetscBool      weak = PETSC_FALSE;
   Vec            diagonal;
   PetscScalar   *d;
 
@@ -129,7 +136,8 @@ static PetscErrorCode LiftWeakNodes(MpmSolver *solver, Mat J)
   PetscCall(MatGetDiagonal(J, diagonal));
   PetscCall(VecGetArray(diagonal, &d));
   for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
-    if (k % bs < dim && PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal) d[k] *= 1. + WEAK_LIFT;
+    weak = (PetscBool)(k % bs < dim ? PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal : weak);
+    if (weak) d[k] *= 1. + WEAK_LIFT;
   }
   PetscCall(VecRestoreArray(diagonal, &d));
   PetscCall(MatDiagonalSet(J, diagonal, INSERT_VALUES));
@@ -167,6 +175,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
   if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscCall(MpmFieldsplitUpdate(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,7 +203,10 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscCall(SNESGetIterationNumber(snes, &it));
   PetscCall(SNESGetFunctionNorm(snes, &fnorm));
   PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
-  keep                     = KeepJacobian(solver, it, fnorm, rtol * solver->cache.reference);
+  if (solver->disc->layout->field_count > 1) {
+    fnorm = solver->cache.fields.excess;
+    keep  = KeepJacobian(solver, it, fnorm, 1.);
+  } else keep = KeepJacobian(solver, it, fnorm, rtol * solver->cache.reference);
   solver->cache.fnorm_last = fnorm;
   solver->cache.lagged     = keep;
   if (keep) PetscFunctionReturn(PETSC_SUCCESS);
@@ -240,33 +252,83 @@ static PetscErrorCode TestBodies(SNES snes, MpmSolver *solver, SNESConvergedReas
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Relative to the residual at zero displacement, whatever the first guess; and a floor: a residual as small
-  as rounding makes it cannot be reduced. Strains are known to eps and to eps |u|/h, the last from the differences of
-  nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a node. A boundary's penalty adds what
-  it makes of the rounding of places.
-*/
-static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
-                                      SNESConvergedReason *reason, void *ctx)
+PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f)
 {
-  MpmSolver      *solver   = (MpmSolver *)ctx;
+  PetscFunctionBeginUser;
+  PetscCall(VecNorm(f, NORM_2, &solver->cache.reference));
+  if (PetscIsInfOrNanReal(solver->cache.reference)) solver->cache.reference = 0.;
+  PetscCall(MpmFieldsSetReference(solver, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  What rounding leaves of the residual, at x: a residual as small cannot be reduced. Strains are known to eps and to
+  eps |u|/h, the last from the differences of nodal values; times stiffness and a node's share of volume that is eps K (h + |u|)
+  a node. A boundary's penalty adds what it makes of the rounding of places.
+*/
+static PetscReal Floor(const MpmSolver *solver, PetscReal xnorm)
+{
   const PetscReal unknowns = (PetscReal)(solver->disc->space->global_count * solver->disc->block);
   const PetscReal cells    = solver->disc->h[0] * PetscSqrtReal(unknowns); /* a cell a node */
   const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
-  const PetscReal floor =
-    PETSC_MACHINE_EPSILON * (2. * solver->disc->diagonal + 0.5 * Contact(solver)) * (cells + size);
-  PetscReal atol, rtol, stol, divtol;
+
+  return PETSC_MACHINE_EPSILON * (2. * solver->disc->diagonal + 0.5 * Contact(solver)) * (cells + size);
+}
+
+/* Residual over tolerance where there are several fields. */
+static PetscErrorCode FindExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *excess)
+{
+  PetscReal rtol, xnorm;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESGetTolerances(snes, &atol, &rtol, &stol, NULL, NULL));
+  PetscCall(SNESGetTolerances(solver->snes, NULL, &rtol, NULL, NULL, NULL));
+  PetscCall(VecNorm(x, NORM_2, &xnorm));
+  PetscCall(MpmFieldsConverged(solver, f, rtol, Floor(solver, xnorm), excess));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is a residual with this norm small enough? */
+static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fnorm, SNESConvergedReason *reason)
+{
+  PetscReal atol, rtol;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetTolerances(solver->snes, &atol, &rtol, NULL, NULL, NULL));
+  if (solver->disc->layout->field_count > 1) {
+    Vec x, f;
+
+    PetscCall(SNESGetSolution(solver->snes, &x));
+    PetscCall(SNESGetFunction(solver->snes, &f, NULL, NULL));
+    PetscCall(FindExcess(solver, x, f, &solver->cache.fields.excess));
+    if (fnorm <= atol) *reason = SNES_CONVERGED_FNORM_ABS;
+    else if (solver->cache.fields.excess <= 1.) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (fnorm <= PetscMax(atol, Floor(solver, xnorm))) *reason = SNES_CONVERGED_FNORM_ABS;
+  else if (fnorm <= rtol * solver->cache.reference) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Relative to the residual at zero displacement, whatever the first guess; and a floor. */
+static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
+                                      SNESConvergedReason *reason, void *ctx)
+{
+  MpmSolver *solver = (MpmSolver *)ctx;
+  PetscReal  stol, divtol;
+  Vec        f;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetTolerances(snes, NULL, NULL, &stol, NULL, NULL));
   PetscCall(SNESGetDivergenceTolerance(snes, &divtol));
-  if (!it && !(solver->cache.reference > 0.)) solver->cache.reference = fnorm;
+  PetscCall(SNESGetFunction(snes, &f, NULL, NULL));
+  if (!it && !(solver->cache.reference > 0.)) PetscCall(MpmSolverSetReference(solver, f));
   *reason = SNES_CONVERGED_ITERATING;
   if (PetscIsInfOrNanReal(fnorm)) *reason = MPM_SNES_DIVERGED_NAN;
-  else if (fnorm <= PetscMax(atol, floor)) *reason = SNES_CONVERGED_FNORM_ABS;
-  else if (fnorm <= rtol * solver->cache.reference) *reason = SNES_CONVERGED_FNORM_RELATIVE;
-  else if (it && snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
-  else if (it && divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
+  else PetscCall(TestNorm(solver, xnorm, fnorm, reason));
+  if (*reason == SNES_CONVERGED_ITERATING && it) {
+    if (snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
+    else if (divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
+  }
   if (!it) solver->cache.imbalance = PETSC_INFINITY;
   if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -309,83 +371,141 @@ PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tries X - lambda Y: the residual there, its norm, and the slope G . Y, which is the rate of work for a potential. */
-static PetscErrorCode Try(SNESLineSearch search, MpmSolver *solver, PetscReal lambda, PetscReal *norm, PetscReal *slope)
-{
-  Vec         X, F, Y, W, G;
-  PetscScalar dot;
+/* A line search at work: from X along -Y, with F at X; W and G are the step that is tried and the residual there. */
+typedef struct {
+  MpmSolver *solver;
+  Vec        X, F, Y, W, G;
+  PetscInt   it;
+  PetscReal  fnorm; /* of F */
+  PetscReal  lambda, norm;
+} Search;
 
+/* Tries X - lambda Y: the residual there, and its norm. */
+static PetscErrorCode Try(Search *search)
+{
   PetscFunctionBeginUser;
-  (void)search;
-  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
-  PetscCall(VecWAXPY(W, -lambda, Y, X));
-  PetscCall(MpmRelaxBodies(solver, X, W));
-  PetscCall(SNESComputeFunction(solver->snes, W, G));
-  PetscCall(VecNorm(G, NORM_2, norm));
-  *slope = 0.;
-  if (PetscIsInfOrNanReal(*norm)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecDot(G, Y, &dot));
-  *slope = PetscRealPart(dot);
+  PetscCall(VecWAXPY(search->W, -search->lambda, search->Y, search->X));
+  PetscCall(MpmRelaxBodies(search->solver, search->X, search->W));
+  PetscCall(SNESComputeFunction(search->solver->snes, search->W, search->G));
+  PetscCall(VecNorm(search->G, NORM_2, &search->norm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-  The program's own line search: the full step costs one residual and is taken when the residual falls or the slope of
-  the work does; otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step.
+  By the work: the full step costs one residual and is taken when the residual falls or the slope of the work, G . Y, does;
+  otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step. `found`: there is one.
 
   A test on the residual alone would throttle bending and rotation, where a good full step raises the residual first. It
   does so at the solution's start only; in plastic flow without change of volume, steps that later raise the slope's size
   run away (a footing on clay: 63 iterations and two cuts in place of 24).
 */
-static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
+static PetscErrorCode SearchByWork(Search *search, PetscBool *found)
 {
-  MpmSolver  *solver = (MpmSolver *)ctx;
-  MpmPlace    tried;
-  Vec         X, F, Y, W, G;
-  SNES        snes;
-  PetscReal   xnorm, fnorm, ynorm, norm = 0., slope = 0., lambda = 1., good = 0., slope_good;
-  PetscScalar dot;
-  PetscInt    it;
+  const PetscReal ratio = search->it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
+  PetscReal       start, slope;
+  PetscScalar     dot;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESLineSearchGetSNES(search, &snes));
-  PetscCall(LookAhead(solver, snes));
-  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
-  PetscCall(SNESLineSearchGetNorms(search, &xnorm, &fnorm, &ynorm));
-  PetscCall(VecDot(F, Y, &dot));
-  PetscCall(SNESGetIterationNumber(snes, &it));
-  const PetscReal start = PetscRealPart(dot), ratio = it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
-
-  slope_good = start;
+  *found = PETSC_TRUE;
+  PetscCall(VecDot(search->F, search->Y, &dot));
+  start = PetscRealPart(dot);
   for (PetscInt trial = 0;; trial++) {
-    PetscCall(Try(search, solver, lambda, &norm, &slope));
-    if (PetscIsInfOrNanReal(norm)) {
-      if (trial == LINE_SEARCH_TRIALS) {
-        PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_NANORINF));
-        PetscFunctionReturn(PETSC_SUCCESS);
-      }
-      lambda = 0.5 * (lambda + good);
+    PetscCall(Try(search));
+    if (PetscIsInfOrNanReal(search->norm)) {
+      *found = (PetscBool)(trial < LINE_SEARCH_TRIALS);
+      if (!*found) break;
+      search->lambda = 0.5 * search->lambda;
       continue;
     }
-    if (norm <= fnorm || start <= 0. || PetscAbsReal(slope) <= ratio * start || trial >= LINE_SEARCH_TRIALS) break;
+    PetscCall(VecDot(search->G, search->Y, &dot));
+    slope = PetscRealPart(dot);
+    if (search->norm <= search->fnorm || start <= 0. || PetscAbsReal(slope) <= ratio * start ||
+        trial >= LINE_SEARCH_TRIALS)
+      break;
     if (slope > 0.) break; /* still downhill */
-    /* overshot: the zero lies between the last good length and this one */
+    /* overshot: the zero lies between 0 and this length */
     {
-      const PetscReal next = good + (lambda - good) * slope_good / (slope_good - slope);
+      const PetscReal next = search->lambda * start / (start - slope);
 
       if (next < LINE_SEARCH_SHORTEST) break;
-      lambda = PetscMin(next, 0.9 * lambda);
+      search->lambda = PetscMin(next, 0.9 * search->lambda);
     }
   }
-  PetscCall(VecNorm(Y, NORM_2, &ynorm));
-  PetscCall(GetPlace(W, &tried));
-  PetscCall(VecCopy(W, X));
-  PetscCall(VecCopy(G, F));
-  if (IsSame(&tried, &solver->cache.summed)) PetscCall(GetPlace(X, &solver->cache.summed)); /* the same values */
-  PetscCall(VecNorm(X, NORM_2, &xnorm));
-  PetscCall(SNESLineSearchSetLambda(search, lambda));
-  PetscCall(SNESLineSearchSetNorms(search, xnorm, norm, ynorm));
-  PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A step is too long when the residual grows by more than this, early on or later; it is cut to between these parts. */
+#define NORM_GROWTH       10.
+#define NORM_GROWTH_LATER 1.
+#define NORM_CUT_LEAST    0.2
+#define NORM_CUT_MOST     0.7
+
+/*
+  By the residual: where fields are solved for that no energy has its least value at, as with a pressure that keeps the
+  volume. Each field's residual counts over its own tolerance, and the one that is furthest from it. Where the step
+  is too long, the next length is the minimum of the parabola through the square at 0, its slope there, and this one.
+*/
+static PetscErrorCode SearchByNorm(Search *search, PetscBool *found)
+{
+  const PetscReal growth = search->it < LINE_SEARCH_PATIENT ? NORM_GROWTH : NORM_GROWTH_LATER;
+  PetscReal       start, excess;
+
+  PetscFunctionBeginUser;
+  *found = PETSC_TRUE;
+  if (!search->it) PetscCall(MpmFieldsLearn(search->solver, search->X, search->Y));
+  PetscCall(FindExcess(search->solver, search->X, search->F, &start));
+  for (PetscInt trial = 0;; trial++) {
+    PetscCall(Try(search));
+    if (PetscIsInfOrNanReal(search->norm)) {
+      *found = (PetscBool)(trial < LINE_SEARCH_TRIALS);
+      if (!*found) break;
+      search->lambda *= 0.5;
+      continue;
+    }
+    PetscCall(FindExcess(search->solver, search->W, search->G, &excess));
+    if (excess <= growth * start || excess <= 1. || trial >= LINE_SEARCH_TRIALS) break;
+    {
+      const PetscReal ratio = excess / start, lambda = search->lambda;
+      const PetscReal least = lambda * lambda / (ratio * ratio - 1. + 2. * lambda);
+
+      if (NORM_CUT_LEAST * lambda < LINE_SEARCH_SHORTEST) break;
+      search->lambda = PetscMin(PetscMax(least, NORM_CUT_LEAST * lambda), NORM_CUT_MOST * lambda);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The program's own line search. */
+static PetscErrorCode LineSearch(SNESLineSearch object, void *ctx)
+{
+  Search    search = {.solver = (MpmSolver *)ctx, .lambda = 1.};
+  MpmPlace  tried;
+  SNES      snes;
+  PetscReal xnorm, ynorm;
+  PetscBool found;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESLineSearchGetSNES(object, &snes));
+  PetscCall(LookAhead(search.solver, snes));
+  PetscCall(SNESLineSearchGetVecs(object, &search.X, &search.F, &search.Y, &search.W, &search.G));
+  PetscCall(SNESLineSearchGetNorms(object, &xnorm, &search.fnorm, &ynorm));
+  PetscCall(SNESGetIterationNumber(snes, &search.it));
+  if (search.solver->disc->layout->field_count > 1) PetscCall(SearchByNorm(&search, &found));
+  else PetscCall(SearchByWork(&search, &found));
+  if (!found) {
+    PetscCall(SNESLineSearchSetReason(object, SNES_LINESEARCH_FAILED_NANORINF));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecNorm(search.Y, NORM_2, &ynorm));
+  PetscCall(GetPlace(search.W, &tried));
+  PetscCall(VecCopy(search.W, search.X));
+  PetscCall(VecCopy(search.G, search.F));
+  if (IsSame(&tried, &search.solver->cache.summed))
+    PetscCall(GetPlace(search.X, &search.solver->cache.summed)); /* the same values */
+  PetscCall(VecNorm(search.X, NORM_2, &xnorm));
+  PetscCall(SNESLineSearchSetLambda(object, search.lambda));
+  PetscCall(SNESLineSearchSetNorms(object, xnorm, search.norm, ynorm));
+  PetscCall(SNESLineSearchSetReason(object, SNES_LINESEARCH_SUCCEEDED));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

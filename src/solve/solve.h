@@ -15,23 +15,39 @@ typedef struct {
   PetscObjectState state;
 } MpmPlace;
 
+/* What a step of several fields refers each one's residual to (field_norms.c). */
+typedef struct {
+  PetscReal reference[MPM_MAX_BLOCK];
+  PetscReal rounding[MPM_MAX_BLOCK]; /* diagonal times values: what rounding is a part of */
+  PetscReal excess;                  /* of the last iterate: residual over tolerance, of the field that has most */
+} MpmFieldNormsKept;
+
 /*
   What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
 */
 typedef struct {
-  MpmPlace  summed;    /* where the Jacobian's sums, which wait in the matrix, were made */
-  PetscBool assembled; /* the matrix holds the Jacobian of the last solve */
-  PetscReal reference; /* residual of the step at zero displacement */
-  PetscBool lag;       /* may a Jacobian serve for more than one iteration? */
-  PetscBool lagged;    /* has the last one? */
-  PetscBool solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
-  PetscBool ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
-  PetscReal fnorm_last;
-  PetscReal imbalance;       /* of free bodies, at the last iterate */
-  PetscInt  made_count;      /* Jacobians of this solution, */
-  PetscInt  made_count_last; /* and of the last one */
+  MpmPlace          summed;    /* where the Jacobian's sums, which wait in the matrix, were made */
+  PetscBool         assembled; /* the matrix holds the Jacobian of the last solve */
+  PetscReal         reference; /* residual of the step at zero displacement */
+  PetscBool         lag;       /* may a Jacobian serve for more than one iteration? */
+  PetscBool         lagged;    /* has the last one? */
+  PetscBool         solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
+  PetscBool         ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
+  PetscReal         fnorm_last;
+  MpmFieldNormsKept fields;
+  PetscReal         imbalance;       /* of free bodies, at the last iterate */
+  PetscInt          made_count;      /* Jacobians of this solution, */
+  PetscInt          made_count_last; /* and of the last one */
 } MpmEvaluations;
+
+/* The preconditioner of two fields by blocks (fieldsplit.c). */
+typedef struct {
+  PetscBool     on;
+  IS            is[2]; /* unknowns of the displacement and of the pressure */
+  Mat           schur, mass;
+  PetscObjectId modes; /* the near null space that the displacement's comes from */
+} MpmFieldsplit;
 
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
@@ -51,6 +67,7 @@ typedef struct {
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
   Vec            x, f;
+  MpmFieldsplit  split;
   MpmEvaluations cache;
   MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
   PetscBool      told_unstable; /* it has, and that was said */
@@ -77,6 +94,26 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x);
 /* Bodies that the iterate x has left far from balance come to rest on its material; `last`: the one before, or NULL. */
 PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x);
+/*
+  Several fields (field_norms.c). Norms: of each field's part of a vector, in the solver's units. SetReference: f is the residual at
+  the step's start. Learn: what Newton's first iteration, from x along -y, shows the fields to do to one another.
+  Converged: how far the residual is above the tolerance of the field that is furthest, <= 1: converged; `floor` is what
+  rounding makes of the displacement's equations.
+*/
+PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[]);
+PetscErrorCode MpmFieldsSetReference(MpmSolver *solver, Vec f);
+PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y);
+PetscErrorCode MpmFieldsConverged(MpmSolver *solver, Vec f, PetscReal rtol, PetscReal floor, PetscReal *excess);
+/*
+  PCFIELDSPLIT (fieldsplit.c). Serves: are there a displacement and one unknown beside it? Attach: tells a new preconditioner of that
+  kind which unknowns its blocks have. Update: what goes with a new Jacobian.
+*/
+PetscBool      MpmFieldsplitServes(const MpmLayout *layout);
+PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver);
+PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
+PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
+/* The residual that tolerances refer to: that at the step's start. */
+PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options);
 /* Settles `auto` for about so many unknowns, and applies the preset. */

@@ -176,13 +176,14 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
 static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
 {
   const PetscBool small       = (PetscBool)(unknowns < SMALL_IN_2D);
+  const PetscBool saddle      = (PetscBool)(solver->disc->layout->field_count > 1);
   char            package[64] = "";
   PetscBool       chosen, packaged;
 
   PetscFunctionBeginUser;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_type", &chosen));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_factor_mat_solver_type", &packaged));
-  if (small && solver->symmetric && !chosen && !packaged) {
+  if (small && solver->symmetric && !saddle && !chosen && !packaged) {
     PetscCall(OptionDefault("-pc_type", "band"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -190,7 +191,7 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
   PetscCall(OptionDefault("-pc_type", solver->symmetric ? "cholesky" : "lu"));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
   if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (solver->symmetric) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
+  if (solver->symmetric && !saddle) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
   if (MpmStabilityWanted(solver))
     PetscCall(OptionDefault("-mat_mumps_icntl_13", "1")); /* or not all pivots are counted */
   if (solver->disc->dim == 2 && small) {
@@ -320,6 +321,7 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscCall(VecSetType(solver->x, solver->vec_type));
   PetscCall(VecSetFromOptions(solver->x));
   PetscCall(VecDuplicate(solver->x, &solver->f));
+  PetscCall(MpmFieldsplitAttach(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -333,6 +335,7 @@ PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *di
   copy->cache    = (MpmEvaluations){.lag = solver->cache.lag};
   copy->jacobian = copy->shell = NULL;
   copy->x = copy->f = NULL;
+  copy->split       = (MpmFieldsplit){.on = PETSC_FALSE};
   copy->name = copy->why = NULL;
   MpmDatabaseCall(copy->database, CreateSNES(copy));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -488,6 +491,7 @@ PetscErrorCode MpmSolverRenew(MpmSolver *solver)
   }
   PetscCall(SNESDestroy(&solver->snes));
   PetscCall(CreateSNES(solver));
+  PetscCall(MpmFieldsplitAttach(solver));
   PetscCall(MpmNewtonSetMats(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -580,6 +584,7 @@ PetscErrorCode MpmSolverDestroy(MpmSolver *solver)
   PetscCall(SNESDestroy(&solver->snes));
   PetscCall(MatDestroy(&solver->jacobian));
   PetscCall(MatDestroy(&solver->shell));
+  PetscCall(MpmFieldsplitReset(&solver->split));
   PetscCall(VecDestroy(&solver->x));
   PetscCall(VecDestroy(&solver->f));
   PetscCall(PetscFree(solver->name));

@@ -744,7 +744,7 @@ static void SetConstrainedDiagonal(MpmPattern *pattern, const MpmConstraints *co
 
     if (MpmConstraintsFree(constraints, k)) continue;
     pattern->value[i][(c * count + pattern->slot[i * pattern->window + (pattern->window - 1) / 2]) * bs + c] =
-      constraints->diagonal[c];
+      constraints->diagonal;
   }
 }
 
@@ -753,6 +753,8 @@ PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, Mat mat
   Mat own, other;
 
   PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < pattern->local && pattern->constraints->scaled; i++)
+    MpmUnitsTimesRows(pattern->constraints, pattern->row[i + 1] - pattern->row[i], pattern->value[i]);
   SetConstrainedDiagonal(pattern, pattern->constraints);
   PetscCall(OwnPart(mat, pattern->coordinates, &own, &other));
   if (own) {

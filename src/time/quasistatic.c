@@ -112,6 +112,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   MpmRigidGuess(model->disc.contacts, model->disc.space, model->disc.block,
                 predict ? model->disc.sum->span / model->state.dt_last : 0., x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
+  MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -440,8 +441,7 @@ PetscErrorCode MpmStepFindReference(MpmModel model)
   model->disc.sum->rest = (PetscBool)(motion == 0. && !model->disc.layout->means);
   PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
   model->disc.sum->rest = PETSC_FALSE;
-  PetscCall(VecNorm(model->solver.f, NORM_2, &model->solver.cache.reference));
-  if (PetscIsInfOrNanReal(model->solver.cache.reference)) model->solver.cache.reference = 0.;
+  PetscCall(MpmSolverSetReference(&model->solver, model->solver.f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -236,6 +236,7 @@ START_TEST(jacobians)
     char         name[100];
 
     SetOwn(degree);
+    fields[1].scale = k / 4 % 2 ? MPM_SCALE_STRESS : MPM_SCALE_LENGTH; /* the solver's unit is 1, or not */
     SCENE_CALL(CreateBlock(PETSC_COMM_WORLD, dim, MpmShapeTypes[shape], (PetscBool)held, &model));
     SCENE_CALL(Look(model, &verdict, &on_scalar, &on_solid));
     snprintf(name, sizeof(name), "%dD %s, scalar of degree %d, spacing %d, %s", (int)dim, MpmShapeTypes[shape],
@@ -249,6 +250,7 @@ START_TEST(jacobians)
     ck_assert_msg(verdict.slope >= 1.95, "%s: the Taylor remainder has order %g", name, (double)verdict.slope);
     SCENE_CALL(SceneDestroy(&model));
   }
+  fields[1].scale = MPM_SCALE_LENGTH;
 }
 END_TEST
 

@@ -1,0 +1,131 @@
+/*
+  When have all fields of a step converged?
+
+  A residual of several fields is forces beside, say, volumes; in the solver's units (MpmUnitsTimes()) both are forces. Each field has
+  to fall below snes_rtol of what is its own: the residual at the step's start, or what the others do to it in the step, if that is
+  more. Where a load comes at once on sealed ground the volumes start in balance, and where water flows out under a constant
+  load the forces do; what then sets the scale is what Newton's first iteration makes the fields do to one another,
+
+    J_fg (x_g - x_g at the step's start) ,   g the other fields
+
+  And a floor: the rounding of strains, as for one field, and that of the field's own values times its diagonal, which
+  counts where a step is long against the time that the pressure takes to spread over a cell.
+*/
+#include "point/layout.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "terms/discretization.h"
+#include "solve/solve.h"
+
+PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[])
+{
+  const MpmLayout   *layout = solver->disc->layout;
+  const PetscInt     bs = layout->block, fields = layout->field_count;
+  const PetscScalar *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(norm, fields));
+  PetscCall(VecGetArrayRead(v, &values));
+  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++)
+    norm[layout->field_of[k % bs]] += PetscSqr(PetscRealPart(values[k]));
+  PetscCall(VecRestoreArrayRead(v, &values));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, norm, (PetscMPIInt)fields, MPIU_REAL, MPIU_SUM, solver->disc->comm));
+  for (PetscInt f = 0; f < fields; f++) norm[f] = PetscSqrtReal(norm[f]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFieldsSetReference(MpmSolver *solver, Vec f)
+{
+  MpmFieldNormsKept *kept = &solver->cache.fields;
+
+  PetscFunctionBeginUser;
+  if (solver->disc->layout->field_count < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmFieldNorms(solver, f, kept->reference));
+  for (PetscInt i = 0; i < solver->disc->layout->field_count; i++) {
+    if (PetscIsInfOrNanReal(kept->reference[i])) kept->reference[i] = 0.;
+    kept->rounding[i] = 0.;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* v without one of the fields, or without all but that one; nor what is prescribed. */
+static PetscErrorCode Mask(const MpmSolver *solver, PetscInt field, PetscBool without, Vec v)
+{
+  const MpmLayout *layout = solver->disc->layout;
+  const PetscInt   bs     = layout->block;
+  PetscScalar     *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArray(v, &values));
+  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
+    const PetscBool is = (PetscBool)(layout->field_of[k % bs] == field);
+
+    if (is == without || !MpmConstraintsFree(solver->disc->constraints, k)) values[k] = 0.;
+  }
+  PetscCall(VecRestoreArray(v, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  What the first iteration, from x along -y, tells of the fields: increments are counted from zero, totals from x, which is
+  where they start.
+*/
+PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y)
+{
+  const MpmLayout   *layout = solver->disc->layout;
+  MpmFieldNormsKept *kept   = &solver->cache.fields;
+  const PetscInt     bs = layout->block, n = solver->disc->space->owned * bs;
+  PetscReal          norm[MPM_MAX_BLOCK];
+  PetscScalar       *values;
+  const PetscScalar *at;
+  Vec                change, part, result;
+  Mat                J;
+
+  PetscFunctionBeginUser;
+  if (layout->field_count < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetJacobian(solver->snes, &J, NULL, NULL, NULL));
+  PetscCall(VecDuplicate(y, &change));
+  PetscCall(VecDuplicate(y, &part));
+  PetscCall(VecDuplicate(y, &result));
+  PetscCall(VecCopy(y, change));
+  PetscCall(VecGetArray(change, &values));
+  PetscCall(VecGetArrayRead(x, &at));
+  for (PetscInt k = 0; k < n; k++)
+    if (layout->increment[k % bs]) values[k] -= at[k];
+  PetscCall(VecRestoreArrayRead(x, &at));
+  PetscCall(VecRestoreArray(change, &values));
+  for (PetscInt f = 0; f < layout->field_count; f++) {
+    PetscCall(VecCopy(change, part));
+    PetscCall(Mask(solver, f, PETSC_TRUE, part));
+    PetscCall(MatMult(J, part, result));
+    PetscCall(Mask(solver, f, PETSC_FALSE, result));
+    PetscCall(VecNorm(result, NORM_2, &norm[f]));
+    if (!PetscIsInfOrNanReal(norm[f])) kept->reference[f] = PetscMax(kept->reference[f], norm[f]);
+  }
+  PetscCall(MatGetDiagonal(J, part));
+  PetscCall(VecPointwiseMult(result, part, x));
+  PetscCall(MpmFieldNorms(solver, result, norm));
+  PetscCall(VecPointwiseMult(result, part, y));
+  PetscCall(MpmFieldNorms(solver, result, kept->rounding));
+  for (PetscInt f = 0; f < layout->field_count; f++) kept->rounding[f] += norm[f];
+  PetscCall(VecDestroy(&change));
+  PetscCall(VecDestroy(&part));
+  PetscCall(VecDestroy(&result));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFieldsConverged(MpmSolver *solver, Vec f, PetscReal rtol, PetscReal floor, PetscReal *excess)
+{
+  MpmFieldNormsKept *kept = &solver->cache.fields;
+  PetscReal          norm[MPM_MAX_BLOCK];
+
+  PetscFunctionBeginUser;
+  *excess = 0.;
+  PetscCall(MpmFieldNorms(solver, f, norm));
+  for (PetscInt i = 0; i < solver->disc->layout->field_count; i++) {
+    const PetscReal own = floor + 2. * PETSC_MACHINE_EPSILON * kept->rounding[i];
+
+    *excess = PetscMax(*excess, norm[i] / PetscMax(rtol * kept->reference[i], own));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

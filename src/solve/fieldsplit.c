@@ -1,0 +1,192 @@
+/*
+  The preconditioner for a displacement and a pressure that keeps the volume, of the preset poro-fieldsplit.
+
+  The Jacobian is [A, B; C, -D]: A the solid's stiffness, D what the pressure's own gradient and value let through or store in the
+  step. PETSc's PCFIELDSPLIT factors it by blocks, with multigrid for A, which is told the rigid body modes, and for
+
+    S = -(D + M) ,   M_ij = sum_p V_0 phi_i phi_j / (lambda + 2 mu)
+
+  in place of the Schur complement -(D + C A^{-1} B): a pressure that varies like a wave is resisted by what compresses a
+  solid along the wave, so that M, by the material at each point, is C A^{-1} B in the inside of uniform ground. It counts where little
+  drains in the step, and D, with mobility times the step, storage and the stabilisation, where much does; where
+  permeability changes by orders of magnitude from layer to layer each holds in its place.
+
+  Source of the idea: the fixed-stress splitting as a preconditioner, White, Castelletto and Tchelepi (2016),
+  doi:10.1016/j.cma.2015.12.010.
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "particles/points.h"
+#include "space/point_loop.h"
+#include "bc/bc.h"
+#include "terms/discretization.h"
+#include "solve/solve.h"
+
+PetscBool MpmFieldsplitServes(const MpmLayout *layout)
+{
+  return (PetscBool)(layout->block == layout->dim + 1 && layout->field_count == 2);
+}
+
+PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt f = 0; f < 2; f++) PetscCall(ISDestroy(&split->is[f]));
+  PetscCall(MatDestroy(&split->schur));
+  PetscCall(MatDestroy(&split->mass));
+  split->modes = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The unknowns of the displacement, by nodes, and those of the pressure. */
+static PetscErrorCode CreateSets(MpmSolver *solver)
+{
+  const MpmSpace *space = solver->disc->space;
+  const PetscInt  bs = solver->disc->block, dim = solver->disc->dim, begin = space->global_begin * bs;
+  MPI_Comm        comm = solver->disc->comm;
+  PetscInt       *row;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((space->owned * dim), &row));
+  for (PetscInt k = 0; k < space->owned * dim; k++) row[k] = begin + k / dim * bs + k % dim;
+  PetscCall(ISCreateGeneral(comm, space->owned * dim, row, PETSC_OWN_POINTER, &solver->split.is[0]));
+  PetscCall(ISSetBlockSize(solver->split.is[0], dim));
+  PetscCall(ISCreateStride(comm, space->owned, begin + dim, bs, &solver->split.is[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver)
+{
+  KSP       ksp;
+  PC        pc;
+  PetscBool is;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCFIELDSPLIT, &is));
+  solver->split.on = (PetscBool)(is && MpmFieldsplitServes(solver->disc->layout));
+  if (!solver->split.on) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmFieldsplitReset(&solver->split));
+  PetscCall(CreateSets(solver));
+  PetscCall(PCFieldSplitSetIS(pc, "u", solver->split.is[0]));
+  PetscCall(PCFieldSplitSetIS(pc, "p", solver->split.is[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The rigid body modes of the whole, without the pressure, for the displacement's multigrid. */
+static PetscErrorCode TakeModes(MpmSolver *solver)
+{
+  MatNullSpace  all, own;
+  const Vec    *mode;
+  Vec          *part;
+  PetscInt      count, kept = 0;
+  PetscObjectId id;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetNearNullSpace(solver->jacobian, &all));
+  if (!all) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscObjectGetId((PetscObject)all, &id));
+  if (id == solver->split.modes) PetscFunctionReturn(PETSC_SUCCESS);
+  solver->split.modes = id;
+  PetscCall(MatNullSpaceGetVecs(all, NULL, &count, &mode));
+  PetscCall(PetscMalloc1(count, &part));
+  for (PetscInt k = 0; k < count; k++) {
+    PetscReal norm;
+    Vec       sub;
+
+    PetscCall(VecGetSubVector(mode[k], solver->split.is[0], &sub));
+    PetscCall(VecDuplicate(sub, &part[kept]));
+    PetscCall(VecCopy(sub, part[kept]));
+    PetscCall(VecRestoreSubVector(mode[k], solver->split.is[0], &sub));
+    PetscCall(VecNormalize(part[kept], &norm)); /* a mode is one of the displacement or of the pressure */
+    if (norm > 0.5) kept++;
+    else PetscCall(VecDestroy(&part[kept]));
+  }
+  PetscCall(MatNullSpaceCreate(solver->disc->comm, PETSC_FALSE, kept, part, &own));
+  PetscCall(PetscObjectCompose((PetscObject)solver->split.is[0], "nearnullspace", (PetscObject)own));
+  PetscCall(MatNullSpaceDestroy(&own));
+  for (PetscInt k = 0; k < kept; k++) PetscCall(VecDestroy(&part[k]));
+  PetscCall(PetscFree(part));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One group's part of M, in the solver's units: element[i*n + j]. */
+static PetscErrorCode GroupMass(const MpmSum *sum, const MpmGroup *group, PetscReal unit, MpmWorkspace *work,
+                                PetscReal element[])
+{
+  const MpmPoints *points = sum->points;
+  const MpmKnown   known  = KnownGeneral(sum->layout, group);
+  const PetscInt   dim = known.dim, n = known.n;
+  const PetscInt   basis = sum->layout->shape_of[dim] * MPM_BASES;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(element, n * n));
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt   p     = sum->space->order[s];
+    const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL;
+    const PetscReal  M   = MpmMaterialStiffness(&sum->materials[points->material[p]], state, &points->F[p * dim * dim]);
+    const PetscReal *phi = work->basis.basis[basis];
+
+    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
+    for (PetscInt i = 0; i < n; i++) {
+      const PetscReal factor = unit * unit * points->volume0[p] / M * phi[i];
+
+      for (PetscInt j = 0; j < n; j++) element[i * n + j] += factor * phi[j];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* M, on the sparsity of `mat`, without rows and columns that are prescribed. */
+static PetscErrorCode MakeMass(const MpmSolver *solver, Mat mat)
+{
+  const MpmSum         *sum         = solver->disc->sum;
+  const MpmSpace       *space       = sum->space;
+  const MpmConstraints *constraints = solver->disc->constraints;
+  const PetscInt        bs = solver->disc->block, dim = solver->disc->dim, most = PetscPowInt(space->width, dim);
+  PetscInt             *row;
+  PetscReal            *element;
+  MpmWorkspace          work;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatZeroEntries(mat));
+  PetscCall(MpmWorkspaceCreate(sum, &work));
+  PetscCall(PetscMalloc2((most * most), &element, most, &row));
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+
+    if (group->point_begin == group->point_end) continue;
+    PetscCall(GroupMass(sum, group, constraints->unit[dim], &work, element));
+    for (PetscInt i = 0; i < group->node_count; i++) {
+      const PetscInt node = space->group_nodes[group->node_offset + i];
+
+      row[i] = MpmConstraintsFree(constraints, node * bs + dim) ? space->global[node] : -1;
+    }
+    PetscCall(MatSetValues(mat, group->node_count, row, group->node_count, row, element, ADD_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(mat, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(mat, MAT_FINAL_ASSEMBLY));
+  PetscCall(PetscFree2(element, row));
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver)
+{
+  MpmFieldsplit *split = &solver->split;
+  const MatReuse reuse = split->schur ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
+  KSP            ksp;
+  PC             pc;
+
+  PetscFunctionBeginUser;
+  if (!split->on) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(TakeModes(solver));
+  PetscCall(MatCreateSubMatrix(solver->jacobian, split->is[1], split->is[1], reuse, &split->schur));
+  if (!split->mass) PetscCall(MatDuplicate(split->schur, MAT_DO_NOT_COPY_VALUES, &split->mass));
+  PetscCall(MakeMass(solver, split->mass));
+  PetscCall(MatAXPY(split->schur, -1., split->mass, SAME_NONZERO_PATTERN));
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_USER, split->schur));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
