@@ -29,13 +29,12 @@
 
 static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
-  const Tensor dF    = TensorFromGradient(input);
-  const Scalar J     = PoroNewVolume(point, &dF);
-  const int    small = point->traits & MPM_LAW_SMALL_STRAIN;
+  const Tensor dF = TensorFromGradient(input);
+  const Scalar J  = PoroNewVolume(point, &dF);
   Sym          tau, total;
 
   if (!(ScalarValue(J) > 0.) || SolidStress(point, &dF, &tau)) return 1;
-  total = SymShift(&tau, ScalarNeg(small ? input[PORO_P] : ScalarMul(J, input[PORO_P])));
+  total = PoroTotalStress(point, &tau, J, input[PORO_P]);
   SolidFlux(point, &total, &dF, flux);
   if (PoroMass(point, &dF, J, input, flux)) return 1;
   SolidKeep(point, &tau, &dF);
@@ -46,5 +45,5 @@ MPM_KERNEL(poro, PORO_INPUTS, PoroKernel)
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(poro, .summary = "saturated ground: displacement and pore pressure (Biot's consolidation at finite strain)",
-            PORO_PHYSICS)
+            PORO_PHYSICS, .fbar = "poro_fbar")
 #endif

@@ -51,6 +51,12 @@ MPM_FN Scalar PoroNewVolume(const MpmKernelPoint *point, const Tensor *dF)
   return sum;
 }
 
+/* tau' - J p I, or sigma' - p I at small strain */
+MPM_FN Sym PoroTotalStress(const MpmKernelPoint *point, const Sym *tau, Scalar J, Scalar p)
+{
+  return SymShift(tau, ScalarNeg(point->traits & MPM_LAW_SMALL_STRAIN ? p : ScalarMul(J, p)));
+}
+
 /* The part of the initial volume that is grains; it stays. */
 MPM_FN double PoroGrains(const MpmKernelPoint *point)
 {
@@ -177,6 +183,7 @@ static const MpmField poro_fields[] = {
    .gradient   = 1,
    .deviation  = 1,
    .rate       = 1,
+   .negative   = 1,
    .symbol     = "p",
    .unit       = "Pa",
    .near_null  = MPM_NEAR_NULL_CONSTANT,

@@ -125,6 +125,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->near_null[b]        = field->near_null;
       layout->scale[b]            = field->scale;
       layout->increment[b]        = (PetscBool)field->increment;
+      layout->negative[b]         = (PetscBool)field->negative;
       layout->shape_of[b]         = shape;
       layout->field_of[b]         = f;
       if (field->rate) layout->rate_component[layout->rates++] = b;

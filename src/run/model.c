@@ -444,7 +444,7 @@ static PetscErrorCode ReadSurfaces(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(surfaces->count, &surfaces->at));
   for (PetscInt k = 0; k < surfaces->count; k++) {
     PetscCall(
-      MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.dim, model->scene.bodies, &surfaces->at[k]));
+      MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, model->scene.bodies, &surfaces->at[k]));
     if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -736,6 +736,23 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The surfaces of bodies, with the kernel of the physics itself where another one takes its place for F-bar. */
+static PetscErrorCode AddSurfaces(MpmModel model)
+{
+  const MpmKernelSet *kernel = model->disc.layout->kernel;
+  PetscBool           found;
+
+  PetscFunctionBeginUser;
+  if (!model->scene.surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->disc.layout->means) {
+    PetscCall(MpmPhysicsCreate(model->scene.physics.name, &model->scene.plain, &found));
+    kernel = found ? &model->scene.plain.kernels[model->disc.dim] : kernel;
+  }
+  PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
+                                         &model->state.loads[model->scene.loads->count], kernel));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Points, discretization and solver of the scene that has been read. */
 static PetscErrorCode SetUp(MpmModel model)
 {
@@ -749,8 +766,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
                                    model->state.placements, model->state.particles->state_size));
-  PetscCall(
-    MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces, &model->state.loads[model->scene.loads->count]));
+  PetscCall(AddSurfaces(model));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

@@ -70,6 +70,12 @@ static PetscErrorCode AddColumn(const char *quantity, const char *of, PetscInt a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A component of a condition as columns name it. */
+static const char *ComponentName(const MpmLayout *layout, PetscInt component)
+{
+  return layout->component_symbol[component] ? layout->component_symbol[component] : layout->component_name[component];
+}
+
 /* Names the columns; returns how many there are. Names are allocated. */
 static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
 {
@@ -77,7 +83,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
                       model->scene.boundaries->count * (3 * dim + 4) + model->scene.pairs->count * dim +
-                      model->scene.motions->count * dim + MpmLinesColumnCount(model) + 2 * dim + 2;
+                      model->scene.motions->count * dim + model->scene.surfaces->count + MpmLinesColumnCount(model) +
+                      2 * dim + 2;
   char name[512];
 
   PetscFunctionBeginUser;
@@ -87,7 +94,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++) {
       PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->scene.bcs->names[b],
-                              model->disc.layout->component_name[model->scene.bcs->at[b].component[k]]));
+                              ComponentName(model->disc.layout, model->scene.bcs->at[b].component[k])));
       PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
     }
     if (model->scene.bcs->at[b].inclined) { /* along the normal */
@@ -118,6 +125,10 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   }
   for (PetscInt k = 0; k < model->scene.pairs->count * dim; k++)
     PetscCall(AddColumn("force", model->scene.pairs->names[k / dim], k % dim, count, *names));
+  for (PetscInt k = 0; k < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; k++) {
+    PetscCall(PetscSNPrintf(name, sizeof(name), "outflow_%s", model->scene.surfaces->names[k]));
+    PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
+  }
   for (PetscInt t = 0; t < model->results->tracks.count; t++) {
     for (PetscInt a = 0; a < dim; a++) {
       PetscCall(PetscSNPrintf(name, sizeof(name), "track_%s_u%c", model->results->tracks.names[t], "xyz"[a]));
@@ -201,6 +212,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   for (PetscInt p = 0; p < model->scene.pairs->count * model->disc.dim; p++)
     row[k++] = model->disc.pairs->force[p / model->disc.dim][p % model->disc.dim];
+  for (PetscInt s = 0; s < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; s++)
+    row[k++] = model->state.loads[model->scene.loads->count + s].outflow;
   for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
     PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
   PetscCall(MpmLinesAddValues(model, row, &k));

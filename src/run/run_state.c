@@ -81,7 +81,8 @@ static const struct {
   Kind        kind;
   size_t      offset;
 } lasting[] = {{"first", KIND_INT, offsetof(struct MpmLoadActing, first)},
-               {"end", KIND_INT, offsetof(struct MpmLoadActing, end)}};
+               {"end", KIND_INT, offsetof(struct MpmLoadActing, end)},
+               {"outflow", KIND_REAL, offsetof(struct MpmLoadActing, outflow)}};
 #define LASTING ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(lasting))
 
 /* Numbers of a place of a free body, behind those. */

@@ -3,6 +3,7 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "point/layout.h"
 #include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
@@ -45,32 +46,66 @@ static PetscErrorCode ReadSide(const MpmOptions *block, PetscInt dim, PetscInt *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, PetscInt dim, const MpmBodies *bodies,
-                                    MpmBodySurface *surface)
+PetscInt MpmPressureComponent(const MpmLayout *layout)
+{
+  for (PetscInt r = 0; r < layout->rates; r++) {
+    const PetscInt c = layout->rate_component[r];
+
+    for (PetscInt k = layout->component_first[c]; k < layout->component_first[c + 1]; k++)
+      if (layout->basis_of[k] == 1) return c;
+  }
+  return -1;
+}
+
+/* What water meets there. */
+static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout, MpmBodySurface *surface,
+                                PetscBool *any)
+{
+  PetscBool drained = PETSC_FALSE, said, pressure;
+
+  PetscFunctionBeginUser;
+  *any = PETSC_FALSE;
+  PetscCall(MpmOptionsBool(block, "drained", "water passes, at no pressure; other faces are sealed", &drained, &said));
+  PetscCall(MpmOptionsReal(block, "pressure", "Pa", "water passes, at this pressure, times the ramp where one is given",
+                           MPM_RANGE_ANY, MPM_OPTIONAL, &surface->pressure, &pressure));
+  PetscCall(MpmOptionsHas(block, "ramp", &surface->ramped));
+  *any          = (PetscBool)(said || pressure);
+  surface->held = (PetscBool)(drained || pressure);
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!*any || MpmPressureComponent(layout) >= 0, "-%s%s: there is no water in the scene's physics",
+                block->prefix, said ? "drained" : "pressure");
+  MpmCheckInput(!said || !pressure, "-%spressure: a surface is drained or has a pressure, not both", block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
+                                    const MpmBodies *bodies, MpmBodySurface *surface)
 {
   char       prefix[256];
   MpmOptions block = {options->comm, prefix, options->record};
-  PetscBool  traction, normal;
+  PetscBool  traction, normal, water = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_surface_%s_", name));
   PetscCall(PetscStrallocpy(name, &surface->name));
   PetscCall(MpmOptionsHeading(&block, "Surface of a body"));
   PetscCall(ReadBody(&block, bodies, &surface->body));
-  PetscCall(ReadSide(&block, dim, &surface->faces));
+  PetscCall(ReadSide(&block, layout->dim, &surface->faces));
   PetscCall(MpmOptionsReals(&block, "traction", "Pa", "force by area of the faces as they stand at a step's end",
-                            MPM_RANGE_ANY, MPM_OPTIONAL, dim, surface->traction, &traction));
+                            MPM_RANGE_ANY, MPM_OPTIONAL, layout->dim, surface->traction, &traction));
   PetscCall(MpmOptionsReal(&block, "normal", "Pa",
                            "stress along the faces' outward normal, which it follows; a pressure is negative",
                            MPM_RANGE_ANY, MPM_OPTIONAL, &surface->normal, &normal));
+  PetscCall(ReadWater(&block, layout, surface, &water));
   PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &surface->ramp));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(!traction || !normal, "-%snormal: a surface has a traction or a normal stress, not both", prefix);
-  MpmCheckInput(traction || normal,
-                "-%straction is missing: nothing acts on the surface; it must have a traction or a "
-                "normal stress",
-                prefix);
-  surface->loaded = PETSC_TRUE;
+  MpmCheckInput(
+    traction || normal || water,
+    "-%straction is missing: nothing acts on the surface; it must have a traction or a normal stress, or be "
+    "drained or have a pressure",
+    prefix);
+  surface->loaded = (PetscBool)(traction || normal);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

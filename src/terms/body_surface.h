@@ -13,7 +13,9 @@ typedef struct {
   PetscInt  body, faces;                   /* faces: bits of those that belong to it (outer_faces.h) */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
-  MpmRamp   ramp; /* of both */
+  MpmRamp   ramp;         /* of both, and of the pressure where it is given */
+  PetscBool held, ramped; /* water passes at a pressure; which has the ramp */
+  PetscReal pressure;     /* of the water, Pa */
 } MpmBodySurface;
 
 /* Surfaces, with the names of their blocks. */
@@ -26,30 +28,42 @@ typedef struct MpmBodySurfaces {
 /* A face that belongs to a surface, as the step starts. */
 typedef struct {
   PetscInt  surface, point, group;
-  PetscInt  weight;            /* where its weights at the group's nodes stand */
-  PetscReal area[MPM_MAX_DIM]; /* outward, m^(dim-1) */
+  PetscInt  weight;                /* where its weights at the group's nodes stand */
+  PetscReal area[MPM_MAX_DIM];     /* outward, m^(dim-1) */
+  PetscReal per_area[MPM_MAX_DIM]; /* area over the point's volume, 1/m */
+  PetscReal adjoint[MPM_MAX_DIM];  /* of drained ones: weights of grad phi in the adjoint term (surface_flow.c) */
+  PetscReal penalty;
 } MpmSurfaceFace;
 
 /* Those of this rank's points. */
 typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
-  const MpmLoadActing   *acting; /* by surface */
-  PetscReal             *factor; /* by surface, at the step's end */
+  MpmLoadActing         *acting;            /* by surface */
+  PetscReal             *factor, *pressure; /* by surface, at the step's end */
+  PetscReal             *outflow;           /* by surface, of the step, m3 */
+  PetscBool              any_held;
+  const MpmKernelSet    *kernel;    /* of the physics without means over cells */
+  PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
   PetscInt               face_count, face_capacity, weight_capacity;
   MpmSurfaceFace        *face; /* by groups */
   PetscReal             *weight;
 } MpmSurfaceFaces;
 
-PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, PetscInt dim, const MpmBodies *bodies,
-                                    MpmBodySurface *surface);
+/* `layout` is that of the scene's physics. */
+PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
+                                    const MpmBodies *bodies, MpmBodySurface *surface);
+/* The unknown of a node that is the pressure of water: a field with a rate and a gradient, of the scene's shape; or -1. */
+PetscInt       MpmPressureComponent(const MpmLayout *layout);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
-PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
-                                     MpmSurfaceFaces *faces);
+PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);
 PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 /* Finds the step's faces and their weights (a term's `boxes`). Collective. */
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+/* Adds what has passed in the step that u ends; before the points take it over. Collective. */
+PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[]);
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */
 PetscErrorCode       MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
                                           MpmParticles *particles);
-extern const MpmTerm MpmTermSurfaces; /* ctx: MpmSurfaceFaces */
+extern const MpmTerm MpmTermSurfaces;    /* what acts on them (surface_load.c); ctx: MpmSurfaceFaces */
+extern const MpmTerm MpmTermSurfaceFlow; /* water that passes (surface_flow.c); likewise */

@@ -65,12 +65,15 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
 }
 
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
-                                            const MpmLoadActing *acting)
+                                            MpmLoadActing *acting, const MpmKernelSet *kernel)
 {
   PetscFunctionBeginUser;
   if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSurfaceFacesCreate(surfaces, acting, disc->surfaces));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaces, disc->surfaces));
+  disc->surfaces->kernel    = kernel;
+  disc->surfaces->component = MpmPressureComponent(disc->layout);
+  if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

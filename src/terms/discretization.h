@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "talus/point/tables.h"
 
 /*
   The discrete problem of a step: the points as they are lent to it, its space, what is prescribed, and what the sums over
@@ -45,9 +46,9 @@ PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
                                       const MpmBoundaries *boundaries, const MpmPairs *pairs, MpmPlacement *placements,
                                       PetscInt state_size);
-/* Surfaces and what acts of them, by surface, are borrowed. After SetUp. */
+/* Surfaces, what acts of them, by surface, and the physics' kernel without means over cells are borrowed. After SetUp. */
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
-                                            const MpmLoadActing *acting);
+                                            MpmLoadActing *acting, const MpmKernelSet *kernel);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Where a local node is, m. */
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);

@@ -18,19 +18,20 @@
 #include "terms/contact.h"
 #include "terms/load.h"
 
-PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
-                                     MpmSurfaceFaces *faces)
+PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces)
 {
   PetscFunctionBeginUser;
-  *faces = (MpmSurfaceFaces){.surfaces = surfaces, .acting = acting};
-  PetscCall(PetscCalloc1(surfaces->count, &faces->factor));
+  *faces = (MpmSurfaceFaces){.surfaces = surfaces, .acting = acting, .component = -1};
+  PetscCall(
+    PetscCalloc3(surfaces->count, &faces->factor, surfaces->count, &faces->pressure, surfaces->count, &faces->outflow));
+  for (PetscInt k = 0; k < surfaces->count; k++) faces->any_held = (PetscBool)(faces->any_held || surfaces->at[k].held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(faces->factor));
+  PetscCall(PetscFree3(faces->factor, faces->pressure, faces->outflow));
   PetscCall(PetscFree(faces->face));
   PetscCall(PetscFree(faces->weight));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,7 +127,8 @@ static PetscErrorCode Reserve(MpmSurfaceFaces *faces, PetscInt weights)
 static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules, const MpmPoints *points,
                                    const MpmSpace *space, const MpmFacet *start, PetscInt outer, PetscInt *used)
 {
-  const PetscInt dim = space->dim, p = start->point, nodes = space->groups[start->group].node_count;
+  const PetscInt  dim = space->dim, p = start->point, nodes = space->groups[start->group].node_count;
+  const PetscReal volume = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < 2 * dim * faces->surfaces->count; k++) {
@@ -141,7 +143,10 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     FaceWeights(rules, space, points, &facet, &faces->weight[*used]);
     faces->face[faces->face_count] =
       (MpmSurfaceFace){.surface = surface, .point = p, .group = start->group, .weight = *used};
-    for (PetscInt a = 0; a < dim; a++) faces->face[faces->face_count].area[a] = area[a];
+    for (PetscInt a = 0; a < dim; a++) {
+      faces->face[faces->face_count].area[a]     = area[a];
+      faces->face[faces->face_count].per_area[a] = area[a] / volume;
+    }
     faces->face_count++;
     *used += nodes;
   }

@@ -232,8 +232,10 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(MpmModelPrescribe(model, time, why));
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < model->scene.surfaces->count; k++)
-    model->disc.surfaces->factor[k] = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
+    model->disc.surfaces->factor[k]   = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
+    model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
+  }
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));
@@ -407,6 +409,8 @@ PetscErrorCode MpmStepFindReactions(MpmModel model)
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt k = 0; k < count; k++)
+    if (model->disc.layout->negative[k % bs]) model->disc.reaction[k] *= -1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -421,6 +425,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(MpmStepFindTrial(model));
   if (model->disc.sections)
     PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmSurfaceFlowCommit(model->disc.surfaces, model->disc.sum, model->disc.u));
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));

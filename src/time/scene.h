@@ -66,6 +66,7 @@ typedef struct {
 typedef struct {
   char            *title, *prefix;
   MpmPhysics       physics;
+  MpmPhysics       plain; /* that of which `physics` has taken the place for F-bar, where surfaces need it */
   MpmStretch       stretch;
   MpmShapeType     shape;
   MpmEdgeType      edge;

@@ -551,6 +551,14 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
   return model->state.load_scale * MpmRampEvaluate(ramp, time - acting->start);
 }
 
+PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscReal time)
+{
+  const MpmBodySurface *of     = &model->scene.surfaces->at[surface];
+  const MpmLoadActing  *acting = &model->state.loads[model->scene.loads->count + surface];
+
+  return of->ramped ? of->pressure * MpmRampEvaluate(of->ramp, time - acting->start) : of->pressure;
+}
+
 /* ---- the points are there ---- */
 
 /* Takes the bodies out that are not there in a stage, or before the first one (stage 0 before its own changes). */

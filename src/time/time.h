@@ -66,6 +66,8 @@ PetscReal      MpmReductionFactor(const MpmModel model, PetscReal time);
 extern const char *const MpmReductionFields[MPM_MAX_DIM];
 /* The factor of a load, or of a surface behind them, at a time; 0 where it does not act. */
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
+/* The water's pressure at a surface, Pa. */
+PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscReal time);
 
 /*
   The error in time that chooses the steps (time_error.c): does any stage ask for it; Begin notes the fields as a stage starts,

@@ -1,0 +1,74 @@
+/*
+  Saturated ground at one point (poro.c) with F-bar (solid_fbar.c): the volume change of the total stress is the mean over the
+  points of the cell, and the water that the pores take up goes by the same one.
+
+  With dF_bar, m and m_bar as in solid_fbar.c, J_bar = det(dF_bar F_n), tau' the law's stress at dF_bar F_n, tau = tau' - J_bar
+  p I and tr over d components,
+
+    momentum   (tau - (tr tau/d) I) : grad delta u + (tr tau/d) delta m_bar/m_bar
+    water      zeta(J_bar, p), and the porosity of J_bar in the permeability
+
+  Without dilation J_bar = m_bar J_n, so that all points of a cell ask the water for one and the same relative change of
+  volume: what the pressure does to m_bar is what m_bar does to the water, and the Jacobian is symmetric where that of poro is.
+  The water flows through the ground as it lies, along gradients by dF.
+
+  Sources: those of poro.c and solid_fbar.c.
+*/
+#include "fbar.h"
+#include "poro.h"
+
+#define INPUTS (PORO_INPUTS + 1)
+
+static int PoroFbarKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+{
+  const Tensor dF = TensorFromGradient(input);
+  Tensor       dm;
+  const Scalar m = PointMean(point, &dF, &dm), mean = input[PORO_INPUTS];
+  Sym          tau, total;
+
+  if (!(ScalarValue(m) > 0. && ScalarValue(mean) > 0.)) return 1;
+  const Scalar ratio  = point->traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
+  const Tensor dF_bar = MeanIncrement(point, &dF, ratio);
+  const Scalar J      = PoroNewVolume(point, &dF_bar);
+
+  if (SolidStress(point, &dF_bar, &tau)) return 1;
+  total = PoroTotalStress(point, &tau, J, input[PORO_P]);
+  FbarFlux(point, &total, &dF, mean, flux, &flux[PORO_INPUTS]);
+  if (PoroMass(point, &dF, J, input, flux)) return 1;
+  SolidKeep(point, &tau, &dF_bar);
+  return 0;
+}
+
+#if MPM_DIRECTIONS != 1
+static int PoroFbarMean(const MpmKernelPoint *point, const double input[], double *m, double dm[], double ddm[])
+{
+  return FbarMean(point, input, PORO_INPUTS, m, dm, ddm);
+}
+#endif
+
+#if MPM_DIRECTIONS > 1
+/* With as many directions as inputs, the mean's among them */
+static int PoroFbarTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
+{
+  double *by_mean = tangent + PORO_INPUTS * PORO_INPUTS, *of_mean = by_mean + PORO_INPUTS;
+  Scalar  in[INPUTS], out[INPUTS];
+
+  for (int k = 0; k < INPUTS; k++) in[k] = ScalarSeed(input[k], k);
+  if (PoroFbarKernel(point, in, out)) return 1;
+  for (int k = 0; k < PORO_INPUTS; k++) {
+    for (int l = 0; l < PORO_INPUTS; l++) tangent[k * PORO_INPUTS + l] = ScalarDirection(out[k], l);
+    by_mean[k] = ScalarDirection(out[k], PORO_INPUTS);
+    of_mean[k] = ScalarDirection(out[PORO_INPUTS], k);
+  }
+  of_mean[PORO_INPUTS] = ScalarDirection(out[PORO_INPUTS], PORO_INPUTS);
+  for (int k = 0; k < INPUTS; k++) flux[k] = ScalarValue(out[k]);
+  return 0;
+}
+#endif
+
+MPM_KERNEL_MEAN(poro_fbar, INPUTS, PoroFbarKernel, PoroFbarMean, PoroFbarTangent)
+
+#ifdef MPM_PHYSICS
+MPM_PHYSICS(poro_fbar, .summary = "saturated ground with the volume change averaged over cells", PORO_PHYSICS,
+            .traits = MPM_PHYSICS_INTERNAL)
+#endif
