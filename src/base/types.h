@@ -55,3 +55,4 @@ typedef struct MpmSurfaceFaces   MpmSurfaceFaces;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;
 typedef struct MpmIntegrator     MpmIntegrator;
+typedef struct MpmSdirk          MpmSdirk;

@@ -64,7 +64,7 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   PetscCall(MpmMonitorCreate(&(*model)->monitor));
   (*model)->monitor.message  = MpmTerminalMessage;
   (*model)->monitor.ctx      = *model;
-  (*model)->state.integrator = &MpmIntegratorQuasistatic;
+  (*model)->state.scheme.integrator = &MpmIntegratorQuasistatic;
   PetscCall(CreateParts(*model));
   {
     PetscLogDouble now;
@@ -190,6 +190,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->state.loads));
   PetscCall(PetscFree(model->state.walls.at));
   PetscCall(PetscFree(model->state.placements));
+  PetscCall(MpmSdirkDestroy(&model->state.scheme.sdirk));
   PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
   PetscCall(PetscFree(model->scene.materials));
@@ -615,6 +616,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
+  if (MpmStagesControlError(model)) fields[extra++] = MpmTimeErrorField;
 
   for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;
   if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);

@@ -34,6 +34,7 @@ static const struct {
   MODEL("step_wanted", REAL, state.dt_wanted),
   MODEL("step_last", REAL, state.dt_last),
   MODEL("step_before_last", REAL, state.dt_before),
+  MODEL("largest_change", REAL, state.scheme.largest),
   MODEL("newton_iterations", INT64, solver.newton_total),
   MODEL("linear_iterations", INT64, solver.linear_total),
   MODEL("active_dofs_max", INT64, state.active_dofs_max),

@@ -26,7 +26,7 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "physics %s, %" PetscInt_FMT "D, shape %s, integrator %s\n",
                                    scene->physics.name, model->disc.dim, MpmShapeTypes[scene->shape],
-                                   model->state.integrator->name));
+                                   model->state.scheme.integrator->name));
   PetscCall(PetscViewerASCIIPrintf(viewer, "unknowns of a node:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
   for (PetscInt c = 0; c < model->disc.block; c++)

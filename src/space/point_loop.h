@@ -172,7 +172,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
   point->gravity           = sum->gravity;
   point->info              = &material->info;
-  point->stage             = NULL;
+  point->stage             = sum->first ? &sum->first[p] : NULL;
   point->volume0           = points->volume0[p];
   point->dt                = sum->dt;
   point->traits            = material->info.traits;

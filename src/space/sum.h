@@ -14,18 +14,20 @@ typedef struct MpmTrial {
 
 /* All that the loops over points need; borrowed for the length of a step. */
 typedef struct MpmSum {
-  const MpmGrid     *grid;
-  const MpmSpace    *space;
-  const MpmLayout   *layout;
-  const MpmMaterial *materials;
-  const MpmPoints   *points;
-  PetscInt           block;                /* values a node has */
-  PetscInt           state_size, own_size; /* of a point's history, the law's and the physics' own */
-  PetscReal          dt;
-  PetscReal          gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
-  const PetscReal   *deviation_n; /* of the points, at the step's start (deviation.c); NULL: no field has one */
-  PetscBool          rest;        /* no motion: stresses are those of the step's start */
-  const MpmTrial    *trial;       /* where residuals leave the step's end; NULL: nowhere */
+  const MpmGrid        *grid;
+  const MpmSpace       *space;
+  const MpmLayout      *layout;
+  const MpmMaterial    *materials;
+  const MpmPoints      *points;
+  PetscInt              block;                /* values a node has */
+  PetscInt              state_size, own_size; /* of a point's history, the law's and the physics' own */
+  PetscReal             dt;   /* in which something flows, s: the step's length, with two stages a part of it */
+  PetscReal             span; /* from the step's start to the time that is solved for, s */
+  PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
+  const PetscReal      *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
+  const MpmKernelStage *first;       /* of each point, in the second of two stages (sdirk.c); or NULL */
+  PetscBool             rest;        /* no motion: stresses are those of the step's start */
+  const MpmTrial       *trial;       /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
 /*
@@ -40,8 +42,12 @@ typedef struct {
 } MpmPointValues;
 PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values, PetscReal nodal[]);
 
-/* The deviations at the points of all fields that have one, from values at the local nodes, `layout->block` a node. */
+/*
+  The deviations at the points of all fields that have one, from values at the local nodes, `layout->block` a node; and the
+  values of those with a rate.
+*/
 PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal deviation[]);
+PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal value[]);
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);

@@ -58,6 +58,14 @@ PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->stage) PetscCall(terms->term[k]->stage(terms->ctx[k], sum, u, theta));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
   PetscFunctionBeginUser;

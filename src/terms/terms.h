@@ -23,6 +23,7 @@ typedef struct {
   apply     y += (d term / d u) du; NULL for the points, whose action keeps data of its own (MpmAction)
   diagonal  its diagonal blocks, block^2 values a node
   link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
+  stage     what the term keeps of the first of two stages (sdirk.c), which counts `theta` times in what has flowed
   commit    what the term keeps of the converged step
 */
 typedef struct {
@@ -37,6 +38,7 @@ typedef struct {
   PetscErrorCode (*apply)(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[], PetscReal y[]);
   PetscErrorCode (*diagonal)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                              PetscInt *failed);
+  PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
   PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 } MpmTerm;
 
@@ -62,6 +64,7 @@ PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const 
                                   const MpmPoints *points, const char **why);
 PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
 PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space);
+PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta);
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 /* Sums over all terms; `blocks` starts from zero. */
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],

@@ -20,6 +20,7 @@
 #include "terms/terms.h"
 #include "time/integrator.h"
 #include "time/model.h"
+#include "time/step.h"
 #include "time/time.h"
 
 /* The deviations that go with what the points' values have made at the nodes. */
@@ -78,9 +79,9 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
   const PetscInt  dim = model->disc.dim, bs = model->disc.block, size = dim * (dim + 1);
   const PetscReal change =
-    model->state.dt_before > 0. ? PREDICTED_CHANGE * model->disc.sum->dt / model->state.dt_last : 0.;
-  const PetscReal last   = (1. + change) * model->disc.sum->dt / model->state.dt_last;
-  const PetscReal before = change > 0. ? change * model->disc.sum->dt / model->state.dt_before : 0.;
+    model->state.dt_before > 0. ? PREDICTED_CHANGE * model->disc.sum->span / model->state.dt_last : 0.;
+  const PetscReal last   = (1. + change) * model->disc.sum->span / model->state.dt_last;
+  const PetscReal before = change > 0. ? change * model->disc.sum->span / model->state.dt_before : 0.;
   PetscReal      *nodal, *expected;
 
   PetscFunctionBeginUser;
@@ -109,7 +110,7 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
   MpmRigidGuess(model->disc.contacts, model->disc.space, model->disc.block,
-                predict ? model->disc.sum->dt / model->state.dt_last : 0., x);
+                predict ? model->disc.sum->span / model->state.dt_last : 0., x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
   MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
@@ -288,7 +289,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
   if (!*why) {
-    model->disc.sum->dt = dt;
+    model->disc.sum->dt = model->disc.sum->span = dt;
     PetscCall(PrepareConditions(model, &rules, time, why));
     if (!*why) PetscCall(PrepareSolver(model, again, why));
   }
@@ -376,8 +377,8 @@ static PetscErrorCode FindLost(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The trial and the residual of the converged displacement: those of the last evaluation, where it was made there. */
-static PetscErrorCode FindTrial(MpmModel model)
+/* Those of the last evaluation, where it was made there. */
+PetscErrorCode MpmStepFindTrial(MpmModel model)
 {
   const PetscInt bs = model->disc.block, count = model->disc.space->local * bs;
   PetscBool      same = model->disc.trial->made;
@@ -397,29 +398,38 @@ static PetscErrorCode FindTrial(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The converged step becomes the state; reactions are the residual at the constrained nodes. */
-static PetscErrorCode Commit(MpmModel model)
+/* The residual at the constrained nodes. */
+PetscErrorCode MpmStepFindReactions(MpmModel model)
 {
   const PetscInt bs    = model->disc.block;
-  const PetscInt dim   = model->disc.dim;
   const PetscInt count = (model->scene.bcs->count + model->scene.motions->count) * bs; /* of reactions */
-  PetscLogDouble since;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
-  PetscCall(FindTrial(model));
-  if (model->disc.sections)
-    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.u, model->state.particles));
-  PetscCall(MpmSurfaceFlowCommit(model->disc.surfaces, model->disc.sum, model->disc.u));
-  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
-  model->disc.trial->made = PETSC_FALSE;
-  PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
   PetscCall(PetscArrayzero(model->disc.reaction, count));
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
                              model->disc.reaction);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
   for (PetscInt k = 0; k < count; k++)
     if (model->disc.layout->negative[k % bs]) model->disc.reaction[k] *= -1.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The converged step becomes the state. */
+static PetscErrorCode Commit(MpmModel model)
+{
+  const PetscInt dim = model->disc.dim;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
+  PetscCall(MpmStepFindTrial(model));
+  if (model->disc.sections)
+    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmSurfaceFlowCommit(model->disc.surfaces, model->disc.sum, model->disc.u));
+  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
+  model->disc.trial->made = PETSC_FALSE;
+  PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmStepFindReactions(model));
   for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
     model->disc.points->x[k] =
       PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
@@ -427,8 +437,7 @@ static PetscErrorCode Commit(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The residual at the step's start, which the tolerance refers to. */
-static PetscErrorCode FindReference(MpmModel model)
+PetscErrorCode MpmStepFindReference(MpmModel model)
 {
   PetscReal motion;
 
@@ -468,7 +477,7 @@ static PetscErrorCode PredictStep(MpmModel model)
   PetscFunctionBeginUser;
   model->solver.cache.reference = 0.;
   if (!model->state.predict || !(model->state.dt_last > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindReference(model));
+  PetscCall(MpmStepFindReference(model));
   PetscCall(InitialGuess(model, PETSC_TRUE));
   PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -522,7 +531,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(Commit(model));
   model->state.dt_before = model->state.dt_last;
-  model->state.dt_last   = model->disc.sum->dt;
+  model->state.dt_last   = model->disc.sum->span;
   model->disc.committed  = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -538,6 +547,7 @@ static PetscErrorCode RollBackStep(MpmModel model)
 }
 
 const MpmIntegrator MpmIntegratorQuasistatic = {.name      = "quasistatic",
+                                                .solutions = 1,
                                                 .begin     = MpmStepPrepare,
                                                 .predict   = PredictStep,
                                                 .solve     = SolveStep,

@@ -11,6 +11,9 @@
 typedef struct {
   PetscReal end, step, step_min, step_max, growth;
   PetscBool adaptive;
+  PetscReal limit;  /* the step_max that is given; 0: none */
+  PetscBool second; /* steps of two stages (sdirk.c) */
+  PetscReal error;  /* largest error in time of a step, relative; 0: it is not looked at */
 } MpmTimeControl;
 
 typedef enum { MPM_GEOSTATIC_NONE, MPM_GEOSTATIC_GRAVITY, MPM_GEOSTATIC_K0 } MpmGeostaticMethod;

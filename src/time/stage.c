@@ -29,6 +29,7 @@
 #include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
+#include "time/integrator.h"
 #include "time/model.h"
 #include "time/stage_lists.h"
 #include "time/time.h"
@@ -51,25 +52,62 @@ static PetscErrorCode CheckSteps(const MpmOptions *block, PetscReal end, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How steps are taken, and what their error in time may be, which lets them grow. */
+static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *control)
+{
+  static const char *const schemes[] = {"euler", "second", NULL};
+  PetscInt                 scheme;
+  PetscBool                controlled;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsReal(block, "error", "-",
+                   "largest error in time of a step, relative to the largest change since the stage's start: it "
+                   "chooses the steps, up to step_max; needs scheme second",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->error, &controlled));
+  if (controlled) control->adaptive = control->second = PETSC_TRUE;
+  scheme = control->second ? 1 : 0;
+  PetscCall(MpmOptionsWord(block, "scheme",
+                           "how fields with a rate go on in time: euler, of order 1; second, of order 2, two solutions "
+                           "a step. The default is second where error is given, otherwise euler",
+                           schemes, MPM_OPTIONAL, &scheme, NULL));
+  control->second = (PetscBool)(scheme == 1);
+  if (!control->second && !controlled) control->error = 0.;
+  MpmCheckInput(control->second || !(control->error > 0.) || MpmOptionsHelp(),
+                "-%sscheme euler: -%serror %g needs -%sscheme second", block->prefix, block->prefix,
+                (double)control->error, block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* `control` holds the defaults on entry; a step of 0 is none. */
 static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *prefix, MpmTimeControl *control)
 {
-  const MpmOptions block = {options->comm, prefix, options->record};
-  const PetscReal  ratio = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
-  const MpmNeed    need  = control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED;
+  const MpmOptions block   = {options->comm, prefix, options->record};
+  const PetscReal  ratio   = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
+  const MpmNeed    need    = control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED;
+  PetscReal        longest = 0.;
+  PetscBool        given;
 
   PetscFunctionBeginUser;
   PetscCall(
     MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
   PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, need, &control->step, NULL));
   control->step_min = ratio * control->step;
+  PetscCall(ReadScheme(&block, control));
+  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
+                           MPM_OPTIONAL, &longest, &given));
+  if (given) control->limit = longest;
+  if (given && longest > control->step) control->adaptive = PETSC_TRUE;
+  PetscCall(MpmOptionsBool(&block, "adaptive",
+                           "lengthen easy steps up to step_max; the default is true where error, or a step_max longer "
+                           "than the step, is given",
+                           &control->adaptive, NULL));
   control->step_max = control->step;
-  PetscCall(MpmOptionsBool(&block, "adaptive", "lengthen easy steps up to step_max", &control->adaptive, NULL));
-  if (control->adaptive) control->step_max = PetscMax(control->end / 4., control->step);
+  if (control->adaptive)
+    control->step_max =
+      given ? longest : PetscMax(control->limit > 0. ? control->limit : control->end / 4., control->step);
   PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this; by default step/1024",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->step_min, NULL));
-  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
-                           MPM_OPTIONAL, &control->step_max, NULL));
   PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
                            ((MpmRange){1., 100., PETSC_FALSE}), MPM_OPTIONAL, &control->growth, NULL));
   PetscCall(CheckSteps(&block, control->end, control->step, control->step_min));
@@ -384,6 +422,19 @@ static PetscErrorCode CheckMoved(const MpmModel model, const MpmStage *stage, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Two stages need a physics that knows of the first one. */
+static PetscErrorCode CheckScheme(const MpmModel model)
+{
+  const MpmPhysics *physics = &model->scene.physics;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    MpmCheckInput(!model->scene.stages[k].time.second || (physics->traits & MPM_PHYSICS_STAGES),
+                  "-mpm_time_scheme second: physics %s has nothing that it could do better, must be euler",
+                  physics->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Every stage must find the bodies that it removes, changes or moves, and leave one at least. */
 static PetscErrorCode CheckBodies(const MpmModel model)
 {
@@ -444,6 +495,7 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
     model->state.run_end += stage->time.end;
   }
   if (!MpmOptionsHelp()) PetscCall(CheckBodies(model));
+  if (!MpmOptionsHelp()) PetscCall(CheckScheme(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -655,6 +707,12 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.dt_max     = control->step_max;
   model->state.growth     = control->growth;
   model->state.adaptive   = control->adaptive;
+
+  model->state.scheme.integrator = &MpmIntegratorQuasistatic;
+  model->state.scheme.error      = 0.;
+  if (!control->second || model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
+  model->state.scheme.integrator = &MpmIntegratorSdirk;
+  model->state.scheme.error      = control->error;
 }
 
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
@@ -678,6 +736,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   PetscCall(Activate(model, stage));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;
   PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
+  PetscCall(MpmTimeErrorBegin(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -32,29 +32,39 @@ typedef struct {
   MpmWall *at;
 } MpmWalls;
 
-/* What moves on: points, time, and how steps go. */
+/* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
-  MpmParticles        *particles;
-  PetscReal            time, time_end, dt_nominal, dt_min, dt_max, growth;
-  PetscReal            dt_wanted; /* of the next step */
-  PetscReal            dt_last;   /* of the last step, 0 before the first; */
-  PetscReal            dt_before; /* of the one before */
-  PetscBool            adaptive;
-  PetscBool            predict; /* start from the last step's increment */
-  PetscInt             step, cuts, cuts_total;
-  PetscInt             stage;  /* the one under way */
-  MpmParked           *parked; /* per body: points that a later stage adds */
-  MpmActing           *bcs;    /* by the scene's lists: what acts in the stage under way; motions behind conditions */
-  MpmLoadActing       *loads;  /* surfaces behind loads */
-  MpmWalls             walls;  /* that follow from it */
-  PetscReal            time_start; /* of the stage under way; time_end is its end */
-  PetscReal            run_end;
-  PetscReal            load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
-  PetscBool            reference_output; /* position0 goes into the next state that is written */
-  MpmRescue            rescue;
-  PetscInt64           active_dofs_max;
-  MpmSafety            safety;
-  MpmGridMotion        grid;
-  MpmPlacement        *placements; /* by the scene's boundaries: how far those have come that move by themselves */
+  MpmSdirk            *sdirk;    /* what the integrator of two stages keeps of the first; NULL before its first step */
+  PetscReal            error;    /* largest that is accepted, relative; 0: any */
+  PetscReal            estimate; /* of the last step that has converged */
+  PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
+  PetscReal largest;             /* what errors are relative to: the largest change since the stage's start */
+} MpmScheme;
+
+/* What moves on: points, time, and how steps go. */
+typedef struct {
+  MpmScheme      scheme;
+  MpmParticles  *particles;
+  PetscReal      time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscReal      dt_wanted; /* of the next step */
+  PetscReal      dt_last;   /* of the last step, 0 before the first; */
+  PetscReal      dt_before; /* of the one before */
+  PetscBool      adaptive;
+  PetscBool      predict; /* start from the last step's increment */
+  PetscInt       step, cuts, cuts_total;
+  PetscInt       stage;      /* the one under way */
+  MpmParked     *parked;     /* per body: points that a later stage adds */
+  MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
+  MpmLoadActing *loads;      /* surfaces behind loads */
+  MpmWalls       walls;      /* that follow from it */
+  PetscReal      time_start; /* of the stage under way; time_end is its end */
+  PetscReal      run_end;
+  PetscReal      load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
+  PetscBool      reference_output; /* position0 goes into the next state that is written */
+  MpmRescue      rescue;
+  PetscInt64     active_dofs_max;
+  MpmSafety      safety;
+  MpmGridMotion  grid;
+  MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;

@@ -7,20 +7,57 @@
 #include "time/model.h"
 #include "time/time.h"
 
+#define STUBBORN \
+  0.5 /* an error in time that falls no faster than this power of the step's length does not come from it */
+
 #define CUTS_WITH_DILATION 1 /* of one step, before F-bar averages dilation, too */
+
+/*
+  Is the error in time of the step that has been solved for too large? Not where a shorter step has not made it smaller: it
+  then comes from something sudden, or where no shorter step may be tried; that is told.
+*/
+static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, const char **why)
+{
+  MpmScheme      *scheme = &model->state.scheme;
+  const PetscReal before = scheme->refused, part = before > 0. ? dt / scheme->refused_dt : 1.;
+  PetscBool       shorter;
+
+  PetscFunctionBeginUser;
+  scheme->refused = 0.;
+  if (!(scheme->error > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(scheme->integrator->error(model, &scheme->estimate));
+  if (scheme->estimate <= scheme->error) PetscFunctionReturn(PETSC_SUCCESS);
+  shorter = (PetscBool)(MpmTimeErrorFactor(model) * dt >= model->state.dt_min);
+  if (shorter && !(before > 0. && scheme->estimate > PetscPowReal(part, STUBBORN) * before)) {
+    scheme->refused    = scheme->estimate;
+    scheme->refused_dt = dt;
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost), "the error in time is %.2g",
+                            (double)scheme->estimate));
+    *why = model->solver.lost;
+  } else {
+    PetscCall(MpmMonitorNote(&model->monitor, "the error in time is %.2g, and no less in shorter steps",
+                             (double)scheme->estimate));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *retryable)
 {
-  const MpmIntegrator *integrator = model->state.integrator;
+  const MpmIntegrator *integrator = model->state.scheme.integrator;
 
   PetscFunctionBeginUser;
   *retryable = PETSC_FALSE;
+  if (!again) model->state.scheme.refused = 0.;
   MpmReductionApply(model, time);
   PetscCall(integrator->begin(model, time, dt, again, why));
   if (!*why) {
     PetscCall(integrator->predict(model));
     PetscCall(integrator->solve(model, why, retryable));
+    if (!*why) {
+      *retryable = PETSC_TRUE;
+      PetscCall(LookAtError(model, dt, why));
+    } else model->state.scheme.refused = 0.;
     PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
   }
   if (*why) MpmReductionApply(model, model->state.time);
@@ -53,12 +90,21 @@ PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
   return next;
 }
 
-/* After an easy step the next one is longer; after a hard one, when adaptive, it stays. */
+#define EASY 6 /* iterations of a solution */
+
+/* After an easy step the next one is longer, after a hard one, when adaptive, it stays; and the error in time may be small. */
 static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 {
+  const PetscInt easy = model->state.scheme.integrator->solutions * EASY;
+
   if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
   if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
-  return model->solver.newton <= 6 ? PetscMin(wanted * model->state.growth, model->state.dt_max) : wanted;
+  if (model->solver.newton <= easy) {
+    const PetscReal factor = PetscMin(model->state.growth, MpmTimeErrorFactor(model));
+
+    return PetscMax(PetscMin(wanted * factor, model->state.dt_max), model->state.dt_min);
+  }
+  return wanted;
 }
 
 static PetscErrorCode AverageDilation(MpmModel model, const char *why)
@@ -77,6 +123,16 @@ static PetscErrorCode HasStruggled(MpmModel model, PetscBool *struggled)
   PetscFunctionBeginUser;
   PetscCall(SNESGetTolerances(model->solver.snes, NULL, NULL, NULL, &most, NULL));
   *struggled = (PetscBool)(model->state.cuts && 2 * model->solver.newton > most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
+{
+  PetscFunctionBeginUser;
+  model->state.dt_wanted = dt;
+  model->state.cuts++;
+  model->state.cuts_total++;
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", why, (double)model->state.dt_wanted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,6 +155,11 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
     PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
     if (!*why) break;
     if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
+    if (model->state.scheme.refused > 0.) {
+      again = PETSC_TRUE;
+      PetscCall(Cut(model, *why, MpmTimeErrorFactor(model) * *dt));
+      continue;
+    }
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
     if (model->state.rescue.dilation && (!again || model->state.cuts >= CUTS_WITH_DILATION)) {
       PetscCall(AverageDilation(model, *why));
@@ -112,10 +173,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
       model->state.dt_wanted = model->state.dt_nominal;
       continue;
     }
-    model->state.dt_wanted = 0.5 * *dt;
-    model->state.cuts++;
-    model->state.cuts_total++;
-    PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", *why, (double)model->state.dt_wanted));
+    PetscCall(Cut(model, *why, 0.5 * *dt));
   }
   model->state.time = next;
   model->state.step++;

@@ -69,6 +69,18 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
 /* The water's pressure at a surface, Pa. */
 PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscReal time);
 
+/*
+  The error in time that chooses the steps (time_error.c): does any stage ask for it; Begin notes the fields as a stage starts,
+  Factor is how much longer the next step may be than the last one tried, by its estimate: infinity where nobody asks.
+*/
+PetscBool      MpmStagesControlError(const MpmModel model);
+PetscErrorCode MpmTimeErrorBegin(MpmModel model);
+PetscReal      MpmTimeErrorFactor(const MpmModel model);
+/* The points' field for it. */
+extern const char *const MpmTimeErrorField;
+/* What the integrator of two stages keeps (sdirk.c). */
+PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk);
+
 /* The points of a geostatic stage (geostatic.c): what they return to, and what the report needs. */
 typedef struct {
   PetscInt   n;

@@ -9,12 +9,19 @@
 */
 #define LAW_DIRECTIONS (MPM_DIM * MPM_DIM)
 
+/* The time that a law is told, whose history goes from the step's start: with two stages not that in which something flows. */
+MPM_FN double LawTime(const MpmKernelPoint *point)
+{
+  return point->stage ? point->stage->span : point->dt;
+}
+
 #if MPM_DIRECTIONS < 2 || MPM_DIRECTIONS == LAW_DIRECTIONS
 
 /* The Kirchhoff stress at dF. Non-zero where the law has no answer. */
 MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
-  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt, point->table};
+  const MpmLawPoint law_point = {point->parameter, point->state_n,    point->state,
+                                 point->F_n,       LawTime(point), point->table};
   const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
 
   return law(&law_point, dF, tau);
@@ -42,7 +49,8 @@ typedef int (*LawTangent)(const MpmLawPoint *point, const LawTensor *dF, LawSym 
 
 MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
-  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state, point->F_n, point->dt, point->table};
+  const MpmLawPoint law_point = {point->parameter, point->state_n,    point->state,
+                                 point->F_n,       LawTime(point), point->table};
   const LawTangent  law       = (LawTangent)point->law[MPM_FORM_TANGENT];
   LawTensor         seeded    = {{{{0.}, {0.}}}};
   LawSym            answer;

@@ -191,6 +191,7 @@ typedef struct {
   const double *value;     /* as value_n, */
   const double *deviation; /* and deviation_n */
   double        theta;
+  double        span; /* s, from the step's start to its end, what laws take for the step's length */
 } MpmKernelStage;
 
 /*
@@ -290,8 +291,10 @@ typedef struct {
 /*
   MPM_PHYSICS_SYMMETRIC  with laws that derive from a potential, the Jacobian is symmetric
   MPM_PHYSICS_INTERNAL   takes another physics' place by itself, and is not offered to scenes
+  MPM_PHYSICS_STAGES     what a step stores and what flows in it stand in its equations as amounts, the second times dt, and
+                         the kernel takes `stage`: the scheme `second` is possible. With dt = 0 nothing flows
 */
-typedef enum { MPM_PHYSICS_SYMMETRIC = 1, MPM_PHYSICS_INTERNAL = 2 } MpmPhysicsTrait;
+typedef enum { MPM_PHYSICS_SYMMETRIC = 1, MPM_PHYSICS_INTERNAL = 2, MPM_PHYSICS_STAGES = 16 } MpmPhysicsTrait;
 
 /* A number of the scene, -mpm_<block>_<name>, that a physics' kernel needs at every point. */
 typedef struct {
@@ -314,8 +317,8 @@ typedef struct {
   deviation (if used).
 
   prepare  NULL, or what the physics makes of the values that a material's block has, once they are read, with the
-           scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with them: "permeability and
-           conductivity are both given"
+           scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with which of them: "porosity
+           is missing: must be > 0 and < 1"
   initial  NULL, or the physics' states of a point at the start, beside the table of states
 
   The first field must be the displacement increment with as many components as dimensions: it moves the points.

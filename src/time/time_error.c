@@ -1,0 +1,174 @@
+/*
+  The error in time of a step of two stages (sdirk.c).
+
+  What the physics stores, s, is given at the step's end by the line through its start and the first stage, too, but of
+  order 1; the distance of the two is
+
+    e = s_{n+1} - s_n - (s_1 - s_n)/gamma = c (omega dt)^2 ,
+
+  omega being the rate at which things change. It comes from the physics' own equations: with dt = 0 nothing flows, and with
+  1/gamma in place of theta they say, node by node, how much of e each has (in volumes, over the node's own volume; nodes
+  whose value is prescribed have no such equation). The scheme's own error is of the next order, (omega dt)^3, so
+
+    estimate = 2 (|e|/|S|)^(3/2)
+
+  |.| is the root mean square over the material. S is the largest change since the stage's start that there has been: of
+  the field over the material's stiffness, where it is a stress, which is what the ground would store of it, and of s in the
+  step. The factor is so chosen that consolidation (one-dimensional, finite strain) keeps the bound that is asked for.
+  Source for the shape of such estimates: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/point_loop.h"
+#include "bc/bc.h"
+#include "terms/discretization.h"
+#include "terms/terms.h"
+#include "time/integrator.h"
+#include "time/model.h"
+#include "time/sdirk.h"
+#include "time/time.h"
+
+/* The power of the step's length that the estimate goes with. */
+#define ORDER  3.
+#define FACTOR 2.
+/* A step is chosen for this part of the error that is allowed, and shrinks by no more than this at once. */
+#define SAFETY   0.8
+#define SHORTEST 0.2
+
+const char *const MpmTimeErrorField = "value_start";
+
+PetscBool MpmStagesControlError(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].time.error > 0.) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmTimeErrorBegin(MpmModel model)
+{
+  PetscReal *start;
+  MpmPoints  points;
+  DM         swarm = model->state.particles->swarm;
+
+  PetscFunctionBeginUser;
+  model->state.scheme.largest = 0.;
+  if (!MpmStagesControlError(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(DMSwarmGetField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  for (PetscInt p = 0; p < points.count; p++) start[p] = points.value[p * model->disc.layout->rates];
+  PetscCall(DMSwarmRestoreField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Volumes of the points at the local nodes, those of ghosts at their owners. */
+static PetscErrorCode NodeVolumes(const MpmSum *sum, PetscInt shape, PetscReal volume[])
+{
+  MpmWorkspace work;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(volume, sum->space->local));
+  PetscCall(MpmWorkspaceCreate(sum, &work));
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+    const MpmKnown  known = KnownGeneral(sum->layout, group);
+    const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = sum->space->order[s];
+
+      MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work.basis);
+      for (PetscInt i = 0; i < known.n; i++)
+        volume[nodes[i]] += work.basis.basis[shape * MPM_BASES][i] * sum->points->volume0[p];
+    }
+  }
+  PetscCall(PetscFree(work.storage));
+  PetscCall(MpmSpaceAddToOwners(sum->space, 1, volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The integral of the square of what the equations of component c store, over the nodes where it is solved for. */
+static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelStage *first, PetscReal *square)
+{
+  MpmDiscretization *disc = &model->disc;
+  const PetscInt     bs   = disc->block;
+  const MpmSum       sum  = *disc->sum;
+  PetscReal         *residual, *volume;
+  PetscInt           failed = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((disc->space->local * bs), &residual, disc->space->local, &volume));
+  PetscCall(PetscArrayzero(residual, disc->space->local * bs));
+  disc->sum->first = first;
+  disc->sum->trial = NULL;
+  disc->sum->dt    = 0.;
+  PetscCall(disc->terms->term[0]->residual(disc->terms->ctx[0], disc->sum, disc->u, residual, &failed));
+  *disc->sum = sum;
+  PetscCall(MpmSpaceAddToOwners(disc->space, bs, residual));
+  PetscCall(NodeVolumes(disc->sum, disc->layout->shape_of[c], volume));
+  *square = 0.;
+  for (PetscInt i = 0; i < disc->space->owned; i++)
+    if (MpmConstraintsFree(disc->constraints, i * bs + c) && volume[i] > 0.)
+      *square += PetscSqr(residual[i * bs + c]) / volume[i];
+  PetscCall(PetscFree2(residual, volume));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, square, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The integral of the square of the change of the field since the stage's start, over the stiffness where it is a stress. */
+static PetscErrorCode ChangeSquare(MpmModel model, PetscInt c, PetscReal *square)
+{
+  const MpmPoints *points = model->disc.points;
+  const PetscInt   rates  = model->disc.layout->rates;
+  DM               swarm  = model->state.particles->swarm;
+  PetscReal       *value, *start;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((points->count * rates), &value));
+  PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.u, value));
+  PetscCall(DMSwarmGetField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  *square = 0.;
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal scale =
+      model->disc.layout->scale[c] == MPM_SCALE_STRESS ? model->disc.sum->materials[points->material[p]].stiffness : 1.;
+
+    *square += points->volume0[p] * PetscSqr((value[p * rates] - start[p]) / scale);
+  }
+  PetscCall(DMSwarmRestoreField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  PetscCall(PetscFree(value));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, square, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTimeError(MpmModel model, PetscReal *estimate)
+{
+  const PetscInt  c     = model->disc.layout->rate_component[0];
+  MpmSdirk       *sdirk = model->state.scheme.sdirk;
+  MpmKernelStage *line;
+  PetscReal       error, stored, change;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(model->disc.points->count, &line));
+  for (PetscInt p = 0; p < model->disc.points->count; p++) {
+    line[p]       = sdirk->stage[p];
+    line[p].theta = 1. / MPM_SDIRK_GAMMA;
+  }
+  PetscCall(StoredSquare(model, c, line, &error));
+  PetscCall(StoredSquare(model, c, NULL, &stored));
+  PetscCall(ChangeSquare(model, c, &change));
+  PetscCall(PetscFree(line));
+  sdirk->change = PetscMax(model->state.scheme.largest, PetscSqrtReal(stored) + PetscSqrtReal(change));
+  *estimate     = error > 0. ? FACTOR * PetscPowReal(PetscSqrtReal(error) / sdirk->change, 0.5 * ORDER) : 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmTimeErrorFactor(const MpmModel model)
+{
+  const MpmScheme *scheme = &model->state.scheme;
+
+  if (!(scheme->error > 0.)) return PETSC_INFINITY;
+  return PetscMax(SHORTEST, PetscPowReal(SAFETY * scheme->error / PetscMax(scheme->estimate, 1e-30), 1. / ORDER));
+}
