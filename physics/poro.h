@@ -228,16 +228,17 @@ static const char *PoroPrepare(const MpmPhysicsMaterial *material, double gravit
   const double *volume       = PoroLawNumber(material, "specific_volume", &set);
   const int     permeability = value[PORO_MOBILITY] > 0., conductivity = value[PORO_CONDUCTIVITY] > 0.;
 
-  if (permeability && conductivity) return "permeability and conductivity are both given, must be one of them";
-  if (!permeability && !conductivity) return "permeability is missing (or conductivity)";
-  if (value[PORO_POROSITY] > 0. && set) return "porosity and specific_volume are both given, must be one of them";
-  if (value[PORO_POROSITY] < 0. && !volume) return "porosity is missing";
+  if (permeability && conductivity) return "conductivity: permeability is given, too, must be one of them";
+  if (!permeability && !conductivity)
+    return "permeability is missing: must be given, m2, > 0, or conductivity, m/s, > 0";
+  if (value[PORO_POROSITY] > 0. && set) return "porosity: specific_volume is given, too, must be one of them";
+  if (value[PORO_POROSITY] < 0. && !volume) return "porosity is missing: must be > 0 and < 1";
+  if (conductivity && !(value[PORO_DENSITY] > 0.)) return "conductivity: -mpm_water_density is 0, must be > 0";
   if (value[PORO_POROSITY] < 0.) value[PORO_POROSITY] = 1. - 1. / *volume;
   for (int a = 0; a < 3; a++) {
     if (conductivity) value[PORO_MOBILITY + a] = value[PORO_CONDUCTIVITY + a] / (value[PORO_DENSITY] * gravity);
     else value[PORO_MOBILITY + a] /= value[PORO_VISCOSITY];
   }
-  if (conductivity && !(value[PORO_DENSITY] > 0.)) return "conductivity needs water_density > 0";
   return NULL;
 }
 

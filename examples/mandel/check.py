@@ -34,7 +34,7 @@ class Theory:
         high = np.pi * (np.arange(TERMS) + 0.5) - 1e-14
         for _ in range(100):
             middle = 0.5 * (low + high)
-            above = np.sin(middle) > ratio * middle * np.cos(middle)
+            above = np.tan(middle) > ratio * middle
             low, high = np.where(above, low, middle), np.where(above, middle, high)
         return middle
 

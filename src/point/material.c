@@ -331,7 +331,7 @@ PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, Petsc
   PetscFunctionBeginUser;
   if (!physics->prepare || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   why = physics->prepare(&of, gravity, material->physics_parameter);
-  MpmCheckInput(!why, "-mpm_material_%s: %s", material->name, why);
+  MpmCheckInput(!why, "-mpm_material_%s_%s", material->name, why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -57,6 +57,7 @@ CLAY = {"mpm_material_soil_type": "modified_cam_clay", "mpm_material_soil_E": No
 SAND = {**CLAY, "mpm_material_soil_type": "nor_sand", "mpm_material_soil_lambda": "0.02", "mpm_material_soil_v_c0": "1.9",
         "mpm_material_soil_h": "100", "mpm_material_soil_specific_volume": "1.7", "mpm_material_soil_image_pressure": "1e5",
         "mpm_material_soil_reference_pressure": "1e5"}
+WET = {"mpm_physics": "poro", "mpm_material_soil_porosity": "0.4", "mpm_material_soil_permeability": "1e-12"}
 NO_BOX = {"mpm_body_block_lower": None, "mpm_body_block_upper": None}
 NORMAL = {"mpm_bc_base_components": None, "mpm_bc_base_normal": "1,2"}
 PLANE = {"mpm_boundaries": "wall", "mpm_boundary_wall_type": "plane", "mpm_boundary_wall_point": "2,0",
@@ -461,6 +462,34 @@ CASES = [
     ("geostatic tolerance zero", {**GEOSTATIC, "mpm_stage_one_geostatic_tolerance": "0"},
      "-mpm_stage_one_geostatic_tolerance"),
     ("geostatic stage that is pushed", {**GEOSTATIC, "mpm_bc_base_value": "0,0.1"}, "-mpm_bc_base_value"),
+    # saturated ground
+    ("water without permeability", {**WET, "mpm_material_soil_permeability": None},
+     "-mpm_material_soil_permeability is missing: must be given"),
+    ("permeability twice", {**WET, "mpm_material_soil_conductivity": "1e-5"},
+     "-mpm_material_soil_conductivity: permeability is given, too, must be one of them"),
+    ("permeability zero", {**WET, "mpm_material_soil_permeability": "0"}, "-mpm_material_soil_permeability 0: must be > 0"),
+    ("permeability negative along an axis", {**WET, "mpm_material_soil_permeability": "1e-12,-1e-12"},
+     "-mpm_material_soil_permeability -1e-12: must be > 0"),
+    ("permeability of three axes in a plane", {**WET, "mpm_material_soil_permeability": "1e-12,1e-12,1e-12"},
+     "-mpm_material_soil_permeability has 3 numbers: must be one, or one an axis"),
+    ("permeability NaN", {**WET, "mpm_material_soil_permeability": "nan"}, "-mpm_material_soil_permeability"),
+    ("conductivity of light water", {**WET, "mpm_material_soil_permeability": None, "mpm_material_soil_conductivity": "1e-5",
+                                     "mpm_water_density": "0"}, "-mpm_material_soil_conductivity: -mpm_water_density is 0"),
+    ("unknown permeability law", {**WET, "mpm_material_soil_permeability_law": "linear"}, "-mpm_material_soil_permeability_law"),
+    ("porosity missing", {**WET, "mpm_material_soil_porosity": None}, "-mpm_material_soil_porosity is missing"),
+    ("porosity zero", {**WET, "mpm_material_soil_porosity": "0"}, "-mpm_material_soil_porosity 0: must be"),
+    ("porosity one", {**WET, "mpm_material_soil_porosity": "1"}, "-mpm_material_soil_porosity 1: must be"),
+    ("porosity negative", {**WET, "mpm_material_soil_porosity": "-0.5"}, "-mpm_material_soil_porosity -0.5: must be"),
+    ("porosity minus one", {**WET, "mpm_material_soil_porosity": "-1"}, "-mpm_material_soil_porosity -1: must be"),
+    ("porosity beside a specific volume", {**CLAY, **WET, "mpm_material_soil_ocr": "2", "mpm_material_soil_specific_volume": "2",
+                                           "mpm_material_soil_reference_pressure": "1e5"},
+     "-mpm_material_soil_porosity: specific_volume is given, too"),
+    ("porosity beside sand's specific volume", {**SAND, **WET}, "-mpm_material_soil_porosity: specific_volume is given, too"),
+    ("porosity of dry ground", {"mpm_material_soil_porosity": "0.4"}, "mpm_material_soil_porosity"),
+    ("water without viscosity", {**WET, "mpm_water_viscosity": "0"}, "-mpm_water_viscosity 0: must be > 0"),
+    ("water without modulus", {**WET, "mpm_water_modulus": "0"}, "-mpm_water_modulus 0: must be > 0"),
+    ("water of negative density", {**WET, "mpm_water_density": "-1"}, "-mpm_water_density -1: must be"),
+    ("negative pressure projection", {**WET, "mpm_stabilization_ppp": "-1"}, "-mpm_stabilization_ppp -1: must be"),
     # points from files
     ("body from a file without a name", {**FROM_FILE, "mpm_body_block_file": None}, "-mpm_body_block_file"),
     # time and output

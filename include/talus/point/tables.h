@@ -317,8 +317,8 @@ typedef struct {
   deviation (if used).
 
   prepare  NULL, or what the physics makes of the values that a material's block has, once they are read, with the
-           scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with them: "permeability and
-           conductivity are both given"
+           scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with which of them: "porosity
+           is missing: must be > 0 and < 1"
   initial  NULL, or the physics' states of a point at the start, beside the table of states
 
   The first field must be the displacement increment with as many components as dimensions: it moves the points.
