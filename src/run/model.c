@@ -505,6 +505,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
+  if (!MpmSceneIsSymmetric(model)) model->solver.symmetric = PETSC_FALSE;
   PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
                              &model->results->tracks.count, &model->results->tracks.names));
   PetscCall(PetscCalloc1(model->results->tracks.count, &model->results->tracks.at));

@@ -144,6 +144,8 @@ PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
 PetscErrorCode MpmWeldsPrint(MpmModel model);
 /* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c). */
 PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options);
+/* Is the Jacobian symmetric, as far as the physics knows (symmetry.c)? Once materials, loads and surfaces are read. */
+PetscBool MpmSceneIsSymmetric(MpmModel model);
 /*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
   bodies, conditions and stages are known.
