@@ -40,7 +40,7 @@ typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
   MpmLoadActing         *acting;            /* by surface */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
-  PetscReal             *outflow;           /* by surface, of the step, m3 */
+  PetscReal             *outflow, *first;   /* by surface, of the step, m3; what its first stage counts in it */
   PetscBool              any_held;
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
@@ -52,8 +52,6 @@ typedef struct MpmSurfaceFaces {
 /* `layout` is that of the scene's physics. */
 PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
                                     const MpmBodies *bodies, MpmBodySurface *surface);
-/* The unknown of a node that is the pressure of water: a field with a rate and a gradient, of the scene's shape; or -1. */
-PetscInt       MpmPressureComponent(const MpmLayout *layout);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);

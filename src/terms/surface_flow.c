@@ -182,6 +182,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
 
   PetscFunctionBeginUser;
+  if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
   for (PetscInt k = 0; k < faces->face_count; k++)
     if (IsHeld(faces, &faces->face[k])) PetscCall(PrepareFace(faces, step->sum, &faces->face[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -337,12 +338,22 @@ static PetscErrorCode FindOutflow(MpmSurfaceFaces *faces, const MpmSum *sum, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode KeepStage(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta)
+{
+  MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindOutflow(faces, sum, u));
+  for (PetscInt k = 0; k < faces->surfaces->count; k++) faces->first[k] = theta * faces->outflow[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[])
 {
   PetscFunctionBeginUser;
   if (!faces->any_held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindOutflow(faces, sum, u));
-  for (PetscInt k = 0; k < faces->surfaces->count; k++) faces->acting[k].outflow += faces->outflow[k];
+  for (PetscInt k = 0; k < faces->surfaces->count; k++) faces->acting[k].outflow += faces->first[k] + faces->outflow[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -351,4 +362,5 @@ const MpmTerm MpmTermSurfaceFlow = {.name     = "water through surfaces",
                                     .residual = Residual,
                                     .tangent  = Tangent,
                                     .apply    = Apply,
-                                    .diagonal = Diagonal};
+                                    .diagonal = Diagonal,
+                                    .stage    = KeepStage};

@@ -30,6 +30,7 @@ static PetscErrorCode WorkCreate(const MpmSum *sum, Work *work)
   const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim);
 
   PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(work, sizeof(*work)));
   PetscCall(PetscMalloc1((n * MpmBasisCount(sum->space)), &work->storage));
   MpmBasisPlace(sum->space, n, work->storage, &work->basis);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -130,7 +131,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
                                PetscInt *failed)
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -149,7 +150,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
                             PetscReal y[])
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
@@ -182,7 +183,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -210,7 +211,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block, most = PetscPowInt(sum->space->width, dim);
   PetscReal             *element;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
