@@ -24,7 +24,6 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
-#include "particles/points.h"
 #include "space/point_loop.h"
 #include "terms/body_surface.h"
 #include "terms/load.h"
@@ -343,6 +342,7 @@ static PetscErrorCode KeepStage(void *ctx, const MpmSum *sum, const PetscReal u[
   MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
 
   PetscFunctionBeginUser;
+  if (!faces->any_held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindOutflow(faces, sum, u));
   for (PetscInt k = 0; k < faces->surfaces->count; k++) faces->first[k] = theta * faces->outflow[k];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -353,7 +353,25 @@ PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, c
   PetscFunctionBeginUser;
   if (!faces->any_held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindOutflow(faces, sum, u));
-  for (PetscInt k = 0; k < faces->surfaces->count; k++) faces->acting[k].outflow += faces->first[k] + faces->outflow[k];
+  for (PetscInt k = 0; k < faces->surfaces->count; k++) {
+    faces->acting[k].outflow += faces->outflow[k] + faces->first[k];
+    faces->first[k] = 0.;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(mark, space->local));
+  for (PetscInt k = 0; k < faces->face_count; k++) {
+    const MpmSurfaceFace *face  = &faces->face[k];
+    const MpmGroup       *group = &space->groups[face->group];
+
+    for (PetscInt i = 0; IsHeld(faces, face) && i < group->node_count; i++)
+      if (faces->weight[face->weight + i] != 0.) mark[space->group_nodes[group->node_offset + i]] = 1.;
+  }
+  PetscCall(MpmSpaceAddToOwners(space, 1, mark));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
