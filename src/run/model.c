@@ -62,8 +62,8 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   PetscCall(MpmDatabaseCreate(&(*model)->database));
   (*model)->solver.database = (*model)->database;
   PetscCall(MpmMonitorCreate(&(*model)->monitor));
-  (*model)->monitor.message  = MpmTerminalMessage;
-  (*model)->monitor.ctx      = *model;
+  (*model)->monitor.message         = MpmTerminalMessage;
+  (*model)->monitor.ctx             = *model;
   (*model)->state.scheme.integrator = &MpmIntegratorQuasistatic;
   PetscCall(CreateParts(*model));
   {
@@ -493,6 +493,9 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->scene.loads->count, &model->scene.loads->at));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     PetscCall(MpmLoadCreate(options, model->scene.loads->names[l], model->disc.grid, &model->scene.loads->at[l]));
+    MpmCheckInput(model->scene.loads->at[l].type != MPM_LOAD_FLUX || MpmPressureComponent(model->disc.layout) >= 0 ||
+                    MpmOptionsHelp(),
+                  "-mpm_load_%s_type flux: there is no water in the scene's physics", model->scene.loads->names[l]);
     for (PetscInt m = 0;
          model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && m < model->scene.materials->count && !MpmOptionsHelp();
          m++) {

@@ -46,17 +46,6 @@ static PetscErrorCode ReadSide(const MpmOptions *block, PetscInt dim, PetscInt *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt MpmPressureComponent(const MpmLayout *layout)
-{
-  for (PetscInt r = 0; r < layout->rates; r++) {
-    const PetscInt c = layout->rate_component[r];
-
-    for (PetscInt k = layout->component_first[c]; k < layout->component_first[c + 1]; k++)
-      if (layout->basis_of[k] == 1) return c;
-  }
-  return -1;
-}
-
 /* What water meets there. */
 static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout, MpmBodySurface *surface,
                                 PetscBool *any)

@@ -53,8 +53,6 @@ typedef struct MpmSurfaceFaces {
 /* `layout` is that of the scene's physics. */
 PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
                                     const MpmBodies *bodies, MpmBodySurface *surface);
-/* The unknown of a node that is the pressure of water: a field with a rate and a gradient, of the scene's shape; or -1. */
-PetscInt       MpmPressureComponent(const MpmLayout *layout);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);

@@ -24,7 +24,6 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
-#include "particles/points.h"
 #include "space/point_loop.h"
 #include "terms/body_surface.h"
 #include "terms/load.h"
@@ -182,6 +181,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
 
   PetscFunctionBeginUser;
+  if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
   for (PetscInt k = 0; k < faces->face_count; k++)
     if (IsHeld(faces, &faces->face[k])) PetscCall(PrepareFace(faces, step->sum, &faces->face[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -377,8 +377,8 @@ PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *
 
 const MpmTerm MpmTermSurfaceFlow = {.name     = "water through surfaces",
                                     .prepare  = Prepare,
-                                    .stage    = KeepStage,
                                     .residual = Residual,
                                     .tangent  = Tangent,
                                     .apply    = Apply,
-                                    .diagonal = Diagonal};
+                                    .diagonal = Diagonal,
+                                    .stage    = KeepStage};

@@ -337,6 +337,9 @@ CASES = [
      "-mpm_surface_top_traction"),
     ("surface whose stress is no number", {**SURFACE, "mpm_surface_top_normal": "nan"}, "-mpm_surface_top_normal"),
     ("surface that is not in the list", {**SURFACE, "mpm_surfaces": None}, "-mpm_surface_top_"),
+    ("surface that drains what has no water", {**SURFACE, "mpm_surface_top_drained": "true"}, "-mpm_surface_top_drained"),
+    ("pressure of water where there is none", {**SURFACE, "mpm_surface_top_pressure": "1e3"}, "-mpm_surface_top_pressure"),
+    ("well where there is no water", {"mpm_load_push_type": "flux", "mpm_load_push_value": "1"}, "-mpm_load_push_type flux"),
     # loads, ramps, tracks
     ("load without a type", {"mpm_load_push_type": None}, "-mpm_load_push_type"),
     ("unknown type of load", {"mpm_load_push_type": "kick"}, "-mpm_load_push_type"),

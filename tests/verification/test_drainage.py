@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test, difference  # noqa: E402
+from talus_test import Test, difference, example  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 LAYER, RIM = HERE / "layer.yaml", HERE / "rim.yaml"
@@ -69,7 +69,29 @@ def rim(test):
         test.near(f"rim_{step}", np.mean(run.table("pressure", step)[middle]) / 1e3, exact, 0.04)
 
 
+def boil(test):
+    """More than the critical gradient: no equilibrium, and one line says so."""
+    run = test.run(example("seepage"), status=3, mpm_surface_bottom_ramp="0:0,3600:1,7200:2.5")
+    test.check("boil.lines", sum(line.startswith("talus: gave up") for line in run.errors.splitlines()), 1, 1)
+
+
+def well(test):
+    """What a well brings in leaves through the top, under a pressure that falls in proportion above the well."""
+    run = test.run(LAYER, ranks=2, mpm_material_clay_type="linear_elastic", mpm_material_clay_permeability_law="constant",
+                   mpm_surface_top_traction="0,0", mpm_loads="well", mpm_load_well_type="flux", mpm_load_well_value=1e-5,
+                   mpm_load_well_ramp="0:1", mpm_load_well_region="box", mpm_load_well_lower="0,2", mpm_load_well_upper="1,2.5",
+                   mpm_time_end=20000, mpm_time_step_max=1000, mpm_time_scheme="second")
+    outflow, time = run.results.column("outflow_top"), run.results.column("time")
+    test.near("well.outflow", (outflow[-1] - outflow[-2]) / (time[-1] - time[-2]), 1e-5, 1e-6)
+    height, pressure_there = run.results.initial["position"][:, 1], run.table("pressure")
+    above = height > 3
+    test.check("well.pressure", np.max(np.abs(pressure_there - 10.0 * (10 - height))[above]) / 70, None, 1e-3)
+    test.check("well.below", np.ptp(pressure_there[height < 1.5]) / 70, None, 1e-4)
+
+
 with Test() as check:
     layer(check)
+    boil(check)
+    well(check)
     pressure(check)
     rim(check)
