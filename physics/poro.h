@@ -257,6 +257,6 @@ static void PoroInitial(const MpmPhysicsMaterial *material, const double *value,
 #define PORO_PHYSICS \
   .field_count = MPM_ROWS(poro_fields), .fields = poro_fields, .parameter_count = MPM_ROWS(poro_parameters), \
   .parameters = poro_parameters, .common_count = MPM_ROWS(poro_common), .common = poro_common, \
-  .state_count = MPM_ROWS(poro_states), .states = poro_states, .traits = MPM_PHYSICS_STAGES, .taken_up = 1, .prepare = PoroPrepare, \
+  .state_count = MPM_ROWS(poro_states), .states = poro_states, .taken_up = 1, .prepare = PoroPrepare, \
   .initial = PoroInitial
 #endif

@@ -30,7 +30,7 @@ typedef struct MpmLayout {
   PetscInt  deviation_component[MPM_MAX_BLOCK]; /* and of each deviation */
   PetscInt  means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
   PetscBool increment[MPM_MAX_BLOCK];
-  PetscBool negative[MPM_MAX_BLOCK]; /* equations are taken times -1 */
+  PetscBool negative[MPM_MAX_BLOCK];                                           /* equations are taken times -1 */
   const char *component_name[MPM_MAX_BLOCK], *component_symbol[MPM_MAX_BLOCK]; /* symbol: NULL where it has none */
   MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */
   MpmScale    scale[MPM_MAX_BLOCK];
