@@ -11,6 +11,9 @@
 
   Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. That distance is theirs from
   then on, stretched as the material is across the surface: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
+
+  What a bilateral boundary holds may flow along it. When faces there have been drawn out or crowded, facets are pieces of the boundary's
+  own surface (surface_shares.c).
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
