@@ -449,7 +449,8 @@ PetscBool MpmRegionContains(MpmRegion region, const PetscReal x[])
 
 /* ---- the surface ---- */
 
-#define ALIGNED 1e-6 /* sine of the angle to an axis */
+#define ALIGNED 1e-6  /* sine of the angle to an axis */
+#define MORE    1.001 /* a box right on the edge may be another region's */
 
 /* A piece of the surface, where it is nearer than the one that was found before. */
 typedef struct {
@@ -466,7 +467,7 @@ static void Nearer(MpmRegion region, const PetscReal normal[], PetscReal depth, 
     reach  = PetscMax(reach, 2. * cut->half[a] * PetscAbsReal(normal[a]));
     across = PetscMin(across, 1. - PetscAbsReal(normal[a]));
   }
-  if (depth > reach || depth < -2. * ToleranceAlong(region, normal, 1.) || depth >= cut->depth) return;
+  if (depth > MORE * reach || depth < -2. * ToleranceAlong(region, normal, 1.) || depth >= cut->depth) return;
   if (straight && across < 0.5 * PetscSqr(ALIGNED)) return;
   cut->depth = PetscMax(depth, 0.);
   for (PetscInt a = 0; a < region->dim; a++) cut->normal[a] = normal[a];

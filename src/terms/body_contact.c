@@ -26,6 +26,9 @@
 #include "terms/contact_law.h"
 #include "terms/sparsity.h"
 
+#define SLIDING \
+  0.02 /* k'/k of what may slide: both sides give way, and many patches turn from sticking to sliding at once */
+
 /* What a patch does at a mean relative displacement w. */
 typedef struct {
   PetscBool active, refused; /* refused: the barrier has no answer */
@@ -69,7 +72,7 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
                      Answer *answer)
 {
   const MpmPair      *pair = &contacts->pairs->at[patch->pair];
-  const MpmContactLaw law  = {patch->stiffness, pair->friction, pair->adhesion, patch->strength, pair->stick};
+  const MpmContactLaw law  = {patch->stiffness, SLIDING, pair->friction, pair->adhesion, patch->strength, pair->stick};
   const PetscReal    *n = patch->normal, area = patch->side[0].area;
   PetscReal           along = 0., rate;
 

@@ -28,8 +28,9 @@
 #define SMOOTH  2.5   /* cells: facets so near make the normal of a patch */
 #define LOOKS   0.2   /* cosine: facets of the first body that look farther away are not part of a patch */
 #define FACING  0.5   /* cosine: facets that look at one another less do not lie across */
-#define FIRM    500.  /* penalties, as at rigid surfaces: on materials that do not flow, */
-#define SOFT    10.   /* and on those that do */
+#define FIRM    500.  /* penalties, unless one is given: as at rigid surfaces on materials that do not flow, */
+#define RUBS    100.  /* on these with Coulomb's friction, */
+#define SOFT    10.   /* and on those that flow */
 
 /* ---- reading ---- */
 
@@ -54,8 +55,9 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
   PetscCall(
     MpmOptionsReal(block, "penalty", "E/h",
                    "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
-                   "10 where one of them flows",
+                   "10 where one of them flows, 100 with a coefficient of friction",
                    MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
+  if (!pair->firm && pair->friction > 0.) pair->penalty = RUBS;
   PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
   PetscCall(PetscStrallocpy(field, &pair->gap_field));
   PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", pair->name));

@@ -3,21 +3,19 @@
 
     t = k' s  while  |k' s| <= L ,  t = L s/|s|  else ,   L = mu max(p, 0) + adhesion, at most the material's strength
 
-  What has slid keeps s = t/k'. k' = k where nothing can slide, and k/10 elsewhere: a change of pressure moves the bound L, and
-  with equal stiffness the slip that follows would throw Newton's method from sticking to sliding and back.
+  What has slid keeps s = t/k'. k' = k where nothing can slide, and a small part of k elsewhere: a change of pressure moves the bound
+  L, and with equal stiffness the slip that follows would throw Newton's method from sticking to sliding and back.
 
   The barrier is p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1. Source: Li, Fang, Li and Jiang (2022), BFEMP,
   doi:10.1016/j.cma.2021.114350.
 */
 #include "terms/contact_law.h"
 
-#define SLIDING 0.1 /* k'/k of what may slide */
-
 void MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
                      MpmContactFriction *friction)
 {
   const PetscBool slides = (PetscBool)(!law->stick || law->strength < 0.5 * PETSC_INFINITY);
-  const PetscReal k      = slides ? SLIDING * law->stiffness : law->stiffness; /* along the surface */
+  const PetscReal k      = slides ? law->along * law->stiffness : law->stiffness; /* along the surface */
   PetscReal       size = 0., limit = law->friction * PetscMax(pressure, 0.) + law->adhesion, growth = 0.;
 
   *friction = (MpmContactFriction){0};

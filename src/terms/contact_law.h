@@ -7,6 +7,7 @@
 /* What holds between two surfaces. */
 typedef struct {
   PetscReal stiffness;          /* across, Pa/m */
+  PetscReal along;              /* stiffness along the surface over that across, of what may slide */
   PetscReal friction, adhesion; /* Coulomb's coefficient; Pa */
   PetscReal strength;           /* of the material itself in shear, Pa; or infinite */
   PetscBool stick;              /* nothing but the strength bounds the traction */

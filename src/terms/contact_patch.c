@@ -42,11 +42,13 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
       y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
 }
 
+#define SLIDING 0.1 /* k'/k of what may slide */
+
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
-  const MpmContactLaw law      = {patch->stiffness, boundary->friction, boundary->adhesion, patch->strength,
-                                  boundary->stick};
+  const MpmContactLaw law      = {patch->stiffness,   SLIDING,         boundary->friction,
+                                  boundary->adhesion, patch->strength, boundary->stick};
   const PetscReal     pressure = -patch->stiffness * answer->gap;
   MpmContactFriction  friction;
 
