@@ -159,23 +159,6 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far apart planes of the material that had the normal n at the start stand now, over then: 1/|F^-T n|. */
-static PetscReal NormalStretch(const MpmPoints *points, PetscInt p, PetscInt dim, const PetscReal n[])
-{
-  const PetscReal *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
-  PetscReal        cofactor[MPM_MAX_DIM] = {0., 0., 0.}, square = 0.;
-
-  for (PetscInt axis = 0; axis < dim; axis++) {
-    PetscReal unused[MPM_MAX_DIM], area[MPM_MAX_DIM], size = 1.;
-
-    MpmOuterFace(dim, F, half, axis, 1, unused, area);
-    for (PetscInt a = 0; a < dim; a++) size *= a == axis ? 1. : 2. * half[a];
-    for (PetscInt a = 0; a < dim; a++) cofactor[a] += n[axis] * area[a] / size;
-  }
-  for (PetscInt a = 0; a < dim; a++) square += PetscSqr(cofactor[a]);
-  return MpmDeterminant(dim, F) / PetscSqrtReal(square);
-}
-
 /*
   Did the face touch the boundary at the start, and at which distance? It did where the boundary is the reason for which the lattice
   has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant.
@@ -187,14 +170,13 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   const MpmPose      still    = {.growth = 0.};
   const PetscInt     dim = boundary->dim, axis = face / 2;
   const PetscReal    sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
-  PetscReal          at[MPM_MAX_DIM];
+  PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM], stretch;
   MpmSurface         surface, beyond;
-  PetscReal          stretch;
 
   *touches = 0.;
   InitialPlace(dim, points, p, face, at);
   MpmBoundaryDistance(boundary, &still, at, &surface);
-  stretch = NormalStretch(points, p, dim, surface.normal);
+  stretch = MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
   if (surface.distance <= 0.) {
     *touches = stretch * surface.distance;
     return PETSC_TRUE;
