@@ -10,7 +10,7 @@ sys.path.insert(0, str(FOLDER.parent))
 import common  # noqa: E402
 from common import Quantity  # noqa: E402
 
-BALANCE = (1e-6, 1e-6, 1e-8)  # of the largest force: sideways what Newton's tolerance leaves
+BALANCE = (1e-8, 1e-8, 1e-8)  # of the largest force
 REVERSIBLE = 0.04  # relative to the largest force: elastic ground gives back what it took, but for the points' scatter
 STIFFNESS = (0.95, 1.3)  # first step's stiffness over that of a disc of the same area on a layer
 FORCE_REACH = 0.01  # of reference.csv

@@ -81,37 +81,31 @@ static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary
   return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
 }
 
-#define BEHIND 0.02 /* of a cell: deeper than any mean that a penalty leaves */
-
 /*
-  A patch that is far behind a boundary that retreats has come through the face that was nearest at the step's start, though
-  another one may be nearer now: Newton's iterates fall deep into it, and have to be pushed out where they came from.
+  Distances at the step's end. A flat face stays the one that a facet met at the step's start, as a plane that moves with the
+  boundary: another one may be nearer to Newton's iterates, which fall deep into it, and to what is squeezed out under an edge.
 */
 static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
 {
   const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
   const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
-  const PetscInt     dim  = boundary->dim;
-  PetscReal          mean = 0., at[MPM_MAX_DIM] = {0., 0., 0.}, normal[MPM_MAX_DIM];
+  const PetscInt     dim = boundary->dim;
 
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet   = &contacts->facet[f];
-    MpmSurface     *surface = &work->surface[f - patch->begin];
+    const MpmFacet *facet           = &contacts->facet[f];
+    MpmSurface     *surface         = &work->surface[f - patch->begin];
+    PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, foot[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    MpmBoundaryDistance(boundary, after, at, surface);
-    mean += facet->area / patch->area * (surface->distance - facet->touches);
-  }
-  for (PetscInt f = patch->begin; mean < -BEHIND * contacts->cell && f < patch->end; f++) {
-    const MpmFacet *facet   = &contacts->facet[f];
-    PetscReal       advance = 0.;
-
-    MpmPoseCarry(dim, before, after, facet->place, at);
-    for (PetscInt a = 0; a < dim; a++) advance += (at[a] - facet->place[a]) * facet->normal[a];
-    if (advance >= 0.) continue;
-    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    MpmPoseTurn(dim, before, after, facet->normal, normal);
-    MpmBoundaryFaceDistance(boundary, after, normal, at, &work->surface[f - patch->begin]);
+    if (!facet->flat) {
+      MpmBoundaryDistance(boundary, after, at, surface);
+      continue;
+    }
+    *surface = (MpmSurface){.distance = 0.};
+    for (PetscInt a = 0; a < dim; a++) foot[a] = facet->place[a] - facet->distance * facet->normal[a];
+    MpmPoseCarry(dim, before, after, foot, foot);
+    MpmPoseTurn(dim, before, after, facet->normal, surface->normal);
+    for (PetscInt a = 0; a < dim; a++) surface->distance += (at[a] - foot[a]) * surface->normal[a];
   }
 }
 
