@@ -526,49 +526,6 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The physics' own states of the points as they start. */
-static PetscErrorCode FillOwnStates(MpmModel model)
-{
-  const MpmPhysics *physics = &model->scene.physics;
-  MpmPoints         points;
-
-  PetscFunctionBeginUser;
-  if (!model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) {
-    const MpmMaterial *material = &model->scene.materials->at[points.material[p]];
-    PetscReal         *own      = &points.own[p * model->disc.layout->own_size];
-
-    MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim, own);
-    if (physics->initial) {
-      const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, model->disc.dim);
-
-      physics->initial(&of, material->physics_parameter,
-                       points.state ? &points.state[p * model->state.particles->state_size] : NULL, own);
-    }
-  }
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Which part of the material each point belongs to. */
-static PetscErrorCode FillParts(MpmModel model)
-{
-  const MpmBodies *bodies = model->scene.bodies;
-  PetscInt        *body_of;
-  MpmPoints        points;
-
-  PetscFunctionBeginUser;
-  if (model->disc.parts == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscMalloc1(points.count, &body_of));
-  MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
-  for (PetscInt p = 0; p < points.count; p++) points.part[p] = bodies->part[body_of[p]];
-  PetscCall(PetscFree(body_of));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Which points are those of the surfaces' bodies. */
 static void SetSurfaceBodies(MpmModel model)
 {
@@ -651,9 +608,9 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
-  PetscCall(FillOwnStates(model));
+  PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
-  PetscCall(FillParts(model));
+  PetscCall(MpmFillParts(model));
   SetSurfaceBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);

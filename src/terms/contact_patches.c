@@ -251,8 +251,8 @@ static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[]
 /* Distance of a facet from its boundary as it stands at the step's start, or is expected to stand where it is free. */
 static void StartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet, MpmSurface *surface)
 {
-  const MpmBoundary  *boundary = &contacts->boundaries[facet->boundary];
-  PetscReal           curved   = 0.;
+  const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
+  PetscReal          curved   = 0.;
 
   facet->flat = PETSC_FALSE;
   MpmContactsDistance(contacts, facet->boundary, facet->place, surface);
