@@ -74,7 +74,7 @@ static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(!*any || MpmPressureComponent(layout) >= 0, "-%s%s: there is no water in the scene's physics",
                 block->prefix, said ? "drained" : "pressure");
-  MpmCheckInput(!said || !pressure, "-%spressure: a surface is drained or has a pressure, not both", block->prefix);
+  MpmCheckInput(!drained || !pressure, "-%spressure: a surface is drained or has a pressure, not both", block->prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

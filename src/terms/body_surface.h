@@ -40,7 +40,8 @@ typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
   MpmLoadActing         *acting;            /* by surface */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
-  PetscReal             *outflow;           /* by surface, of the step, m3 */
+  PetscReal             *outflow;           /* by surface, of the step or its last stage, m3, */
+  PetscReal             *first;             /* and of its first stage of two, as it counts */
   PetscBool              any_held;
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
@@ -61,6 +62,8 @@ PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 /* Finds the step's faces and their weights (a term's `boxes`). Collective. */
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
 /* Adds what has passed in the step that u ends; before the points take it over. Collective. */
+/* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
+PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[]);
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */
 PetscErrorCode       MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,

@@ -445,6 +445,29 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The points of a bilateral patch keep its gap. */
+static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                               MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const char *field = contacts->boundaries[b].gap_field;
+    PetscReal  *gap;
+
+    if (!contacts->boundaries[b].bilateral) continue;
+    PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&gap));
+    PetscCall(PetscArrayzero(gap, sum->points->count));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
+        gap[contacts->facet[f].point] = answers[k].gap + patch->shift;
+    }
+    PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&gap));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reactions, moments and depths of the converged step; keeps the slips. */
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
@@ -465,6 +488,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(KeepPressures(contacts, sum, answers, particles));
+  PetscCall(KeepGaps(contacts, sum, answers, particles));
   PetscCall(PetscFree(answers));
   PetscCall(MpmPatchWorkDestroy(&work));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));

@@ -22,8 +22,8 @@ PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadAct
 {
   PetscFunctionBeginUser;
   *faces = (MpmSurfaceFaces){.surfaces = surfaces, .acting = acting, .component = -1};
-  PetscCall(
-    PetscCalloc3(surfaces->count, &faces->factor, surfaces->count, &faces->pressure, surfaces->count, &faces->outflow));
+  PetscCall(PetscCalloc4(surfaces->count, &faces->factor, surfaces->count, &faces->pressure, surfaces->count,
+                         &faces->outflow, surfaces->count, &faces->first));
   for (PetscInt k = 0; k < surfaces->count; k++) faces->any_held = (PetscBool)(faces->any_held || surfaces->at[k].held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -31,7 +31,7 @@ PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadAct
 PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree3(faces->factor, faces->pressure, faces->outflow));
+  PetscCall(PetscFree4(faces->factor, faces->pressure, faces->outflow, faces->first));
   PetscCall(PetscFree(faces->face));
   PetscCall(PetscFree(faces->weight));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -337,17 +337,47 @@ static PetscErrorCode FindOutflow(MpmSurfaceFaces *faces, const MpmSum *sum, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode KeepStage(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta)
+{
+  MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
+
+  PetscFunctionBeginUser;
+  if (!faces->any_held) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindOutflow(faces, sum, u));
+  for (PetscInt k = 0; k < faces->surfaces->count; k++) faces->first[k] = theta * faces->outflow[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[])
 {
   PetscFunctionBeginUser;
   if (!faces->any_held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindOutflow(faces, sum, u));
-  for (PetscInt k = 0; k < faces->surfaces->count; k++) faces->acting[k].outflow += faces->outflow[k];
+  for (PetscInt k = 0; k < faces->surfaces->count; k++) {
+    faces->acting[k].outflow += faces->outflow[k] + faces->first[k];
+    faces->first[k] = 0.;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(mark, space->local));
+  for (PetscInt k = 0; k < faces->face_count; k++) {
+    const MpmSurfaceFace *face  = &faces->face[k];
+    const MpmGroup       *group = &space->groups[face->group];
+
+    for (PetscInt i = 0; IsHeld(faces, face) && i < group->node_count; i++)
+      if (faces->weight[face->weight + i] != 0.) mark[space->group_nodes[group->node_offset + i]] = 1.;
+  }
+  PetscCall(MpmSpaceAddToOwners(space, 1, mark));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 const MpmTerm MpmTermSurfaceFlow = {.name     = "water through surfaces",
                                     .prepare  = Prepare,
+                                    .stage    = KeepStage,
                                     .residual = Residual,
                                     .tangent  = Tangent,
                                     .apply    = Apply,

@@ -15,12 +15,10 @@
   solve      `why` is NULL, or the reason of the failure; `retryable`: a shorter step may help
   accept     what was found becomes the state
   roll_back
-  solutions  of Newton's method that a step takes
   error      estimate of the step's error in time; NULL where there is none
 */
 struct MpmIntegrator {
   const char *name;
-  PetscInt    solutions;
   PetscErrorCode (*begin)(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
   PetscErrorCode (*predict)(MpmModel model);
   PetscErrorCode (*solve)(MpmModel model, const char **why, PetscBool *retryable);

@@ -547,7 +547,6 @@ static PetscErrorCode RollBackStep(MpmModel model)
 }
 
 const MpmIntegrator MpmIntegratorQuasistatic = {.name      = "quasistatic",
-                                                .solutions = 1,
                                                 .begin     = MpmStepPrepare,
                                                 .predict   = PredictStep,
                                                 .solve     = SolveStep,

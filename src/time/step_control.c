@@ -90,16 +90,14 @@ PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
   return next;
 }
 
-#define EASY 6 /* iterations of a solution */
+#define EASY 6 /* iterations */
 
 /* After an easy step the next one is longer, after a hard one, when adaptive, it stays; and the error in time may be small. */
 static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 {
-  const PetscInt easy = model->state.scheme.integrator->solutions * EASY;
-
   if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
   if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
-  if (model->solver.newton <= easy) {
+  if (model->solver.newton <= EASY) {
     const PetscReal factor = PetscMin(model->state.growth, MpmTimeErrorFactor(model));
 
     return PetscMax(PetscMin(wanted * factor, model->state.dt_max), model->state.dt_min);

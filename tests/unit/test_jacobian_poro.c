@@ -1,7 +1,7 @@
 /*
   The Jacobian of saturated ground: point by point, by colours and densely it is one matrix; actions, differences and the residual's
   Taylor expansion say the same. With and without F-bar, at small and large strain, under gravity, free and held, with
-  permeability that changes. All numbers are of size one, so that no block hides behind another; every scene has moved once.
+  permeability that changes; held ground with water that passes its faces. All numbers are of size one, so that no block hides behind another; every scene has moved once.
 
   Ranks: 1 2
 */
@@ -29,6 +29,11 @@ static const char *const held_3d =
 static const char *const weight_2d = "-mpm_loads g -mpm_load_g_type gravity -mpm_load_g_value 0.1,-0.5 ";
 static const char *const weight_3d = "-mpm_loads g -mpm_load_g_type gravity -mpm_load_g_value 0.1,0.2,-0.5 ";
 
+/* water that passes all faces, and a stress on them */
+static const char *const surface =
+  "-mpm_surfaces rim -mpm_surface_rim_body b -mpm_surface_rim_side all -mpm_surface_rim_pressure 0.2 ";
+static const char *const pressed = "-mpm_surface_rim_normal -3 ";
+
 /* What the ground is made of; at small strain all is linear. */
 typedef struct {
   const char *name, *options;
@@ -48,12 +53,13 @@ typedef struct {
 
 static PetscErrorCode Create(const Case *c, MpmModel *model)
 {
-  char options[4096];
+  const PetscBool presses = (PetscBool)(c->held && c->weight && !c->ground->small); /* which is not linear */
+  char            options[4096];
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(
     options, sizeof(options),
-    "%s%s%s%s-mpm_physics poro -mpm_shape %s -mpm_materials m -mpm_material_m_E 10 -mpm_material_m_nu 0.3 "
+    "%s%s%s%s%s%s-mpm_physics poro -mpm_shape %s -mpm_materials m -mpm_material_m_E 10 -mpm_material_m_nu 0.3 "
     "-mpm_material_m_density 2 -mpm_material_m_porosity 0.45 -mpm_water_density 0.8 -mpm_water_viscosity 0.7 "
     "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -mpm_stabilization_ghost %s -mpm_stabilization_fbar %s",
     c->dim == 2 ? scene_2d : scene_3d,
@@ -63,7 +69,8 @@ static PetscErrorCode Create(const Case *c, MpmModel *model)
     !c->weight    ? ""
     : c->dim == 2 ? weight_2d
                   : weight_3d,
-    c->ground->options, MpmShapeTypes[c->shape], c->held ? "0.05" : "off", c->fbar ? "true" : "false"));
+    c->held ? surface : "", presses ? pressed : "", c->ground->options, MpmShapeTypes[c->shape],
+    c->held ? "0.05" : "off", c->fbar ? "true" : "false"));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

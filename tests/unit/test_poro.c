@@ -78,21 +78,22 @@ static void Take(const MpmMaterial *ground, PetscInt dim, const MpmPhysics *phys
   at->own_n[0]    = ground->physics_parameter[POROSITY];
   for (PetscInt a = 0; a < dim; a++) at->gravity[a] = Random(-1., 1.);
   MpmMaterialStateAtRest(ground, dim, at->state_n);
-  *point    = (MpmKernelPoint){.parameter         = ground->parameter,
-                               .physics_parameter = ground->physics_parameter,
-                               .state_n           = at->state_n,
-                               .F_n               = at->F_n,
-                               .value_n           = &at->value_n,
-                               .deviation_n       = &at->deviation_n,
-                               .gravity           = at->gravity,
-                               .info              = &ground->info,
-                               .own_n             = at->own_n,
-                               .volume0           = 0.7,
-                               .dt                = 0.3,
-                               .traits            = ground->info.traits,
-                               .law               = ground->law,
-                               .table             = ground->table};
-  at->stage = (MpmKernelStage){at->F_1, &at->value_1, &at->deviation_1, 0.4};
+  *point = (MpmKernelPoint){.parameter         = ground->parameter,
+                            .physics_parameter = ground->physics_parameter,
+                            .state_n           = at->state_n,
+                            .F_n               = at->F_n,
+                            .value_n           = &at->value_n,
+                            .deviation_n       = &at->deviation_n,
+                            .gravity           = at->gravity,
+                            .info              = &ground->info,
+                            .own_n             = at->own_n,
+                            .volume0           = 0.7,
+                            .dt                = 0.3,
+                            .traits            = ground->info.traits,
+                            .law               = ground->law,
+                            .table             = ground->table};
+  at->stage =
+    (MpmKernelStage){.F = at->F_1, .value = &at->value_1, .deviation = &at->deviation_1, .theta = 0.4, .span = 0.3};
 }
 
 static void AtRest(Place *at)
