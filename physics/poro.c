@@ -44,13 +44,6 @@ static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar 
 MPM_KERNEL(poro, PORO_INPUTS, PoroKernel)
 
 #ifdef MPM_PHYSICS
-/* Where geometry and permeability stay, what displacement does to water is what pressure does to momentum, transposed. */
-static int PoroSymmetric(const MpmPhysicsMaterial *material, const double *value)
-{
-  return (material->info->traits & MPM_LAW_SMALL_STRAIN) && (int)value[PORO_PERMEABILITY_LAW] == PORO_CONSTANT;
-}
-
 MPM_PHYSICS(poro, .summary = "saturated ground: displacement and pore pressure (Biot's consolidation at finite strain)",
-            PORO_PHYSICS, .traits = MPM_PHYSICS_STAGES | MPM_PHYSICS_SADDLE | MPM_PHYSICS_SYMMETRIC,
-            .symmetric = PoroSymmetric, .fbar = "poro_fbar")
+            PORO_PHYSICS, .traits = PORO_TRAITS, .fbar = "poro_fbar")
 #endif

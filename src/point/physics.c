@@ -149,6 +149,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
   for (int k = 0; physics->taken_up && k < physics->parameter_count; k++)
     layout->taken_up += MpmParameterPlaces(&physics->parameters[k]);
   layout->means  = layout->kernel->mean ? 1 : 0;
+  layout->ghost  = physics->ghost;
   layout->saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
   layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
   PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
