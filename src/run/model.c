@@ -414,6 +414,9 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
       model->solver.symmetric = PETSC_FALSE;
+    MpmCheckInput(
+      !model->scene.boundaries->at[k].drained || MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
+      "-mpm_boundary_%s_drained: there is no water in the scene's physics", model->scene.boundaries->names[k]);
     if (model->scene.boundaries->at[k].friction > 0.)
       model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
@@ -441,8 +444,9 @@ static PetscErrorCode ReadSurfaces(MpmModel model, const MpmOptions *options)
   MpmBodySurfaces *surfaces = model->scene.surfaces;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(surfaces->count, &surfaces->at));
-  for (PetscInt k = 0; k < surfaces->count; k++) {
+  PetscCall(MpmBodySurfacesAddDrained(model->scene.boundaries, surfaces));
+  PetscCall(PetscCalloc1((model->scene.loads->count + surfaces->count), &model->state.loads));
+  for (PetscInt k = 0; k < surfaces->named; k++) {
     PetscCall(
       MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, model->scene.bodies, &surfaces->at[k]));
     if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
@@ -482,7 +486,6 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
   PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
-  PetscCall(PetscCalloc1((model->scene.loads->count + model->scene.surfaces->count), &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
@@ -568,7 +571,10 @@ static void SetSurfaceBodies(MpmModel model)
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
     MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
 
-    MpmBodyGetIds(model->scene.bodies->at[model->scene.surfaces->at[k].body], &acting->first, &acting->end);
+    const PetscInt body = model->scene.surfaces->at[k].body;
+
+    acting->end = PETSC_INT_MAX; /* of all bodies */
+    if (body >= 0) MpmBodyGetIds(model->scene.bodies->at[body], &acting->first, &acting->end);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "particles/points.h"
 #include "terms/body_surface.h"
 #include "terms/load.h"
+#include "terms/rigid.h"
 
 static const char *const sides[] = {"-x", "+x", "-y", "+y", "-z", "+z", "all", NULL};
 
@@ -78,6 +79,7 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_surface_%s_", name));
   PetscCall(PetscStrallocpy(name, &surface->name));
   PetscCall(MpmOptionsHeading(&block, "Surface of a body"));
+  surface->boundary = -1;
   PetscCall(ReadBody(&block, bodies, &surface->body));
   PetscCall(ReadSide(&block, layout->dim, &surface->faces));
   PetscCall(MpmOptionsReals(&block, "traction", "Pa", "force by area of the faces as they stand at a step's end",
@@ -95,6 +97,29 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
     "drained or have a pressure",
     prefix);
   surface->loaded = (PetscBool)(traction || normal);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces)
+{
+  PetscInt more = 0;
+
+  PetscFunctionBeginUser;
+  surfaces->named = surfaces->count;
+  for (PetscInt b = 0; b < boundaries->count; b++) more += boundaries->at[b].drained ? 1 : 0;
+  PetscCall(PetscCalloc1((surfaces->count + more), &surfaces->at));
+  if (more) PetscCall(PetscRealloc(sizeof(*surfaces->names) * (size_t)(surfaces->count + more), &surfaces->names));
+  for (PetscInt b = 0; b < boundaries->count; b++) {
+    MpmBodySurface *surface = &surfaces->at[surfaces->count];
+
+    if (!boundaries->at[b].drained) continue;
+    for (PetscInt k = 0; k < surfaces->named; k++)
+      MpmCheckInput(strcmp(surfaces->names[k], boundaries->names[b]),
+                    "-mpm_surfaces %s: there is a drained boundary of this name", surfaces->names[k]);
+    *surface = (MpmBodySurface){.body = -1, .boundary = b, .faces = ~0, .held = PETSC_TRUE};
+    PetscCall(PetscStrallocpy(boundaries->names[b], &surface->name));
+    PetscCall(PetscStrallocpy(boundaries->names[b], &surfaces->names[surfaces->count++]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,7 +153,7 @@ PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLo
     }
     PetscCall(
       MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
-    MpmCheckInput(!acting[k].active || !count[0] || count[1],
+    MpmCheckInput(k >= surfaces->named || !acting[k].active || !count[0] || count[1],
                   "-mpm_surface_%s_side: the material does not end there: no face of its body bounds it",
                   surfaces->names[k]);
   }
