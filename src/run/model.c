@@ -439,21 +439,6 @@ static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadSurfaces(MpmModel model, const MpmOptions *options)
-{
-  MpmBodySurfaces *surfaces = model->scene.surfaces;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmBodySurfacesAddDrained(model->scene.boundaries, surfaces));
-  PetscCall(PetscCalloc1((model->scene.loads->count + surfaces->count), &model->state.loads));
-  for (PetscInt k = 0; k < surfaces->named; k++) {
-    PetscCall(
-      MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, model->scene.bodies, &surfaces->at[k]));
-    if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 #define EARTH 9.81
 
 /* The largest of the scene's gravity loads, or that of the Earth, m/s2. */
@@ -507,7 +492,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->scene.loads->names[l]);
     }
   }
-  PetscCall(ReadSurfaces(model, options));
+  PetscCall(MpmSurfacesRead(model, options));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
@@ -563,19 +548,6 @@ static PetscErrorCode FillParts(MpmModel model)
   PetscCall(PetscFree(body_of));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Which points are those of the surfaces' bodies. */
-static void SetSurfaceBodies(MpmModel model)
-{
-  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
-
-    const PetscInt body = model->scene.surfaces->at[k].body;
-
-    acting->end = PETSC_INT_MAX; /* of all bodies */
-    if (body >= 0) MpmBodyGetIds(model->scene.bodies->at[body], &acting->first, &acting->end);
-  }
 }
 
 /* The first stage of a run that does not go on from a checkpoint. */
@@ -652,7 +624,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                               model->disc.grid, model->state.particles));
   PetscCall(FillOwnStates(model));
   PetscCall(FillParts(model));
-  SetSurfaceBodies(model);
+  MpmSurfacesSetBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
@@ -747,23 +719,6 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The surfaces of bodies, with the kernel of the physics itself where another one takes its place for F-bar. */
-static PetscErrorCode AddSurfaces(MpmModel model)
-{
-  const MpmKernelSet *kernel = model->disc.layout->kernel;
-  PetscBool           found;
-
-  PetscFunctionBeginUser;
-  if (!model->scene.surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->disc.layout->means) {
-    PetscCall(MpmPhysicsCreate(model->scene.physics.name, &model->scene.plain, &found));
-    kernel = found ? &model->scene.plain.kernels[model->disc.dim] : kernel;
-  }
-  PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
-                                         &model->state.loads[model->scene.loads->count], kernel));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Points, discretization and solver of the scene that has been read. */
 static PetscErrorCode SetUp(MpmModel model)
 {
@@ -777,7 +732,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
                                    model->state.placements, model->state.particles->state_size));
-  PetscCall(AddSurfaces(model));
+  PetscCall(MpmSurfacesAdd(model));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

@@ -145,6 +145,13 @@ PetscErrorCode MpmWeldsPrint(MpmModel model);
 /* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c). */
 PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options);
 /*
+  Surfaces of bodies (surfaces_read.c): their blocks, behind the boundaries'; which points are those of their bodies, once they are there;
+  and their part in the discretization, once that is set up.
+*/
+PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options);
+void           MpmSurfacesSetBodies(MpmModel model);
+PetscErrorCode MpmSurfacesAdd(MpmModel model);
+/*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
   bodies, conditions and stages are known.
 */

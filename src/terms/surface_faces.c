@@ -12,6 +12,7 @@
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/outer_faces.h"
+#include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
@@ -197,5 +198,31 @@ PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPo
     }
   }
   PetscCall(PetscFree(outer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
+                                    MpmParticles *particles)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  for (PetscInt k = 0; k < surfaces->count; k++) {
+    PetscInt count[2] = {0, 0}; /* points of the body, and those with a face of the surface */
+
+    for (PetscInt p = 0; p < points.count; p++) {
+      if (points.id[p] < acting[k].first || points.id[p] >= acting[k].end) continue;
+      count[0]++;
+      count[1] += points.faces[p] & surfaces->at[k].faces ? 1 : 0;
+    }
+    PetscCall(
+      MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
+    MpmCheckInput(k >= surfaces->named || !acting[k].active || !count[0] || count[1],
+                  "-mpm_surface_%s_side: the material does not end there: no face of its body bounds it",
+                  surfaces->names[k]);
+  }
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
