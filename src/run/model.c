@@ -419,6 +419,9 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
       model->solver.symmetric = PETSC_FALSE;
+    MpmCheckInput(
+      !model->scene.boundaries->at[k].drained || MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
+      "-mpm_boundary_%s_drained: there is no water in the scene's physics", model->scene.boundaries->names[k]);
     if (model->scene.boundaries->at[k].friction > 0.)
       model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
@@ -437,20 +440,6 @@ static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
       MpmCheckInput(strcmp(motions->names[m], model->scene.bcs->names[b]),
                     "-mpm_motions %s: there is a condition of this name", motions->names[m]);
     PetscCall(MpmBodyMotionCreate(options, motions->names[m], model->disc.grid, model->scene.bodies, &motions->at[m]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadSurfaces(MpmModel model, const MpmOptions *options)
-{
-  MpmBodySurfaces *surfaces = model->scene.surfaces;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(surfaces->count, &surfaces->at));
-  for (PetscInt k = 0; k < surfaces->count; k++) {
-    PetscCall(
-      MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, model->scene.bodies, &surfaces->at[k]));
-    if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -487,7 +476,6 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
   PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
-  PetscCall(PetscCalloc1((model->scene.loads->count + model->scene.surfaces->count), &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
@@ -509,7 +497,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->scene.loads->names[l]);
     }
   }
-  PetscCall(ReadSurfaces(model, options));
+  PetscCall(MpmSurfacesRead(model, options));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
@@ -524,16 +512,6 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   }
   PetscCall(MpmLinesRead(model, options));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Which points are those of the surfaces' bodies. */
-static void SetSurfaceBodies(MpmModel model)
-{
-  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
-
-    MpmBodyGetIds(model->scene.bodies->at[model->scene.surfaces->at[k].body], &acting->first, &acting->end);
-  }
 }
 
 /* The first stage of a run that does not go on from a checkpoint. */
@@ -611,7 +589,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmFillParts(model));
-  SetSurfaceBodies(model);
+  MpmSurfacesSetBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
@@ -706,23 +684,6 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The surfaces of bodies, with the kernel of the physics itself where another one takes its place for F-bar. */
-static PetscErrorCode AddSurfaces(MpmModel model)
-{
-  const MpmKernelSet *kernel = model->disc.layout->kernel;
-  PetscBool           found;
-
-  PetscFunctionBeginUser;
-  if (!model->scene.surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->disc.layout->means) {
-    PetscCall(MpmPhysicsCreate(model->scene.physics.name, &model->scene.plain, &found));
-    kernel = found ? &model->scene.plain.kernels[model->disc.dim] : kernel;
-  }
-  PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
-                                         &model->state.loads[model->scene.loads->count], kernel));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Points, discretization and solver of the scene that has been read. */
 static PetscErrorCode SetUp(MpmModel model)
 {
@@ -736,7 +697,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
                                    model->state.placements, model->state.particles->state_size));
-  PetscCall(AddSurfaces(model));
+  PetscCall(MpmSurfacesAdd(model));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

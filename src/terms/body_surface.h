@@ -7,10 +7,14 @@
 #include "base/types.h"
 #include "terms/terms.h"
 
-/* Faces of a body's points that bound the material, on one side of the lattice or on all. */
+/*
+  Faces of a body's points that bound the material, on one side of the lattice or on all; or those of any body that touch a drained
+  boundary.
+*/
 typedef struct {
   char     *name;
-  PetscInt  body, faces;                   /* faces: bits of those that belong to it (outer_faces.h) */
+  PetscInt  body, faces;                   /* body: or -1; faces: bits of those that belong to it (outer_faces.h) */
+  PetscInt  boundary;                      /* that is drained, or -1 */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
   MpmRamp   ramp;                  /* of both, and of the pressure where it is given */
@@ -18,9 +22,9 @@ typedef struct {
   PetscReal pressure;              /* of the water, Pa */
 } MpmBodySurface;
 
-/* Surfaces, with the names of their blocks. */
+/* Surfaces, with the names of their blocks, and behind these drained boundaries with theirs. */
 typedef struct MpmBodySurfaces {
-  PetscInt        count;
+  PetscInt        count, named; /* named: surfaces */
   char          **names;
   MpmBodySurface *at;
 } MpmBodySurfaces;
@@ -41,6 +45,7 @@ typedef struct {
 typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
   MpmLoadActing         *acting;            /* by surface */
+  const MpmContacts     *contacts;          /* whose boundaries some are */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
   PetscReal             *outflow;           /* by surface, of the step or its last stage, m3, */
   PetscReal             *first;             /* and of its first stage of two, as it counts */
@@ -60,6 +65,8 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
                                     const MpmBodies *bodies, MpmBodySurface *surface);
 /* Is there one on which open water stands below its level? */
 PetscBool      MpmSurfacesOpen(const MpmBodySurfaces *surfaces);
+/* Adds what drained boundaries are to the list of surfaces, of which count and names are there. */
+PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);

@@ -72,6 +72,7 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
   PetscCall(MpmSurfaceFacesCreate(surfaces, acting, disc->surfaces));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaces, disc->surfaces));
   disc->surfaces->kernel    = kernel;
+  disc->surfaces->contacts  = disc->contacts;
   disc->surfaces->component = MpmPressureComponent(disc->layout);
   if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -122,6 +122,8 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   boundary->penalty = 500.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
+  PetscCall(MpmOptionsBool(&block, "drained", "water passes, at no pressure, where the material touches it",
+                           &boundary->drained, NULL));
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
   PetscCall(MpmFrictionRead(&block, &boundary->friction, &boundary->adhesion, &boundary->stick));

@@ -339,6 +339,7 @@ CASES = [
     ("surface that is not in the list", {**SURFACE, "mpm_surfaces": None}, "-mpm_surface_top_"),
     ("surface that drains what has no water", {**SURFACE, "mpm_surface_top_drained": "true"}, "-mpm_surface_top_drained"),
     ("pressure of water where there is none", {**SURFACE, "mpm_surface_top_pressure": "1e3"}, "-mpm_surface_top_pressure"),
+    ("drained boundary where there is no water", {**PLANE, "mpm_boundary_wall_drained": "true"}, "-mpm_boundary_wall_drained"),
     ("well where there is no water", {"mpm_load_push_type": "flux", "mpm_load_push_value": "1"}, "-mpm_load_push_type flux"),
     # loads, ramps, tracks
     ("load without a type", {"mpm_load_push_type": None}, "-mpm_load_push_type"),

@@ -52,6 +52,20 @@ def layer(test):
     test.check("layer_fbar.settlement", np.max(np.abs(fbar.results.column("outflow_top") - outflow)[late]), None, 0.02)
 
 
+def plate(test):
+    """A rigid plate that lets water through, and settles under its load, does what the same load and a drained surface do."""
+    pressed = {"mpm_boundaries": "plate", "mpm_boundary_plate_type": "box", "mpm_boundary_plate_lower": "-1,10",
+               "mpm_boundary_plate_upper": "2,11", "mpm_boundary_plate_load": "0,-10e3", "mpm_boundary_plate_load_ramp": "0:1",
+               "mpm_boundary_plate_free": "y"}
+    alone = test.run(LAYER, snes_rtol=1e-11, mpm_time_end=500)
+    bare = {"mpm_surface_top_drained": "false", "mpm_surface_top_traction": "0,0"}
+    run = test.run(LAYER, ranks=2, snes_rtol=1e-11, mpm_time_end=500, mpm_boundary_plate_drained="true", **pressed, **bare)
+    test.near("plate.outflow", run.results.column("outflow_plate")[-1], alone.results.column("outflow_top")[-1], 1e-8)
+    test.near("plate.lost", lost(run), run.results.column("outflow_plate")[-1], 1e-9)
+    sealed = test.run(LAYER, mpm_time_end=500, **pressed, **bare)
+    test.check("plate.sealed", abs(lost(sealed)), None, 1e-7)
+
+
 def pressure(test):
     """A prescribed pressure that grows with its ramp: in the end all water has it, and none flows."""
     run = test.run(LAYER, mpm_surface_top_drained="false", mpm_surface_top_pressure=4e3, mpm_surface_top_ramp="0:1",
@@ -93,5 +107,6 @@ with Test() as check:
     layer(check)
     boil(check)
     well(check)
+    plate(check)
     pressure(check)
     rim(check)
