@@ -132,9 +132,11 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
   PetscCall(MpmOptionsHas(&block, "step", &given));
   if (given || !model->scene.stages[0].name || MpmOptionsHelp())
     PetscCall(ReadTimeControl(options, "mpm_time_", control));
-  else
+  else {
     PetscCall(
       MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
+    PetscCall(ReadScheme(&block, control));
+  }
   /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
   model->state.predict = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
