@@ -55,7 +55,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
-  PetscCall(MpmPairContactsCreate(pairs, state_size, disc->pairs));
+  PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -17,6 +17,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
+#include "terms/body_contact.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -121,7 +122,11 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
   model->state.dt_last    = 0.;
   PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
                     retryable));
-  if (!*why) PetscCall(PutBack(model, rest));
+  if (!*why) {
+    PetscCall(PutBack(model, rest));
+    PetscCall(MpmPairsPutBack(model->disc.pairs, rest->n, model->state.particles));
+    model->disc.put_back = PETSC_TRUE;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -222,8 +227,9 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
-  /* what the penalty holds back in one iteration is left for the next ones */
-  if (model->state.rescue.ghost) model->disc.ghost = model->solver.factorises ? 0. : MPM_GHOST_REST;
+  /* what the penalty holds back in one iteration is left for the next ones; contacts may press on small-cut nodes */
+  if (model->state.rescue.ghost)
+    model->disc.ghost = model->solver.factorises && !model->scene.pairs->count ? 0. : MPM_GHOST_REST;
   PetscCall(FindEquilibrium(model, &rest, &solved, why));
   if (model->disc.ghost < ghost) model->disc.ghost = ghost;
   if (!*why) {
