@@ -17,7 +17,6 @@
   at no depth. With `method: barrier` a barrier of reach d0, a tenth of a cell, stands in place of the penalty: the bodies never
   meet, for where g <= 0 there is no answer and Newton's step is halved.
 */
-#include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/space.h"
@@ -265,7 +264,7 @@ PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, con
     if (answer.active || patch->shift > 0.)
       *worst = PetscMax(*worst, PetscAbsReal(shift[k] - patch->shift) / (pair->penetration * contacts->cell));
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, contacts->comm));
   for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) contacts->patch[k].shift = shift[k];
   PetscCall(PetscFree(shift));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -290,13 +289,16 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
       slip[k][a] = answer.slip[a];
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];
     }
+    contacts->patch[k].closed = 0.;
+    for (PetscInt a = 0; answer.active && a < sum->space->dim; a++)
+      contacts->patch[k].closed += contacts->patch[k].normal[a] * w[a];
     if (contacts->pairs->at[contacts->patch[k].pair].augmented)
       contacts->patch[k].shift = answer.pressure / contacts->patch[k].stiffness;
   }
   PetscCall(MpmPairPatchesKeep(contacts, slip, sum->points->count, particles));
   PetscCall(PetscFree(slip));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->force, (PetscMPIInt)(contacts->pairs->count * MPM_MAX_DIM),
-                           MPIU_REAL, MPIU_SUM, sum->grid->comm));
+                           MPIU_REAL, MPIU_SUM, contacts->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

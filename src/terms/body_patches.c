@@ -27,6 +27,7 @@
 #define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */
 #define SMOOTH  2.5   /* cells: facets so near make the normal of a patch */
 #define LOOKS   0.2   /* cosine: facets of the first body that look farther away are not part of a patch */
+#define UNKNOWN 1e30  /* m: a gap; so large that means with others are so, too */
 #define FACING  0.5   /* cosine: facets that look at one another less do not lie across */
 #define FIRM    500.  /* penalties, unless one is given: as at rigid surfaces on materials that do not flow, */
 #define RUBS    100.  /* on these with Coulomb's friction, */
@@ -83,10 +84,12 @@ PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPairContactsCreate(const MpmPairs *pairs, PetscInt state_size, MpmPairContacts *contacts)
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size,
+                                     MpmPairContacts *contacts)
 {
   PetscFunctionBeginUser;
   contacts->pairs      = pairs;
+  contacts->comm       = comm;
   contacts->state_size = state_size;
   PetscCall(PetscCalloc1(pairs->count, &contacts->force));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -420,7 +423,7 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   contacts->cell = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
   contacts->touch  = TOUCH * contacts->cell;
-  contacts->starts = (PetscBool)(rules->time_n == 0.);
+  contacts->starts = (PetscBool)(rules->time_n == 0. && !rules->put_back);
   PetscCall(MpmPairFacetsFind(contacts, rules, points, space));
   PetscCall(PetscFree(contacts->list));
   PetscCall(PetscMalloc1((2 * contacts->facet_count * contacts->pairs->count), &contacts->list));
@@ -499,9 +502,13 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
     const MpmPair *pair = &contacts->pairs->at[p];
 
     PetscCall(LoadField(contacts, p, pair->gap_field, dim, step->particles, mean));
-    for (PetscInt k = 0; k < contacts->patch_count; k++)
-      if (contacts->patch[k].pair == p)
-        contacts->patch[k].touches = contacts->starts ? TouchesAtStart(dim, contacts, &contacts->patch[k]) : mean[k];
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmPairPatch *patch = &contacts->patch[k];
+
+      if (patch->pair != p) continue;
+      patch->touches = contacts->starts ? TouchesAtStart(dim, contacts, patch) : mean[k];
+      if (step->rules->put_back) patch->touches = mean[k] < 0.5 * UNKNOWN ? patch->gap - mean[k] : 0.;
+    }
     if (pair->augmented) PetscCall(LoadField(contacts, p, pair->pressure_field, dim, step->particles, mean));
     for (PetscInt k = 0; pair->augmented && k < contacts->patch_count; k++)
       if (contacts->patch[k].pair == p) contacts->patch[k].shift = mean[k] / contacts->patch[k].stiffness;
@@ -547,6 +554,25 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
       }
       PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)&value));
     }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    PetscReal *value;
+
+    PetscCall(DMSwarmGetField(particles->swarm, contacts->pairs->at[p].gap_field, NULL, NULL, (void **)&value));
+    for (PetscInt k = 0; k < points; k++) value[k] = UNKNOWN;
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPairPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
+        value[contacts->facet[contacts->list[f]].point] = patch->gap - patch->touches - patch->closed;
+    }
+    PetscCall(DMSwarmRestoreField(particles->swarm, contacts->pairs->at[p].gap_field, NULL, NULL, (void **)&value));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

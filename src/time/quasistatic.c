@@ -133,6 +133,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .ghost      = model->disc.ghost,
                     .sparse     = model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                     .mean       = (PetscBool)(model->disc.layout->means > 0),
+                    .put_back   = model->disc.put_back,
                     .time_n     = model->state.time,
                     .time       = time};
 }
@@ -557,6 +558,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
 {
   PetscFunctionBeginUser;
   PetscCall(Commit(model));
+  model->disc.put_back   = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last;
   model->state.dt_last   = model->disc.sum->span;
   model->disc.committed  = PETSC_TRUE;
