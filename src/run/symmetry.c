@@ -3,7 +3,6 @@
 */
 #include "point/layout.h"
 #include "point/material.h"
-#include "terms/body_surface.h"
 #include "terms/load.h"
 #include "time/model.h"
 #include "time/scene.h"
@@ -14,7 +13,6 @@ PetscBool MpmSceneIsSymmetric(MpmModel model)
   const MpmPhysics *physics = &model->scene.physics;
 
   if (!physics->symmetric) return (PetscBool)((physics->traits & MPM_PHYSICS_SYMMETRIC) != 0);
-  if (model->scene.surfaces->count) return PETSC_FALSE; /* what flows through them moves with them */
   for (PetscInt l = 0; l < model->scene.loads->count && physics->taken_up; l++)
     if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY) return PETSC_FALSE; /* what points take up has weight */
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {

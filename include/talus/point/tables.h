@@ -327,6 +327,8 @@ typedef struct {
            scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with which of them: "porosity
            is missing: must be > 0 and < 1"
   initial  NULL, or the physics' states of a point at the start, beside the table of states
+  ghost  NULL, or the factor of the ghost penalty on the one component beside the displacement, in the sign of its equation, where
+         Young's modulus stands for the displacement: of a material, for a step dt in cells of h
   symmetric  NULL, or whether MPM_PHYSICS_SYMMETRIC holds with these values of a material
 
   The first field must be the displacement increment with as many components as dimensions: it moves the points.
@@ -349,4 +351,5 @@ typedef struct {
   const char *(*prepare)(const MpmPhysicsMaterial *material, double gravity, double *value);
   void (*initial)(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own);
   int (*symmetric)(const MpmPhysicsMaterial *material, const double *value);
+  double (*ghost)(const MpmPhysicsMaterial *material, const double *value, double dt, double h);
 } MpmPhysics;
