@@ -96,6 +96,9 @@ static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, Pets
 /* By axis, at the nodes of its point's group (contact_patches.c); `line` has room for MPM_MAX_WIDTH of them on each. */
 void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                    PetscReal (*line)[16]);
+/* A nodal field of `dim` components, at a facet: by the nodes of its patch's box, or of another one. */
+void MpmPatchValue(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch, PetscInt facet,
+                   const PetscReal u[], PetscReal value[]);
 void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
                    PetscReal value[]);
 void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,

@@ -32,6 +32,12 @@ void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weigh
       value[a] += weight[i] * u[nodes[i] * sum->block + a];
 }
 
+void MpmPatchValue(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch, PetscInt facet,
+                   const PetscReal u[], PetscReal value[])
+{
+  MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, facet), u, value);
+}
+
 void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
                       const PetscReal force[], PetscReal y[])
 {
