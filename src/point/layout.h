@@ -48,3 +48,5 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
 /* And the deviations of a shape? */
 PetscBool MpmLayoutUsesDeviation(const MpmLayout *layout, PetscInt shape);
+/* The unknown of a node that is the pressure of water: a field with a rate and a gradient, of the scene's shape; or -1. */
+PetscInt MpmPressureComponent(const MpmLayout *layout);

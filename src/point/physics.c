@@ -173,3 +173,14 @@ PetscBool MpmLayoutUsesDeviation(const MpmLayout *layout, PetscInt shape)
     if (layout->shape_of[layout->deviation_component[k]] == shape) return PETSC_TRUE;
   return PETSC_FALSE;
 }
+
+PetscInt MpmPressureComponent(const MpmLayout *layout)
+{
+  for (PetscInt r = 0; r < layout->rates; r++) {
+    const PetscInt c = layout->rate_component[r];
+
+    for (PetscInt k = layout->component_first[c]; k < layout->component_first[c + 1]; k++)
+      if (layout->basis_of[k] == 1) return c;
+  }
+  return -1;
+}

@@ -4,7 +4,7 @@
   A face with the area a at the step's start (surface_faces.c) has a' = cof(dF) a at its end, dF = I + sum_j u_j (x) grad w_j that of
   its point, so that the next step starts from the very area a'. With the ramp's factor f it exerts
 
-    normal s:    f s a' ,        traction t:   f t |a'|
+    normal s:    f s a' ,        traction t:   f t |a'| ,      open water, at a drained face below its level:   -p a'
 
   on the nodes by the face's weights. Both follow the material, so neither has a potential in general and the tangent,
 
@@ -12,7 +12,6 @@
 
   is not symmetric.
 */
-#include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/body_surface.h"
@@ -89,6 +88,7 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
 {
   const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
   const PetscReal       factor  = faces->factor[face->surface];
+  const PetscReal       normal  = factor * surface->normal - face->water;
   PetscReal             gradient[3][3], area[3], by[3][3][3], size = 0.;
 
   Gradient(face, sum, u, work, gradient);
@@ -96,14 +96,14 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   for (PetscInt a = 0; a < 3; a++) size += PetscSqr(area[a]);
   size = PetscSqrtReal(size);
   for (PetscInt i = 0; i < 3; i++) {
-    work->force[i] = factor * (surface->normal * area[i] + surface->traction[i] * size);
+    work->force[i] = normal * area[i] + factor * surface->traction[i] * size;
     for (PetscInt kl = 0; kl < 9; kl++) {
       const PetscInt k = kl / 3, l = kl % 3;
-      PetscReal      value = surface->normal * by[i][k][l];
+      PetscReal      value = normal * by[i][k][l];
 
       for (PetscInt m = 0; size > 0. && surface->traction[i] != 0. && m < 3; m++)
-        value += surface->traction[i] * area[m] / size * by[m][k][l];
-      work->by_gradient[i][k][l] = factor * value;
+        value += factor * surface->traction[i] * area[m] / size * by[m][k][l];
+      work->by_gradient[i][k][l] = value;
     }
   }
 }
@@ -111,7 +111,8 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
 /* Does anything act on the face? */
 static PetscBool IsLoaded(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
 {
-  return (PetscBool)(faces->surfaces->at[face->surface].loaded && faces->factor[face->surface] != 0.);
+  return (PetscBool)((faces->surfaces->at[face->surface].loaded && faces->factor[face->surface] != 0.) ||
+                     face->water != 0.);
 }
 
 /* y_i += -w_i force */
@@ -121,16 +122,17 @@ static void AddForce(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   const MpmGroup  *group  = &sum->space->groups[face->group];
   const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
   const PetscReal *weight = &faces->weight[face->weight];
+  const PetscInt   dim    = sum->space->dim == 2 ? 2 : 3;
 
   for (PetscInt i = 0; i < group->node_count; i++)
-    for (PetscInt c = 0; c < sum->space->dim; c++) y[nodes[i] * sum->block + c] -= weight[i] * force[c];
+    for (PetscInt c = 0; c < dim; c++) y[nodes[i] * sum->block + c] -= weight[i] * force[c];
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                PetscInt *failed)
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Work                   work  = {.storage = NULL};
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -149,19 +151,21 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
                             PetscReal y[])
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Work                   work  = {.storage = NULL};
 
   PetscFunctionBeginUser;
   if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WorkCreate(sum, &work));
   for (PetscInt f = 0; f < faces->face_count; f++) {
-    PetscReal change[3][3], force[3] = {0., 0., 0.};
+    PetscReal change[3][3], force[3];
 
     if (!IsLoaded(faces, &faces->face[f])) continue;
     Evaluate(faces, &faces->face[f], sum, u, &work);
     Gradient(&faces->face[f], sum, du, &work, change);
-    for (PetscInt i = 0; i < 3; i++)
+    for (PetscInt i = 0; i < 3; i++) {
+      force[i] = 0.;
       for (PetscInt kl = 0; kl < 9; kl++) force[i] += work.by_gradient[i][kl / 3][kl % 3] * change[kl / 3][kl % 3];
+    }
     AddForce(faces, &faces->face[f], sum, force, y);
   }
   PetscCall(PetscFree(work.storage));
@@ -182,7 +186,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -210,7 +214,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block, most = PetscPowInt(sum->space->width, dim);
   PetscReal             *element;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);

@@ -33,6 +33,7 @@
 #include "time/model.h"
 #include "time/stage_lists.h"
 #include "time/time.h"
+#include "time/water_state.h"
 
 /* ---- time ---- */
 
@@ -131,9 +132,11 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
   PetscCall(MpmOptionsHas(&block, "step", &given));
   if (given || !model->scene.stages[0].name || MpmOptionsHelp())
     PetscCall(ReadTimeControl(options, "mpm_time_", control));
-  else
+  else {
     PetscCall(
       MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
+    PetscCall(ReadScheme(&block, control));
+  }
   /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
   model->state.predict = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
@@ -301,8 +304,8 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
   if (MpmOptionsHelp() || stage->geostatic.method == MPM_GEOSTATIC_NONE) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->disc.layout->solid, "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name,
-                model->scene.physics.name);
+  MpmCheckInput(model->disc.layout->solid || model->disc.layout->taken_up >= 0,
+                "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name, model->scene.physics.name);
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++)
       MpmCheckInput(!stage->bcs[b] || model->scene.bcs->at[b].value[k] == 0.,
@@ -546,7 +549,7 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
   const PetscInt       loads  = model->scene.loads->count;
   const MpmRamp ramp = load < loads ? model->scene.loads->at[load].ramp : model->scene.surfaces->at[load - loads].ramp;
 
-  if (!acting->active) return 0.;
+  if (!acting->active || !ramp) return 0.;
   if (acting->forced) return model->state.load_scale * acting->factor;
   return model->state.load_scale * MpmRampEvaluate(ramp, time - acting->start);
 }
@@ -640,7 +643,10 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
-    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+    if (stage->adds[b]) {
+      PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+      PetscCall(MpmWaterFill(model, first, end));
+    }
     if (stage->removed[b]) PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
   }
   PetscCall(MpmMovingGridFollow(model, &why));
@@ -658,6 +664,12 @@ static PetscErrorCode ResetDisplacement(MpmModel model)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   model->state.reference_output = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What acts on a surface; drained boundaries are drained in all stages. */
+static PetscBool ActsOn(const MpmModel model, const MpmStage *stage, PetscInt surface)
+{
+  return (PetscBool)(surface >= model->scene.surfaces->named || stage->surfaces[surface]);
 }
 
 /* What acts from here on, and the walls that follow. */
@@ -685,7 +697,7 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
   for (PetscInt l = 0; l < model->scene.loads->count + model->scene.surfaces->count; l++) {
     MpmLoadActing  *load = &model->state.loads[l];
     const PetscBool acts =
-      l < model->scene.loads->count ? stage->loads[l] : stage->surfaces[l - model->scene.loads->count];
+      l < model->scene.loads->count ? stage->loads[l] : ActsOn(model, stage, l - model->scene.loads->count);
 
     if (acts && !load->active) load->start = model->state.time_start;
     load->active = acts;
