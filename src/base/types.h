@@ -54,5 +54,6 @@ typedef struct MpmSections       MpmSections;
 typedef struct MpmSurfaceFaces   MpmSurfaceFaces;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;
+typedef struct MpmWaterTable     MpmWaterTable;
 typedef struct MpmIntegrator     MpmIntegrator;
 typedef struct MpmSdirk          MpmSdirk;

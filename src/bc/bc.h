@@ -55,6 +55,7 @@ typedef struct {
 
 #define MPM_FREE        (-1) /* an unknown that is solved for */
 #define MPM_UNSUPPORTED (-2) /* one of a field whose shape no point touches the node with: zero */
+#define MPM_HELD        (-3) /* one that no condition prescribes, but the state of the water */
 
 /*
   The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement are
@@ -100,6 +101,8 @@ static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, Pe
 {
   return (PetscBool)(constraints->condition[unknown] == MPM_FREE);
 }
+/* Prescribes an unknown that was free. */
+void MpmConstraintsHold(MpmConstraints *constraints, PetscInt unknown, PetscReal value);
 /* Of the first `count` local unknowns: those that are not free become what they are prescribed to be, */
 void MpmConstraintsPrescribe(const MpmConstraints *constraints, PetscInt count, PetscScalar x[]);
 /* zero, */

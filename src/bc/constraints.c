@@ -289,6 +289,12 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmConstraintsHold(MpmConstraints *constraints, PetscInt unknown, PetscReal value)
+{
+  constraints->condition[unknown] = MPM_HELD;
+  constraints->value[unknown]     = value / constraints->unit[unknown % constraints->block];
+}
+
 void MpmUnitsTimes(const MpmConstraints *constraints, PetscInt count, PetscReal values[])
 {
   if (!constraints->scaled) return;

@@ -17,6 +17,7 @@ struct _p_MpmBody {
   MpmRegion      region;
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
+  PetscReal      pressure; /* of the water, beyond the hydrostatic one */
   PetscInt       dim, material;
   PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
   PetscInt       id_first, id_end;
@@ -90,6 +91,24 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
     PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
   if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(MpmOptionsReal(&block, "initial_pressure", "Pa",
+                           "pressure of the water to start with, beyond the hydrostatic one", MPM_RANGE_ANY,
+                           MPM_OPTIONAL, &body->pressure, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmBodyPressure(const MpmBody body)
+{
+  return body->pressure;
 }
 
 PetscErrorCode MpmBodyDestroy(MpmBody *body)

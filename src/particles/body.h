@@ -17,6 +17,9 @@ typedef struct MpmBodies {
 
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial *materials, MpmBody *body);
+/* The excess of the water's pressure that its points start with, Pa, where the physics has water. */
+PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
+PetscReal      MpmBodyPressure(const MpmBody body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],

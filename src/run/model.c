@@ -19,8 +19,10 @@
 #include "terms/body_surface.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
+#include "terms/water_table.h"
 #include "time/integrator.h"
 #include "time/time.h"
+#include "time/water_state.h"
 #include "run/laboratory.h"
 #include "run/run.h"
 
@@ -40,6 +42,7 @@ static PetscErrorCode CreateParts(MpmModel model)
   PetscCall(PetscNew(&model->scene.boundaries));
   PetscCall(PetscNew(&model->scene.pairs));
   PetscCall(PetscNew(&model->scene.loads));
+  PetscCall(PetscNew(&model->scene.water));
   PetscCall(PetscNew(&model->scene.surfaces));
   PetscCall(PetscNew(&model->state.particles));
   PetscCall(PetscNew(&grid));
@@ -207,6 +210,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->scene.pairs));
   PetscCall(MpmNamesDestroy(model->scene.loads->count, &model->scene.loads->names));
   PetscCall(PetscFree(model->scene.loads));
+  PetscCall(MpmWaterTableDestroy(model->scene.water));
+  PetscCall(PetscFree(model->scene.water));
   PetscCall(MpmBodySurfacesDestroy(model->scene.surfaces));
   PetscCall(PetscFree(model->scene.surfaces));
   PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
@@ -496,6 +501,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
+  PetscCall(MpmWaterRead(model, options));
   PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
                              &model->results->tracks.count, &model->results->tracks.names));
   PetscCall(PetscCalloc1(model->results->tracks.count, &model->results->tracks.at));
@@ -623,6 +629,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
   PetscCall(FillOwnStates(model));
+  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(FillParts(model));
   MpmSurfacesSetBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));

@@ -156,6 +156,16 @@ MPM_INLINE void MpmSumAddFlux(const MpmKnown known, const MpmLayout *layout, con
   }
 }
 
+/* What drives the water of point p. */
+MPM_INLINE const PetscReal *MpmSumGravity(const MpmSum *sum, PetscInt p)
+{
+  static const PetscReal none[MPM_MAX_DIM] = {0.};
+  const MpmDryGround    *dry               = &sum->dry;
+
+  if (!dry->any) return sum->gravity;
+  return (PetscReal)dry->up * sum->points->x[p * sum->space->dim + dry->axis] > dry->from ? none : sum->gravity;
+}
+
 /* The kernel's view of point p. */
 MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
 {
@@ -170,7 +180,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
   point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
-  point->gravity           = sum->gravity;
+  point->gravity           = MpmSumGravity(sum, p);
   point->info              = &material->info;
   point->stage             = sum->first ? &sum->first[p] : NULL;
   point->volume0           = points->volume0[p];

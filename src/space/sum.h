@@ -12,6 +12,13 @@ typedef struct MpmTrial {
   PetscBool  made; /* it holds what goes with the model's residual */
 } MpmTrial;
 
+/* Ground above a height, a coordinate up an axis, in which no water moves. */
+typedef struct {
+  PetscBool any;
+  PetscInt  axis, up;
+  PetscReal from;
+} MpmDryGround;
+
 /* All that the loops over points need; borrowed for the length of a step. */
 typedef struct MpmSum {
   const MpmGrid        *grid;
@@ -23,7 +30,8 @@ typedef struct MpmSum {
   PetscInt              state_size, own_size; /* of a point's history, the law's and the physics' own */
   PetscReal             dt;   /* in which something flows, s: the step's length, with two stages a part of it */
   PetscReal             span; /* from the step's start to the time that is solved for, s */
-  PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
+  PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2, */
+  MpmDryGround          dry;                  /* which the water in this ground does not feel */
   const PetscReal      *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
   const MpmKernelStage *first;       /* of each point, in the second of two stages (sdirk.c); or NULL */
   PetscBool             rest;        /* no motion: stresses are those of the step's start */

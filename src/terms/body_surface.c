@@ -56,8 +56,9 @@ static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout
   PetscCall(MpmOptionsReal(block, "pressure", "Pa", "water passes, at this pressure, times the ramp where one is given",
                            MPM_RANGE_ANY, MPM_OPTIONAL, &surface->pressure, &pressure));
   PetscCall(MpmOptionsHas(block, "ramp", &surface->ramped));
-  *any          = (PetscBool)(said || pressure);
-  surface->held = (PetscBool)(drained || pressure);
+  *any             = (PetscBool)(said || pressure);
+  surface->held    = (PetscBool)(drained || pressure);
+  surface->drained = drained;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(!*any || MpmPressureComponent(layout) >= 0, "-%s%s: there is no water in the scene's physics",
                 block->prefix, said ? "drained" : "pressure");
@@ -118,6 +119,13 @@ PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBod
     PetscCall(PetscStrallocpy(boundaries->names[b], &surfaces->names[surfaces->count++]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmSurfacesOpen(const MpmBodySurfaces *surfaces)
+{
+  for (PetscInt k = 0; k < surfaces->count; k++)
+    if (surfaces->at[k].drained) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces)

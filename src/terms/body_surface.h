@@ -17,9 +17,9 @@ typedef struct {
   PetscInt  boundary;                      /* that is drained, or -1 */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
-  MpmRamp   ramp;         /* of both, and of the pressure where it is given */
-  PetscBool held, ramped; /* water passes at a pressure; which has the ramp */
-  PetscReal pressure;     /* of the water, Pa */
+  MpmRamp   ramp;                  /* of both, and of the pressure where it is given */
+  PetscBool held, drained, ramped; /* water passes at a pressure; which has the ramp */
+  PetscReal pressure;              /* of the water, Pa */
 } MpmBodySurface;
 
 /* Surfaces, with the names of their blocks, and behind these drained boundaries with theirs. */
@@ -37,6 +37,8 @@ typedef struct {
   PetscReal per_area[MPM_MAX_DIM]; /* area over the point's volume, 1/m */
   PetscReal adjoint[MPM_MAX_DIM];  /* of drained ones: weights of grad phi in the adjoint term (surface_flow.c) */
   PetscReal penalty;
+  PetscReal place[MPM_MAX_DIM]; /* of its middle */
+  PetscReal water;              /* pressure of the open water there at the step's end, Pa: of drained ones */
 } MpmSurfaceFace;
 
 /* Those of this rank's points. */
@@ -48,6 +50,9 @@ typedef struct MpmSurfaceFaces {
   PetscReal             *outflow;           /* by surface, of the step or its last stage, m3, */
   PetscReal             *first;             /* and of its first stage of two, as it counts */
   PetscBool              any_held;
+  const MpmWaterTable   *table;     /* of the open water, */
+  PetscBool              still;     /* nothing passes: the water's pressure is not solved for */
+  PetscReal              open;      /* and what acts of it in a geostatic stage; otherwise 1 */
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
   PetscInt               face_count, face_capacity, weight_capacity;
@@ -60,6 +65,8 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
                                     const MpmBodies *bodies, MpmBodySurface *surface);
 /* Adds what drained boundaries are to the list of surfaces, of which count and names are there. */
 PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces);
+/* Is there one on which open water stands below its level? */
+PetscBool      MpmSurfacesOpen(const MpmBodySurfaces *surfaces);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);

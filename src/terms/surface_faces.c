@@ -169,6 +169,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     faces->face[faces->face_count] =
       (MpmSurfaceFace){.surface = surface, .point = p, .group = start->group, .weight = *used};
     for (PetscInt a = 0; a < dim; a++) {
+      faces->face[faces->face_count].place[a]    = facet.place[a];
       faces->face[faces->face_count].area[a]     = area[a];
       faces->face[faces->face_count].per_area[a] = area[a] / volume;
     }

@@ -25,9 +25,11 @@
 #include "point/material.h"
 #include "grid/grid.h"
 #include "space/point_loop.h"
+#include "space/rules.h"
 #include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/sparsity.h"
+#include "terms/water_table.h"
 
 #define MOBILITY 2. /* of the least penalty, an axis */
 #define STORAGE  4.
@@ -173,7 +175,16 @@ static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *su
 
 static PetscBool IsHeld(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
 {
-  return faces->surfaces->at[face->surface].held;
+  return (PetscBool)(faces->surfaces->at[face->surface].held && !faces->still);
+}
+
+/* The pressure of the open water above a drained face. */
+static PetscReal OpenWater(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, PetscReal time)
+{
+  const MpmWaterTable *table = faces->table;
+
+  if (!table->there || !faces->surfaces->at[face->surface].drained) return 0.;
+  return faces->open * table->weight * PetscMax(MpmWaterTableDepth(table, time, face->place), 0.);
 }
 
 static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
@@ -182,8 +193,10 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
 
   PetscFunctionBeginUser;
   if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
-  for (PetscInt k = 0; k < faces->face_count; k++)
+  for (PetscInt k = 0; k < faces->face_count; k++) {
+    faces->face[k].water = OpenWater(faces, &faces->face[k], step->rules->time);
     if (IsHeld(faces, &faces->face[k])) PetscCall(PrepareFace(faces, step->sum, &faces->face[k]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,7 +216,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
-    flow.excess -= faces->pressure[face->surface];
+    flow.excess -= faces->pressure[face->surface] + face->water;
     if (Outflow(faces, face, sum, &flow)) AddFlow(faces, face, sum, &flow, residual);
     else (*failed)++;
   }
@@ -328,7 +341,7 @@ static PetscErrorCode FindOutflow(MpmSurfaceFaces *faces, const MpmSum *sum, con
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
-    flow.excess -= faces->pressure[face->surface];
+    flow.excess -= faces->pressure[face->surface] + face->water;
     if (Outflow(faces, face, sum, &flow)) faces->outflow[face->surface] += flow.outflow;
   }
   PetscCall(PetscFree(flow.work.storage));

@@ -4,7 +4,7 @@
   A face with the area a at the step's start (surface_faces.c) has a' = cof(dF) a at its end, dF = I + sum_j u_j (x) grad w_j that of
   its point, so that the next step starts from the very area a'. With the ramp's factor f it exerts
 
-    normal s:    f s a' ,        traction t:   f t |a'|
+    normal s:    f s a' ,        traction t:   f t |a'| ,      open water, at a drained face below its level:   -p a'
 
   on the nodes by the face's weights. Both follow the material, so neither has a potential in general and the tangent,
 
@@ -88,6 +88,7 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
 {
   const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
   const PetscReal       factor  = faces->factor[face->surface];
+  const PetscReal       normal  = factor * surface->normal - face->water;
   PetscReal             gradient[3][3], area[3], by[3][3][3], size = 0.;
 
   Gradient(face, sum, u, work, gradient);
@@ -95,14 +96,14 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   for (PetscInt a = 0; a < 3; a++) size += PetscSqr(area[a]);
   size = PetscSqrtReal(size);
   for (PetscInt i = 0; i < 3; i++) {
-    work->force[i] = factor * (surface->normal * area[i] + surface->traction[i] * size);
+    work->force[i] = normal * area[i] + factor * surface->traction[i] * size;
     for (PetscInt kl = 0; kl < 9; kl++) {
       const PetscInt k = kl / 3, l = kl % 3;
-      PetscReal      value = surface->normal * by[i][k][l];
+      PetscReal      value = normal * by[i][k][l];
 
       for (PetscInt m = 0; size > 0. && surface->traction[i] != 0. && m < 3; m++)
-        value += surface->traction[i] * area[m] / size * by[m][k][l];
-      work->by_gradient[i][k][l] = factor * value;
+        value += factor * surface->traction[i] * area[m] / size * by[m][k][l];
+      work->by_gradient[i][k][l] = value;
     }
   }
 }
@@ -110,7 +111,8 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
 /* Does anything act on the face? */
 static PetscBool IsLoaded(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
 {
-  return (PetscBool)(faces->surfaces->at[face->surface].loaded && faces->factor[face->surface] != 0.);
+  return (PetscBool)((faces->surfaces->at[face->surface].loaded && faces->factor[face->surface] != 0.) ||
+                     face->water != 0.);
 }
 
 /* y_i += -w_i force */

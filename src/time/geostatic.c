@@ -12,6 +12,7 @@
   where they were: a law whose history holds its stress gets its old F and the Kirchhoff stress J sigma; for any other law
   F stays that of the step, and the initial volume becomes V/det F, the initial domain that over the stretch.
 */
+#include "point/layout.h"
 #include "point/material.h"
 #include "point/stress_inversion.h"
 #include "particles/particles.h"
@@ -22,7 +23,7 @@
 
 static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *rest)
 {
-  const PetscInt dim = model->disc.dim;
+  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rates, own = model->disc.layout->own_size;
   PetscReal      reach[2 * MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
@@ -30,6 +31,13 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
   rest->n = points->count;
   PetscCall(PetscMalloc4((rest->n * dim), &rest->x, rest->n, &rest->volume, (rest->n * dim), &rest->domain,
                          (rest->n * dim * dim), &rest->F));
+  PetscCall(PetscMalloc4(rest->n, &rest->mass, (rest->n * rates), &rest->value, (rest->n * rates * dim),
+                         &rest->value_gradient, (rest->n * own), &rest->own));
+  PetscCall(PetscArraycpy(rest->value, points->value, rest->n * rates));
+  PetscCall(PetscArraycpy(rest->value_gradient, points->value_gradient, rest->n * rates * dim));
+  PetscCall(PetscArraycpy(rest->own, points->own, rest->n * own));
+  for (PetscInt p = 0; p < rest->n; p++)
+    rest->mass[p] = MpmPointMassNow(points, model->scene.materials->at, model->disc.layout, p);
   PetscCall(PetscCalloc1(model->scene.materials->count, &rest->stateful));
   for (PetscInt k = 0; k < 2 * MPM_MAX_DIM; k++) reach[k] = PETSC_NINFINITY;
   for (PetscInt p = 0; p < rest->n; p++) {
@@ -63,8 +71,37 @@ static PetscErrorCode RestDestroy(MpmRest *rest)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree4(rest->x, rest->volume, rest->domain, rest->F));
+  PetscCall(PetscFree4(rest->mass, rest->value, rest->value_gradient, rest->own));
   PetscCall(PetscFree(rest->start));
   PetscCall(PetscFree(rest->stateful));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  if (model->disc.layout->taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < rest->n; p++)
+    points.mass[p] += rest->mass[p] - MpmPointMassNow(&points, model->scene.materials->at, model->disc.layout, p);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The water's pressure, a part of it while the loads grow. */
+static PetscErrorCode SetWater(MpmModel model, const MpmRest *rest, PetscReal part)
+{
+  const PetscInt rates = model->disc.layout->rates, dim = model->disc.dim;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt k = 0; k < rest->n * rates; k++) points.value[k] = part * rest->value[k];
+  for (PetscInt k = 0; k < rest->n * rates * dim; k++) points.value_gradient[k] = part * rest->value_gradient[k];
+  PetscCall(PetscArraycpy(points.own, rest->own, rest->n * model->disc.layout->own_size));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,6 +139,8 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
       largest[1] = PetscMax(largest[1], PetscAbsReal(stress[c] - rest->start[p * size + c]));
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(SetWater(model, rest, 1.));
+  PetscCall(MpmRestKeepMass(model, rest));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, largest, 2, MPIU_REAL, MPIU_MAX, model->comm));
   rest->moved      = largest[0];
   rest->correction = largest[1];
@@ -117,6 +156,7 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscArraycpy(rest->F, points.F, rest->n * model->disc.dim * model->disc.dim));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(SetWater(model, rest, scale));
   model->state.load_scale = scale;
   model->state.dt_last    = 0.;
   PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
@@ -220,11 +260,13 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(RestCreate(model, &points, &rest));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  model->state.scheme.water_held = PETSC_TRUE;
   if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
   /* what the penalty holds back in one iteration is left for the next ones */
   if (model->state.rescue.ghost) model->disc.ghost = model->solver.factorises ? 0. : MPM_GHOST_REST;
   PetscCall(FindEquilibrium(model, &rest, &solved, why));
+  model->state.scheme.water_held = PETSC_FALSE;
   if (model->disc.ghost < ghost) model->disc.ghost = ghost;
   if (!*why) {
     PetscCall(PrintRest(model, &rest, solved));

@@ -10,6 +10,7 @@
   (k0_law.c): one linear solve, and others that remove what was put in to keep the matrix regular. The points do not
   move in them. Ground that is not level has no such stress of use: there the materials find the balance.
 */
+#include "point/layout.h"
 #include "point/material.h"
 #include "point/registry.h"
 #include "point/stress_inversion.h"
@@ -18,7 +19,9 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/sum.h"
+#include "terms/body_surface.h"
 #include "terms/load.h"
+#include "terms/water_table.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -128,23 +131,52 @@ static PetscErrorCode FindRatios(MpmModel model, const MpmPoints *points, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What presses on each point from above, less the pressure of the water where there is some: with open water's weight. */
+static PetscErrorCode FindVerticalStress(MpmModel model, const MpmRest *rest, const MpmPoints *points,
+                                         PetscReal pressure[])
+{
+  const MpmWaterTable *table    = model->scene.water;
+  const PetscInt       dim      = model->disc.dim;
+  MpmVertical          vertical = FindVertical(model);
+  MpmPoints            heavy    = *points;
+  PetscReal           *ground;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(points->count, &ground, points->count, &heavy.mass));
+  for (PetscInt p = 0; p < points->count; p++)
+    heavy.mass[p] = MpmPointMassNow(points, model->scene.materials->at, model->disc.layout, p);
+  PetscCall(MpmOverburden(model->disc.grid, &heavy, &vertical, rest->domain, pressure));
+  if (MpmPressureComponent(model->disc.layout) >= 0) {
+    vertical.gravity = 1.;
+    PetscCall(PetscArraycpy(heavy.mass, rest->volume, points->count));
+    PetscCall(MpmOverburden(model->disc.grid, &heavy, &vertical, rest->domain, ground));
+    for (PetscInt p = 0; p < points->count; p++) {
+      if (table->there && MpmSurfacesOpen(model->scene.surfaces))
+        pressure[p] +=
+          table->weight * PetscMax(MpmWaterTableDepth(table, model->state.time, &points->x[p * dim]) - ground[p], 0.);
+      pressure[p] -= points->value[p * model->disc.layout->rates];
+    }
+  }
+  PetscCall(PetscFree2(ground, heavy.mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The stress of k0 from the weight above, and its ratio, for all points. */
 static PetscErrorCode FindK0(MpmModel model, MpmRest *rest, PetscReal stress[], PetscReal ratio[])
 {
-  const PetscInt    size     = model->state.particles->stress_size;
-  const MpmVertical vertical = FindVertical(model);
-  PetscReal        *pressure;
-  MpmPoints         points;
+  const PetscInt size = model->state.particles->stress_size;
+  const PetscInt axis = FindVertical(model).axis;
+  PetscReal     *pressure;
+  MpmPoints      points;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(rest->n, &pressure));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(MpmOverburden(model->disc.grid, &points, &vertical, rest->domain, pressure));
+  PetscCall(FindVerticalStress(model, rest, &points, pressure));
   PetscCall(FindRatios(model, &points, pressure, ratio));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) {
-    for (PetscInt c = 0; c < size; c++)
-      stress[p * size + c] = c < 3 ? -pressure[p] * (c == vertical.axis ? 1. : ratio[p]) : 0.;
+    for (PetscInt c = 0; c < size; c++) stress[p * size + c] = c < 3 ? -pressure[p] * (c == axis ? 1. : ratio[p]) : 0.;
     rest->largest = PetscMax(rest->largest, PetscMax(1., ratio[p]) * pressure[p]);
   }
   PetscCall(PetscFree(pressure));
@@ -265,6 +297,9 @@ static PetscErrorCode SecondCreate(Balance *balance)
   PetscCall(MpmDiscretizationSetUp(&second->disc, second->scene.materials, second->scene.boundaries,
                                    second->scene.pairs, second->state.placements,
                                    second->state.particles->stress_size + 1));
+  PetscCall(MpmDiscretizationAddSurfaces(&second->disc, second->scene.surfaces,
+                                         &second->state.loads[second->scene.loads->count],
+                                         model->disc.surfaces->kernel));
   PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
   second->solver.may_be_indefinite = PETSC_FALSE;
   balance->second                  = second;
@@ -432,6 +467,7 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
   MpmCheckInput(!without, "-mpm_stage_%s_geostatic_k0: %" PetscInt64_FMT " points cannot have that stress",
                 model->scene.stages[model->state.stage].name, without);
   PetscCall(PetscFree2(stress, ratio));
+  PetscCall(MpmRestKeepMass(model, rest));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) { /* a law without history has its own stress across the plane */
     if (size == 4 && !rest->stateful[points.material[p]]) rest->start[4 * p + 2] = points.stress[4 * p + 2];

@@ -22,6 +22,7 @@
 #include "time/model.h"
 #include "time/step.h"
 #include "time/time.h"
+#include "time/water_state.h"
 
 /* The deviations that go with what the points' values have made at the nodes. */
 static PetscErrorCode KeepDeviations(MpmModel model, const PetscReal u[])
@@ -193,6 +194,7 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **wh
   *why = NULL;
   PetscCall(MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space,
                                 &contradicts));
+  PetscCall(MpmWaterHold(model, time));
   if (contradicts < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
                           "motion %s meets nodes that a condition or another motion moves otherwise",
@@ -236,6 +238,10 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     model->disc.surfaces->factor[k]   = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
+  model->disc.surfaces->still = model->state.scheme.water_held;
+  model->disc.surfaces->table = model->scene.water;
+  model->disc.surfaces->open  = model->state.load_scale;
+  model->disc.sum->dry        = MpmWaterDry(model, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
   PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));

@@ -78,6 +78,7 @@ typedef struct {
   MpmPairs        *pairs; /* contacts of bodies */
   MpmLoads        *loads;
   MpmBodySurfaces *surfaces; /* of bodies */
+  MpmWaterTable   *water;
   MpmFollow        follow;
   MpmBodyForce     body_force;
   void            *body_force_ctx;

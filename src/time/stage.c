@@ -33,6 +33,7 @@
 #include "time/model.h"
 #include "time/stage_lists.h"
 #include "time/time.h"
+#include "time/water_state.h"
 
 /* ---- time ---- */
 
@@ -131,9 +132,11 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
   PetscCall(MpmOptionsHas(&block, "step", &given));
   if (given || !model->scene.stages[0].name || MpmOptionsHelp())
     PetscCall(ReadTimeControl(options, "mpm_time_", control));
-  else
+  else {
     PetscCall(
       MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
+    PetscCall(ReadScheme(&block, control));
+  }
   /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
   model->state.predict = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
@@ -301,8 +304,8 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
   if (MpmOptionsHelp() || stage->geostatic.method == MPM_GEOSTATIC_NONE) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->disc.layout->solid, "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name,
-                model->scene.physics.name);
+  MpmCheckInput(model->disc.layout->solid || model->disc.layout->taken_up >= 0,
+                "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name, model->scene.physics.name);
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++)
       MpmCheckInput(!stage->bcs[b] || model->scene.bcs->at[b].value[k] == 0.,
@@ -640,7 +643,10 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
-    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+    if (stage->adds[b]) {
+      PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+      PetscCall(MpmWaterFill(model, first, end));
+    }
     if (stage->removed[b]) PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
   }
   PetscCall(MpmMovingGridFollow(model, &why));

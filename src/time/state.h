@@ -39,6 +39,7 @@ typedef struct {
   PetscReal            error;    /* largest that is accepted, relative; 0: any */
   PetscReal            estimate; /* of the last step that has converged */
   PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
+  PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
   PetscReal largest;             /* what errors are relative to: the largest change since the stage's start */
 } MpmScheme;
 

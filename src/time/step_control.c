@@ -7,8 +7,8 @@
 #include "time/model.h"
 #include "time/time.h"
 
-#define STUBBORN \
-  0.5 /* an error in time that falls no faster than this power of the step's length does not come from it */
+/* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
+#define STUBBORN 0.15
 
 #define CUTS_WITH_DILATION 1 /* of one step, before F-bar averages dilation, too */
 

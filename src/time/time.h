@@ -84,9 +84,11 @@ PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk);
 /* The points of a geostatic stage (geostatic.c): what they return to, and what the report needs. */
 typedef struct {
   PetscInt   n;
-  PetscReal *x, *volume, *domain; /* position, volume, half lengths of the domain */
-  PetscReal *F;                   /* before the step under way */
-  PetscReal *start;               /* the stress that k0 gave, or NULL */
+  PetscReal *x, *volume, *domain;          /* position, volume, half lengths of the domain */
+  PetscReal *mass;                         /* with what they have taken up */
+  PetscReal *value, *value_gradient, *own; /* of the water, which stays */
+  PetscReal *F;                            /* before the step under way */
+  PetscReal *start;                        /* the stress that k0 gave, or NULL */
   PetscReal  height;
   PetscBool *stateful; /* per material */
   PetscReal  moved;    /* largest displacement of the last step */
@@ -96,6 +98,8 @@ typedef struct {
 
 /* One step under `scale` times the loads; stress and history stay, and the points go back to where they were. */
 PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *retryable);
+/* After a change of volume0 and F: the points' masses are what they were. */
+PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest);
 /* Gives all points the stage's stress of k0, and F and history with it (k0_balance.c). */
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
 /* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */

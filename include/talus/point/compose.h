@@ -20,8 +20,8 @@ MPM_FN double LawTime(const MpmKernelPoint *point)
 /* The Kirchhoff stress at dF. Non-zero where the law has no answer. */
 MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
-  const MpmLawPoint law_point = {point->parameter, point->state_n,    point->state,
-                                 point->F_n,       LawTime(point), point->table};
+  const MpmLawPoint law_point    = {point->parameter, point->state_n, point->state,
+                                    point->F_n,       LawTime(point), point->table};
   const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
 
   return law(&law_point, dF, tau);
@@ -49,7 +49,7 @@ typedef int (*LawTangent)(const MpmLawPoint *point, const LawTensor *dF, LawSym 
 
 MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
-  const MpmLawPoint law_point = {point->parameter, point->state_n,    point->state,
+  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state,
                                  point->F_n,       LawTime(point), point->table};
   const LawTangent  law       = (LawTangent)point->law[MPM_FORM_TANGENT];
   LawTensor         seeded    = {{{{0.}, {0.}}}};

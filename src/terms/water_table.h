@@ -1,0 +1,22 @@
+#pragma once
+/*
+  The level of the water in the ground and above it, -mpm_water_level.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/* A level along gravity's axis, on which a ramp acts; heights are coordinates up that axis. */
+typedef struct MpmWaterTable {
+  PetscBool there;   /* is there one? */
+  PetscBool suction; /* above it the pressure goes on, negative; otherwise it is held at 0 */
+  PetscInt  axis, up;
+  PetscReal level, weight; /* m; N/m3 */
+  MpmRamp   ramp;
+} MpmWaterTable;
+
+/* Reads level, above and ramp; gravity's load and the grid say where that may be. `weight` of the water, N/m3. */
+PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, const MpmGrid *grid, const MpmLoads *loads,
+                                   MpmWaterTable *table);
+PetscErrorCode MpmWaterTableDestroy(MpmWaterTable *table);
+/* How far a place is below the level at a time, m. */
+PetscReal MpmWaterTableDepth(const MpmWaterTable *table, PetscReal time, const PetscReal x[]);

@@ -1,0 +1,20 @@
+#pragma once
+/*
+  The pressure of water that a scene starts from, and where it is held (water_state.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "space/sum.h"
+#include "talus/talus.h"
+
+/* Reads the level; materials, loads, grid and layout are known. */
+PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options);
+/* The pressure of the points with ids in [first, end) at the time of the state: hydrostatic, and the bodies' excess. */
+PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end);
+/* Where ground is dry in a step to `time`. */
+MpmDryGround MpmWaterDry(const MpmModel model, PetscReal time);
+/*
+  Pressures at nodes that a step to `time` does not solve for: in dry ground 0, and in a geostatic stage all, as the points
+  have them. The constraints are set up.
+*/
+PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
