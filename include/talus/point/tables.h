@@ -281,7 +281,7 @@ typedef struct {
   int         deviation;  /* is the value less its mean over the cell? */
   int         increment;
   int         rate;
-  int         negative; /* are its equations taken times -1? Reactions are told with the sign that they have otherwise */
+  int negative;       /* are its equations taken times -1? Reactions are told with the sign that they have otherwise */
   const char *symbol; /* in lists of components, for a field of one; NULL: by its name alone */
   const char *unit;   /* of the value; NULL: none is told */
   MpmNearNull near_null;
