@@ -419,6 +419,9 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
       model->solver.symmetric = PETSC_FALSE;
+    MpmCheckInput(
+      !model->scene.boundaries->at[k].drained || MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
+      "-mpm_boundary_%s_drained: there is no water in the scene's physics", model->scene.boundaries->names[k]);
     if (model->scene.boundaries->at[k].friction > 0.)
       model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
@@ -437,20 +440,6 @@ static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
       MpmCheckInput(strcmp(motions->names[m], model->scene.bcs->names[b]),
                     "-mpm_motions %s: there is a condition of this name", motions->names[m]);
     PetscCall(MpmBodyMotionCreate(options, motions->names[m], model->disc.grid, model->scene.bodies, &motions->at[m]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadSurfaces(MpmModel model, const MpmOptions *options)
-{
-  MpmBodySurfaces *surfaces = model->scene.surfaces;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1(surfaces->count, &surfaces->at));
-  for (PetscInt k = 0; k < surfaces->count; k++) {
-    PetscCall(
-      MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, model->scene.bodies, &surfaces->at[k]));
-    if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -487,7 +476,6 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
   PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
-  PetscCall(PetscCalloc1((model->scene.loads->count + model->scene.surfaces->count), &model->state.loads));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
@@ -498,6 +486,9 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->scene.loads->count, &model->scene.loads->at));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     PetscCall(MpmLoadCreate(options, model->scene.loads->names[l], model->disc.grid, &model->scene.loads->at[l]));
+    MpmCheckInput(model->scene.loads->at[l].type != MPM_LOAD_FLUX || MpmPressureComponent(model->disc.layout) >= 0 ||
+                    MpmOptionsHelp(),
+                  "-mpm_load_%s_type flux: there is no water in the scene's physics", model->scene.loads->names[l]);
     for (PetscInt m = 0;
          model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && m < model->scene.materials->count && !MpmOptionsHelp();
          m++) {
@@ -506,10 +497,11 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                     model->scene.loads->names[l]);
     }
   }
-  PetscCall(ReadSurfaces(model, options));
+  PetscCall(MpmSurfacesRead(model, options));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
+  if (!MpmSceneIsSymmetric(model)) model->solver.symmetric = PETSC_FALSE;
   PetscCall(MpmWaterRead(model, options));
   PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
                              &model->results->tracks.count, &model->results->tracks.names));
@@ -520,59 +512,6 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   }
   PetscCall(MpmLinesRead(model, options));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The physics' own states of the points as they start. */
-static PetscErrorCode FillOwnStates(MpmModel model)
-{
-  const MpmPhysics *physics = &model->scene.physics;
-  MpmPoints         points;
-
-  PetscFunctionBeginUser;
-  if (!model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) {
-    const MpmMaterial *material = &model->scene.materials->at[points.material[p]];
-    PetscReal         *own      = &points.own[p * model->disc.layout->own_size];
-
-    MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim, own);
-    if (physics->initial) {
-      const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, model->disc.dim);
-
-      physics->initial(&of, material->physics_parameter,
-                       points.state ? &points.state[p * model->state.particles->state_size] : NULL, own);
-    }
-  }
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Which part of the material each point belongs to. */
-static PetscErrorCode FillParts(MpmModel model)
-{
-  const MpmBodies *bodies = model->scene.bodies;
-  PetscInt        *body_of;
-  MpmPoints        points;
-
-  PetscFunctionBeginUser;
-  if (model->disc.parts == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscMalloc1(points.count, &body_of));
-  MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
-  for (PetscInt p = 0; p < points.count; p++) points.part[p] = bodies->part[body_of[p]];
-  PetscCall(PetscFree(body_of));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Which points are those of the surfaces' bodies. */
-static void SetSurfaceBodies(MpmModel model)
-{
-  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
-
-    MpmBodyGetIds(model->scene.bodies->at[model->scene.surfaces->at[k].body], &acting->first, &acting->end);
-  }
 }
 
 /* The first stage of a run that does not go on from a checkpoint. */
@@ -653,10 +592,10 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
-  PetscCall(FillOwnStates(model));
+  PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
-  PetscCall(FillParts(model));
-  SetSurfaceBodies(model);
+  PetscCall(MpmFillParts(model));
+  MpmSurfacesSetBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
@@ -751,23 +690,6 @@ PetscErrorCode MpmModelSetFromOptions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The surfaces of bodies, with the kernel of the physics itself where another one takes its place for F-bar. */
-static PetscErrorCode AddSurfaces(MpmModel model)
-{
-  const MpmKernelSet *kernel = model->disc.layout->kernel;
-  PetscBool           found;
-
-  PetscFunctionBeginUser;
-  if (!model->scene.surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->disc.layout->means) {
-    PetscCall(MpmPhysicsCreate(model->scene.physics.name, &model->scene.plain, &found));
-    kernel = found ? &model->scene.plain.kernels[model->disc.dim] : kernel;
-  }
-  PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
-                                         &model->state.loads[model->scene.loads->count], kernel));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Points, discretization and solver of the scene that has been read. */
 static PetscErrorCode SetUp(MpmModel model)
 {
@@ -781,7 +703,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(CreateParticles(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
                                    model->state.placements, model->state.particles->state_size));
-  PetscCall(AddSurfaces(model));
+  PetscCall(MpmSurfacesAdd(model));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   PetscCall(MpmSolverChoose(&model->solver, unknowns));

@@ -187,7 +187,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->solver.linear;
   row[k++] = (PetscReal)model->state.cuts;
   row[k++] =
-    model->scene.loads->count + model->scene.surfaces->count ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
+    model->scene.loads->count + model->scene.surfaces->named ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const PetscReal *reaction = &model->disc.reaction[b * model->disc.block];
 

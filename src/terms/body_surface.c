@@ -6,10 +6,8 @@
 #include "point/layout.h"
 #include "particles/body.h"
 #include "particles/outer_faces.h"
-#include "particles/particles.h"
-#include "particles/points.h"
 #include "terms/body_surface.h"
-#include "terms/load.h"
+#include "terms/rigid.h"
 
 static const char *const sides[] = {"-x", "+x", "-y", "+y", "-z", "+z", "all", NULL};
 
@@ -46,17 +44,6 @@ static PetscErrorCode ReadSide(const MpmOptions *block, PetscInt dim, PetscInt *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt MpmPressureComponent(const MpmLayout *layout)
-{
-  for (PetscInt r = 0; r < layout->rates; r++) {
-    const PetscInt c = layout->rate_component[r];
-
-    for (PetscInt k = layout->component_first[c]; k < layout->component_first[c + 1]; k++)
-      if (layout->basis_of[k] == 1) return c;
-  }
-  return -1;
-}
-
 /* What water meets there. */
 static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout, MpmBodySurface *surface,
                                 PetscBool *any)
@@ -90,6 +77,7 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_surface_%s_", name));
   PetscCall(PetscStrallocpy(name, &surface->name));
   PetscCall(MpmOptionsHeading(&block, "Surface of a body"));
+  surface->boundary = -1;
   PetscCall(ReadBody(&block, bodies, &surface->body));
   PetscCall(ReadSide(&block, layout->dim, &surface->faces));
   PetscCall(MpmOptionsReals(&block, "traction", "Pa", "force by area of the faces as they stand at a step's end",
@@ -117,6 +105,29 @@ PetscBool MpmSurfacesOpen(const MpmBodySurfaces *surfaces)
   return PETSC_FALSE;
 }
 
+PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces)
+{
+  PetscInt more = 0;
+
+  PetscFunctionBeginUser;
+  surfaces->named = surfaces->count;
+  for (PetscInt b = 0; b < boundaries->count; b++) more += boundaries->at[b].drained ? 1 : 0;
+  PetscCall(PetscCalloc1((surfaces->count + more), &surfaces->at));
+  if (more) PetscCall(PetscRealloc(sizeof(*surfaces->names) * (size_t)(surfaces->count + more), &surfaces->names));
+  for (PetscInt b = 0; b < boundaries->count; b++) {
+    MpmBodySurface *surface = &surfaces->at[surfaces->count];
+
+    if (!boundaries->at[b].drained) continue;
+    for (PetscInt k = 0; k < surfaces->named; k++)
+      MpmCheckInput(strcmp(surfaces->names[k], boundaries->names[b]),
+                    "-mpm_surfaces %s: there is a drained boundary of this name", surfaces->names[k]);
+    *surface = (MpmBodySurface){.body = -1, .boundary = b, .faces = ~0, .held = PETSC_TRUE};
+    PetscCall(PetscStrallocpy(boundaries->names[b], &surface->name));
+    PetscCall(PetscStrallocpy(boundaries->names[b], &surfaces->names[surfaces->count++]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces)
 {
   PetscFunctionBeginUser;
@@ -126,31 +137,5 @@ PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces)
   }
   PetscCall(MpmNamesDestroy(surfaces->count, &surfaces->names));
   PetscCall(PetscFree(surfaces->at));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
-                                    MpmParticles *particles)
-{
-  MpmPoints points;
-
-  PetscFunctionBeginUser;
-  if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(particles, &points));
-  for (PetscInt k = 0; k < surfaces->count; k++) {
-    PetscInt count[2] = {0, 0}; /* points of the body, and those with a face of the surface */
-
-    for (PetscInt p = 0; p < points.count; p++) {
-      if (points.id[p] < acting[k].first || points.id[p] >= acting[k].end) continue;
-      count[0]++;
-      count[1] += points.faces[p] & surfaces->at[k].faces ? 1 : 0;
-    }
-    PetscCall(
-      MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
-    MpmCheckInput(!acting[k].active || !count[0] || count[1],
-                  "-mpm_surface_%s_side: the material does not end there: no face of its body bounds it",
-                  surfaces->names[k]);
-  }
-  PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,10 +7,14 @@
 #include "base/types.h"
 #include "terms/terms.h"
 
-/* Faces of a body's points that bound the material, on one side of the lattice or on all. */
+/*
+  Faces of a body's points that bound the material, on one side of the lattice or on all; or those of any body that touch a drained
+  boundary.
+*/
 typedef struct {
   char     *name;
-  PetscInt  body, faces;                   /* faces: bits of those that belong to it (outer_faces.h) */
+  PetscInt  body, faces;                   /* body: or -1; faces: bits of those that belong to it (outer_faces.h) */
+  PetscInt  boundary;                      /* that is drained, or -1 */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
   MpmRamp   ramp;                  /* of both, and of the pressure where it is given */
@@ -18,9 +22,9 @@ typedef struct {
   PetscReal pressure;              /* of the water, Pa */
 } MpmBodySurface;
 
-/* Surfaces, with the names of their blocks. */
+/* Surfaces, with the names of their blocks, and behind these drained boundaries with theirs. */
 typedef struct MpmBodySurfaces {
-  PetscInt        count;
+  PetscInt        count, named; /* named: surfaces */
   char          **names;
   MpmBodySurface *at;
 } MpmBodySurfaces;
@@ -41,6 +45,7 @@ typedef struct {
 typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
   MpmLoadActing         *acting;            /* by surface */
+  const MpmContacts     *contacts;          /* whose boundaries some are */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
   PetscReal             *outflow;           /* by surface, of the step or its last stage, m3, */
   PetscReal             *first;             /* and of its first stage of two, as it counts */
@@ -58,19 +63,19 @@ typedef struct MpmSurfaceFaces {
 /* `layout` is that of the scene's physics. */
 PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
                                     const MpmBodies *bodies, MpmBodySurface *surface);
-/* The unknown of a node that is the pressure of water: a field with a rate and a gradient, of the scene's shape; or -1. */
-PetscInt MpmPressureComponent(const MpmLayout *layout);
 /* Is there one on which open water stands below its level? */
 PetscBool      MpmSurfacesOpen(const MpmBodySurfaces *surfaces);
+/* Adds what drained boundaries are to the list of surfaces, of which count and names are there. */
+PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);
 PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 /* Finds the step's faces and their weights (a term's `boxes`). Collective. */
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
-/* Adds what has passed in the step that u ends; before the points take it over. Collective. */
 /* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
 PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
+/* Adds what has passed in the step that u ends; before the points take it over. Collective. */
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[]);
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */
 PetscErrorCode       MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,

@@ -58,7 +58,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
-  PetscCall(MpmPairContactsCreate(pairs, state_size, disc->pairs));
+  PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -72,6 +72,7 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
   PetscCall(MpmSurfaceFacesCreate(surfaces, acting, disc->surfaces));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaces, disc->surfaces));
   disc->surfaces->kernel    = kernel;
+  disc->surfaces->contacts  = disc->contacts;
   disc->surfaces->component = MpmPressureComponent(disc->layout);
   if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
   PetscFunctionReturn(PETSC_SUCCESS);

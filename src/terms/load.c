@@ -3,6 +3,7 @@
   particles, so that shares travel with the points.
 */
 #include "options/options.h"
+#include "point/layout.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
@@ -47,7 +48,7 @@ static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, Mpm
 
 PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load)
 {
-  static const char *const types[] = {"force", "gravity", "traction", NULL};
+  static const char *const types[] = {"force", "gravity", "traction", "flux", NULL};
   char                     prefix[256], field[256];
   MpmOptions               block = {options->comm, prefix, options->record};
   PetscInt                 type  = 0;
@@ -58,11 +59,13 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
   PetscCall(PetscSNPrintf(field, sizeof(field), "load_%s", name));
   PetscCall(PetscStrallocpy(name, &load->name));
   PetscCall(MpmOptionsHeading(&block, "Load"));
-  PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa)", types, MPM_REQUIRED,
-                           &type, NULL));
+  PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa), flux (m3/s in total)",
+                           types, MPM_REQUIRED, &type, NULL));
   load->type = (MpmLoadType)type;
-  PetscCall(MpmOptionsReals(&block, "value", "N, m/s2 or Pa", "the load's vector", MPM_RANGE_ANY, MPM_REQUIRED,
-                            grid->dim, load->value, NULL));
+  PetscCall(MpmOptionsReals(&block, "value", "N, m/s2, Pa or m3/s",
+                            "the load's vector; of a flux one number, of water that goes into the ground",
+                            MPM_RANGE_ANY, MPM_REQUIRED, load->type == MPM_LOAD_FLUX ? 1 : grid->dim, load->value,
+                            NULL));
   PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
   if (load->type == MPM_LOAD_GRAVITY && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrallocpy(field, &load->share_field));
@@ -207,6 +210,16 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
 
 /* ---- application ---- */
 
+/* The unknown of a node that takes the load's k-th number, and what the number is multiplied by: the water's equation has a minus. */
+static PetscInt Unknown(const MpmLoad *load, const MpmSum *sum, PetscInt k)
+{
+  return load->type == MPM_LOAD_FLUX ? MpmPressureComponent(sum->layout) : k;
+}
+static PetscReal Sign(const MpmLoad *load, const MpmSum *sum)
+{
+  return load->type == MPM_LOAD_FLUX ? -sum->dt : 1.;
+}
+
 /*
   Weights of the face's centre instead of the point's: a traction does its work where it acts. Only shapes with a domain
   have a face; the others take the point.
@@ -271,7 +284,8 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
   const PetscInt   dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
-  PetscReal       *share = NULL, *storage;
+  const PetscInt   numbers = load->type == MPM_LOAD_FLUX ? 1 : dim;
+  PetscReal       *share   = NULL, *storage;
   MpmBasis         basis;
 
   PetscFunctionBeginUser;
@@ -285,13 +299,14 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt  p      = space->order[s];
-      const PetscReal amount = factor * (share ? share[p] : MpmPointMass(points, sum->materials, p));
+      const PetscReal amount = Sign(load, sum) * factor * (share ? share[p] : MpmPointMass(points, sum->materials, p));
 
       if (amount == 0.) continue;
       if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, rules, space, points, p, group, basis.basis[0]));
       else MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
-        for (PetscInt a = 0; a < dim; a++) force[nodes[i] * bs + a] += amount * basis.basis[0][i] * load->value[a];
+        for (PetscInt a = 0; a < numbers; a++)
+          force[nodes[i] * bs + Unknown(load, sum, a)] += amount * basis.basis[0][i] * load->value[a];
     }
   }
   PetscCall(PetscFree(storage));

@@ -7,13 +7,13 @@
 #include "particles/selection.h"
 #include "talus/talus.h"
 
-typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION } MpmLoadType;
+typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION, MPM_LOAD_FLUX } MpmLoadType;
 
-/* A load on the material. Forces and tractions keep each point's share in a field of the particles. */
+/* A load on the material, or a source of water. Forces, fluxes and tractions keep each point's share in a field of the particles. */
 typedef struct {
   char        *name, *share_field;
   MpmLoadType  type;
-  PetscReal    value[MPM_MAX_DIM];
+  PetscReal    value[MPM_MAX_DIM];   /* of a flux the first one */
   MpmSelection where;                /* forces; of a traction its region */
   PetscInt     face_axis, face_side; /* traction: the face of the points' domains it acts on */
   PetscBool    face_given;

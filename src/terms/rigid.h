@@ -15,6 +15,7 @@ typedef struct {
   PetscReal   penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
   PetscBool   stick, tangential, bilateral; /* tangential: something acts along the surface */
   PetscBool   firm;                         /* the penalty holds for all materials */
+  PetscBool   drained;                      /* water passes, at no pressure */
   MpmRegion   region;                       /* of the contact candidates, at the start */
   MpmMotion   motion;
   MpmFreedom *freedom;        /* NULL: all of its motion is prescribed */
@@ -41,6 +42,3 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
 MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
 /* Seen from the place x, the boundary standing there. */
 void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
-/* Of a box, the same by the one face that has this normal; of other shapes nothing changes. */
-void MpmBoundaryFaceDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal normal[],
-                             const PetscReal x[], MpmSurface *surface);

@@ -122,6 +122,8 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   boundary->penalty = 500.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
+  PetscCall(MpmOptionsBool(&block, "drained", "water passes, at no pressure, where the material touches it",
+                           &boundary->drained, NULL));
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
   PetscCall(MpmFrictionRead(&block, &boundary->friction, &boundary->adhesion, &boundary->stick));
@@ -202,18 +204,5 @@ void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const
 
   AtRest(boundary, pose, x, at);
   MpmSolidDistance(&boundary->solid, pose->growth, at, surface);
-  if (pose->turned) TurnSurface(boundary->dim, pose, surface);
-}
-
-void MpmBoundaryFaceDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal normal[],
-                             const PetscReal x[], MpmSurface *surface)
-{
-  const MpmPose rest            = {.growth = 0.};
-  PetscReal     at[MPM_MAX_DIM] = {0., 0., 0.}, face[MPM_MAX_DIM] = {0., 0., 0.};
-
-  if (boundary->solid.type != MPM_SOLID_BOX || boundary->solid.side < 0.) return;
-  AtRest(boundary, pose, x, at);
-  MpmPoseTurn(boundary->dim, pose, &rest, normal, face);
-  MpmSolidFaceDistance(&boundary->solid, face, at, surface);
   if (pose->turned) TurnSurface(boundary->dim, pose, surface);
 }

@@ -8,9 +8,11 @@
   that the point itself touches take part, and what the face's load does in a uniform strain is exact.
 */
 #include "point/material.h"
+#include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/outer_faces.h"
+#include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
@@ -123,6 +125,28 @@ static PetscErrorCode Reserve(MpmSurfaceFaces *faces, PetscInt weights)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Does the face at y touch the boundary that the surface is? It looks at it, and is no farther from it than half a point's
+  spacing: so far off are faces where the boundary cut a lattice.
+*/
+static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const MpmPoints *points, PetscInt p,
+                         const PetscReal y[], const PetscReal area[])
+{
+  const PetscInt b     = faces->surfaces->at[surface].boundary;
+  PetscReal      along = 0., reach = 0.;
+  MpmSurface     there;
+
+  if (b < 0) return PETSC_TRUE;
+  if (!MpmRegionContains(faces->contacts->boundaries[b].region, &points->x0[p * faces->contacts->boundaries[b].dim]))
+    return PETSC_FALSE;
+  MpmContactsDistance(faces->contacts, b, y, &there);
+  for (PetscInt a = 0; a < faces->contacts->boundaries[b].dim; a++) {
+    along += area[a] * there.normal[a];
+    reach += PetscAbsReal(there.normal[a]) * points->half_length[p * faces->contacts->boundaries[b].dim + a];
+  }
+  return (PetscBool)(along < 0. && there.distance <= reach);
+}
+
 /* The faces of point p among the bits `outer`; `used`: weights that there are. */
 static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules, const MpmPoints *points,
                                    const MpmSpace *space, const MpmFacet *start, PetscInt outer, PetscInt *used)
@@ -139,6 +163,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     if (!(outer & faces->surfaces->at[surface].faces & bit) || !Has(faces, surface, points->id[p])) continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
+    if (!Touches(faces, surface, points, p, facet.place, area)) continue;
     PetscCall(Reserve(faces, *used + nodes));
     FaceWeights(rules, space, points, &facet, &faces->weight[*used]);
     faces->face[faces->face_count] =
@@ -174,5 +199,31 @@ PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPo
     }
   }
   PetscCall(PetscFree(outer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
+                                    MpmParticles *particles)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  for (PetscInt k = 0; k < surfaces->count; k++) {
+    PetscInt count[2] = {0, 0}; /* points of the body, and those with a face of the surface */
+
+    for (PetscInt p = 0; p < points.count; p++) {
+      if (points.id[p] < acting[k].first || points.id[p] >= acting[k].end) continue;
+      count[0]++;
+      count[1] += points.faces[p] & surfaces->at[k].faces ? 1 : 0;
+    }
+    PetscCall(
+      MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
+    MpmCheckInput(k >= surfaces->named || !acting[k].active || !count[0] || count[1],
+                  "-mpm_surface_%s_side: the material does not end there: no face of its body bounds it",
+                  surfaces->names[k]);
+  }
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

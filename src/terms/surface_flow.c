@@ -24,7 +24,6 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
-#include "particles/points.h"
 #include "space/point_loop.h"
 #include "space/rules.h"
 #include "terms/body_surface.h"
@@ -193,6 +192,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
 
   PetscFunctionBeginUser;
+  if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
   for (PetscInt k = 0; k < faces->face_count; k++) {
     faces->face[k].water = OpenWater(faces, &faces->face[k], step->rules->time);
     if (IsHeld(faces, &faces->face[k])) PetscCall(PrepareFace(faces, step->sum, &faces->face[k]));
@@ -390,8 +390,8 @@ PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *
 
 const MpmTerm MpmTermSurfaceFlow = {.name     = "water through surfaces",
                                     .prepare  = Prepare,
-                                    .stage    = KeepStage,
                                     .residual = Residual,
                                     .tangent  = Tangent,
                                     .apply    = Apply,
-                                    .diagonal = Diagonal};
+                                    .diagonal = Diagonal,
+                                    .stage    = KeepStage};

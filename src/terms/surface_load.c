@@ -12,7 +12,6 @@
 
   is not symmetric.
 */
-#include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/body_surface.h"
@@ -123,16 +122,17 @@ static void AddForce(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   const MpmGroup  *group  = &sum->space->groups[face->group];
   const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
   const PetscReal *weight = &faces->weight[face->weight];
+  const PetscInt   dim    = sum->space->dim == 2 ? 2 : 3;
 
   for (PetscInt i = 0; i < group->node_count; i++)
-    for (PetscInt c = 0; c < sum->space->dim; c++) y[nodes[i] * sum->block + c] -= weight[i] * force[c];
+    for (PetscInt c = 0; c < dim; c++) y[nodes[i] * sum->block + c] -= weight[i] * force[c];
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                PetscInt *failed)
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Work                   work  = {.storage = NULL};
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -151,19 +151,21 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
                             PetscReal y[])
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Work                   work  = {.storage = NULL};
 
   PetscFunctionBeginUser;
   if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(WorkCreate(sum, &work));
   for (PetscInt f = 0; f < faces->face_count; f++) {
-    PetscReal change[3][3], force[3] = {0., 0., 0.};
+    PetscReal change[3][3], force[3];
 
     if (!IsLoaded(faces, &faces->face[f])) continue;
     Evaluate(faces, &faces->face[f], sum, u, &work);
     Gradient(&faces->face[f], sum, du, &work, change);
-    for (PetscInt i = 0; i < 3; i++)
+    for (PetscInt i = 0; i < 3; i++) {
+      force[i] = 0.;
       for (PetscInt kl = 0; kl < 9; kl++) force[i] += work.by_gradient[i][kl / 3][kl % 3] * change[kl / 3][kl % 3];
+    }
     AddForce(faces, &faces->face[f], sum, force, y);
   }
   PetscCall(PetscFree(work.storage));
@@ -184,7 +186,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -212,7 +214,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block, most = PetscPowInt(sum->space->width, dim);
   PetscReal             *element;
-  Work                   work;
+  Work                   work = {.storage = NULL};
 
   PetscFunctionBeginUser;
   if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);

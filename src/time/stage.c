@@ -549,7 +549,7 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
   const PetscInt       loads  = model->scene.loads->count;
   const MpmRamp ramp = load < loads ? model->scene.loads->at[load].ramp : model->scene.surfaces->at[load - loads].ramp;
 
-  if (!acting->active) return 0.;
+  if (!acting->active || !ramp) return 0.;
   if (acting->forced) return model->state.load_scale * acting->factor;
   return model->state.load_scale * MpmRampEvaluate(ramp, time - acting->start);
 }
@@ -666,6 +666,12 @@ static PetscErrorCode ResetDisplacement(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What acts on a surface; drained boundaries are drained in all stages. */
+static PetscBool ActsOn(const MpmModel model, const MpmStage *stage, PetscInt surface)
+{
+  return (PetscBool)(surface >= model->scene.surfaces->named || stage->surfaces[surface]);
+}
+
 /* What acts from here on, and the walls that follow. */
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
@@ -691,7 +697,7 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
   for (PetscInt l = 0; l < model->scene.loads->count + model->scene.surfaces->count; l++) {
     MpmLoadActing  *load = &model->state.loads[l];
     const PetscBool acts =
-      l < model->scene.loads->count ? stage->loads[l] : stage->surfaces[l - model->scene.loads->count];
+      l < model->scene.loads->count ? stage->loads[l] : ActsOn(model, stage, l - model->scene.loads->count);
 
     if (acts && !load->active) load->start = model->state.time_start;
     load->active = acts;

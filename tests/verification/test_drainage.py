@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test, difference  # noqa: E402
+from talus_test import Test, difference, example  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 LAYER, RIM = HERE / "layer.yaml", HERE / "rim.yaml"
@@ -52,6 +52,20 @@ def layer(test):
     test.check("layer_fbar.settlement", np.max(np.abs(fbar.results.column("outflow_top") - outflow)[late]), None, 0.02)
 
 
+def plate(test):
+    """A rigid plate that lets water through, and settles under its load, does what the same load and a drained surface do."""
+    pressed = {"mpm_boundaries": "plate", "mpm_boundary_plate_type": "box", "mpm_boundary_plate_lower": "-1,10",
+               "mpm_boundary_plate_upper": "2,11", "mpm_boundary_plate_load": "0,-10e3", "mpm_boundary_plate_load_ramp": "0:1",
+               "mpm_boundary_plate_free": "y"}
+    alone = test.run(LAYER, snes_rtol=1e-11, mpm_time_end=500)
+    bare = {"mpm_surface_top_drained": "false", "mpm_surface_top_traction": "0,0"}
+    run = test.run(LAYER, ranks=2, snes_rtol=1e-11, mpm_time_end=500, mpm_boundary_plate_drained="true", **pressed, **bare)
+    test.near("plate.outflow", run.results.column("outflow_plate")[-1], alone.results.column("outflow_top")[-1], 1e-8)
+    test.near("plate.lost", lost(run), run.results.column("outflow_plate")[-1], 1e-9)
+    sealed = test.run(LAYER, mpm_time_end=500, **pressed, **bare)
+    test.check("plate.sealed", abs(lost(sealed)), None, 1e-7)
+
+
 def pressure(test):
     """A prescribed pressure that grows with its ramp: in the end all water has it, and none flows."""
     run = test.run(LAYER, mpm_surface_top_drained="false", mpm_surface_top_pressure=4e3, mpm_surface_top_ramp="0:1",
@@ -69,7 +83,30 @@ def rim(test):
         test.near(f"rim_{step}", np.mean(run.table("pressure", step)[middle]) / 1e3, exact, 0.04)
 
 
+def boil(test):
+    """More than the critical gradient: no equilibrium, and one line says so."""
+    run = test.run(example("seepage"), status=3, mpm_surface_bottom_ramp="0:0,3600:1,7200:2.5")
+    test.check("boil.lines", sum(line.startswith("talus: gave up") for line in run.errors.splitlines()), 1, 1)
+
+
+def well(test):
+    """What a well brings in leaves through the top, under a pressure that falls in proportion above the well."""
+    run = test.run(LAYER, ranks=2, mpm_material_clay_type="linear_elastic", mpm_material_clay_permeability_law="constant",
+                   mpm_surface_top_traction="0,0", mpm_loads="well", mpm_load_well_type="flux", mpm_load_well_value=1e-5,
+                   mpm_load_well_ramp="0:1", mpm_load_well_region="box", mpm_load_well_lower="0,2", mpm_load_well_upper="1,2.5",
+                   mpm_time_end=20000, mpm_time_step_max=1000, mpm_time_scheme="second")
+    outflow, time = run.results.column("outflow_top"), run.results.column("time")
+    test.near("well.outflow", (outflow[-1] - outflow[-2]) / (time[-1] - time[-2]), 1e-5, 1e-6)
+    height, pressure_there = run.results.initial["position"][:, 1], run.table("pressure")
+    above = height > 3
+    test.check("well.pressure", np.max(np.abs(pressure_there - 10.0 * (10 - height))[above]) / 70, None, 1e-3)
+    test.check("well.below", np.ptp(pressure_there[height < 1.5]) / 70, None, 1e-4)
+
+
 with Test() as check:
     layer(check)
+    boil(check)
+    well(check)
+    plate(check)
     pressure(check)
     rim(check)
