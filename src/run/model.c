@@ -538,6 +538,13 @@ static PetscErrorCode SelectPoints(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What stages note of the points as they start. */
+static void AddStageFields(const MpmModel model, const char *fields[], PetscInt *count)
+{
+  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
+  if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
+}
+
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
@@ -576,8 +583,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
     if (model->scene.boundaries->at[k].bilateral) fields[extra++] = model->scene.boundaries->at[k].gap_field;
   }
-  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
-  if (MpmStagesControlError(model)) fields[extra++] = MpmTimeErrorField;
+  AddStageFields(model, fields, &extra);
 
   for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;
   if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);
