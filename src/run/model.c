@@ -541,8 +541,10 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
       fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
-  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
     if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
+    if (model->scene.boundaries->at[k].bilateral) fields[extra++] = model->scene.boundaries->at[k].gap_field;
+  }
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
 
   for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;

@@ -280,6 +280,10 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 #define LINE_SEARCH_LATER    1.
 #define LINE_SEARCH_TRIALS   8
 #define LINE_SEARCH_SHORTEST 0.02
+#define LINE_SEARCH_OVERSHOT 0.3 /* with contact: so much of the slope, with the other sign, in later iterations */
+/* with contact: a slope so many times as large, with the other sign, comes from a stiff kink; and what is progress */
+#define EXCURSION_KINK 30.
+#define EXCURSION_GAIN 0.9
 
 /* Will a new Jacobian be asked for after this iteration? Steps are much like the last one. */
 static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
@@ -329,54 +333,149 @@ static PetscErrorCode Try(SNESLineSearch search, MpmSolver *solver, PetscReal la
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool HasContact(const MpmSolver *solver)
+{
+  return (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
+}
+
+/* Is there contact, and has a step gone well beyond the zero of the slope? */
+static PetscBool Overshot(const MpmSolver *solver, PetscInt it, PetscReal start, PetscReal slope)
+{
+  return (PetscBool)(HasContact(solver) && it >= LINE_SEARCH_PATIENT && start > 0. &&
+                     slope < -LINE_SEARCH_OVERSHOT * start);
+}
+
+PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion)
+{
+  PetscFunctionBeginUser;
+  PetscCall(VecDestroy(&excursion->x));
+  PetscCall(VecDestroy(&excursion->y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A full step: residuals' norms and slopes at its start and its end. */
+typedef struct {
+  PetscReal norm_start, start, norm, slope;
+} FullStep;
+
 /*
-  The program's own line search: the full step costs one residual and is taken when the residual falls or the slope of
-  the work does; otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step.
+  Where a penalty is stiff, the slope's zero lies where the first patch touches, and a line search that stops there takes an
+  iteration a patch. Full steps, each of which finds the patches that touch after the last one, get on: so one is taken although the slope
+  forbids it, and two more may follow. Unless the residual is then below what it was, `back` says to return to the start, *step becomes that
+  first one, and the line search has its way.
+*/
+static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step, PetscBool fine, PetscBool *take,
+                                PetscBool *back)
+{
+  MpmExcursion *excursion = &solver->excursion;
+
+  PetscFunctionBeginUser;
+  *take = *back = PETSC_FALSE;
+  if (excursion->x && step->norm <= EXCURSION_GAIN * excursion->norm) PetscCall(MpmExcursionEnd(excursion));
+  if (excursion->x && !excursion->left) {
+    *back = PETSC_TRUE;
+    PetscCall(VecCopy(excursion->x, X));
+    PetscCall(VecCopy(excursion->y, Y));
+    *step = (FullStep){excursion->norm, excursion->start, step->norm, excursion->slope};
+    PetscCall(MpmExcursionEnd(excursion));
+  } else if (excursion->x) {
+    excursion->left--;
+    *take = PETSC_TRUE;
+  } else if (fine) *take = PETSC_TRUE;
+  else if (HasContact(solver) && step->norm > step->norm_start && step->slope < -EXCURSION_KINK * step->start) {
+    PetscCall(VecDuplicate(X, &excursion->x));
+    PetscCall(VecDuplicate(Y, &excursion->y));
+    PetscCall(VecCopy(X, excursion->x));
+    PetscCall(VecCopy(Y, excursion->y));
+    excursion->norm  = step->norm_start;
+    excursion->start = step->start;
+    excursion->slope = step->slope;
+    excursion->left  = 1;
+    *take            = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The length of a step, with the residual and its norm at the end. The full step costs one residual and is taken when the residual falls
+  or the slope of the work does; otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step.
 
   A test on the residual alone would throttle bending and rotation, where a good full step raises the residual first. It
   does so at the solution's start only; in plastic flow without change of volume, steps that later raise the slope's size
   run away (a footing on clay: 63 iterations and two cuts in place of 24).
+
+  Where contact sticks, slips or opens from one iterate to the next, full steps may go to and fro over a kink for ever, each
+  with a slope as large as the last and of the other sign, and a residual that falls on every other one. So there the slope
+  has to be less after a step than before.
 */
+static PetscErrorCode FindLength(SNESLineSearch search, MpmSolver *solver, PetscInt it, PetscReal *length,
+                                 PetscReal *norm)
+{
+  const PetscReal ratio = it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
+  Vec             X, F, Y, W, G;
+  FullStep        step;
+  PetscReal       lambda = 1., good = 0., slope_good, xnorm, ynorm;
+  PetscScalar     dot;
+  PetscBool       back = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
+  PetscCall(SNESLineSearchGetNorms(search, &xnorm, &step.norm_start, &ynorm));
+  PetscCall(VecDot(F, Y, &dot));
+  slope_good = step.start = PetscRealPart(dot);
+  for (PetscInt trial = 0;; trial++) {
+    PetscBool take;
+
+    PetscCall(Try(search, solver, lambda, &step.norm, &step.slope));
+    *length = lambda;
+    *norm   = step.norm;
+    if (PetscIsInfOrNanReal(step.norm)) {
+      if (trial == LINE_SEARCH_TRIALS) PetscFunctionReturn(PETSC_SUCCESS);
+      lambda = 0.5 * (lambda + good);
+      continue;
+    }
+    if (trial >= LINE_SEARCH_TRIALS) PetscFunctionReturn(PETSC_SUCCESS);
+    take =
+      (PetscBool)(!Overshot(solver, it, step.start, step.slope) &&
+                  (step.norm <= step.norm_start || step.start <= 0. || PetscAbsReal(step.slope) <= ratio * step.start));
+    if (lambda == 1. && !back) {
+      PetscCall(Excursion(solver, X, Y, &step, take, &take, &back));
+      if (back) {
+        slope_good = step.start;
+        lambda     = PetscMax(step.start / (step.start - step.slope), LINE_SEARCH_SHORTEST);
+        continue;
+      }
+    }
+    if (take || step.slope > 0.) PetscFunctionReturn(PETSC_SUCCESS); /* slope > 0: still downhill */
+    /* overshot: the zero lies between the last good length and this one */
+    const PetscReal next = good + (lambda - good) * slope_good / (slope_good - step.slope);
+
+    if (next < LINE_SEARCH_SHORTEST) PetscFunctionReturn(PETSC_SUCCESS);
+    lambda = PetscMin(next, 0.9 * lambda);
+  }
+}
+
+/* The program's own line search. */
 static PetscErrorCode LineSearch(SNESLineSearch search, void *ctx)
 {
-  MpmSolver  *solver = (MpmSolver *)ctx;
-  MpmPlace    tried;
-  Vec         X, F, Y, W, G;
-  SNES        snes;
-  PetscReal   xnorm, fnorm, ynorm, norm = 0., slope = 0., lambda = 1., good = 0., slope_good;
-  PetscScalar dot;
-  PetscInt    it;
+  MpmSolver *solver = (MpmSolver *)ctx;
+  MpmPlace   tried;
+  Vec        X, F, Y, W, G;
+  SNES       snes;
+  PetscReal  xnorm, ynorm, norm = 0., lambda = 1.;
+  PetscInt   it;
 
   PetscFunctionBeginUser;
   PetscCall(SNESLineSearchGetSNES(search, &snes));
   PetscCall(LookAhead(solver, snes));
-  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
-  PetscCall(SNESLineSearchGetNorms(search, &xnorm, &fnorm, &ynorm));
-  PetscCall(VecDot(F, Y, &dot));
   PetscCall(SNESGetIterationNumber(snes, &it));
-  const PetscReal start = PetscRealPart(dot), ratio = it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
-
-  slope_good = start;
-  for (PetscInt trial = 0;; trial++) {
-    PetscCall(Try(search, solver, lambda, &norm, &slope));
-    if (PetscIsInfOrNanReal(norm)) {
-      if (trial == LINE_SEARCH_TRIALS) {
-        PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_NANORINF));
-        PetscFunctionReturn(PETSC_SUCCESS);
-      }
-      lambda = 0.5 * (lambda + good);
-      continue;
-    }
-    if (norm <= fnorm || start <= 0. || PetscAbsReal(slope) <= ratio * start || trial >= LINE_SEARCH_TRIALS) break;
-    if (slope > 0.) break; /* still downhill */
-    /* overshot: the zero lies between the last good length and this one */
-    {
-      const PetscReal next = good + (lambda - good) * slope_good / (slope_good - slope);
-
-      if (next < LINE_SEARCH_SHORTEST) break;
-      lambda = PetscMin(next, 0.9 * lambda);
-    }
+  if (!it) PetscCall(MpmExcursionEnd(&solver->excursion));
+  PetscCall(FindLength(search, solver, it, &lambda, &norm));
+  if (PetscIsInfOrNanReal(norm)) {
+    PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_NANORINF));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(SNESLineSearchGetVecs(search, &X, &F, &Y, &W, &G));
   PetscCall(VecNorm(Y, NORM_2, &ynorm));
   PetscCall(GetPlace(W, &tried));
   PetscCall(VecCopy(W, X));

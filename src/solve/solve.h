@@ -34,6 +34,13 @@ typedef struct {
   PetscInt  made_count_last; /* and of the last one */
 } MpmEvaluations;
 
+/* A full step that the line search would have cut short was taken. */
+typedef struct {
+  Vec       x, y;               /* where it started, and its direction; NULL: there is none */
+  PetscReal norm, start, slope; /* the residual's norm there, and the slopes there and at its end */
+  PetscInt  left;               /* more steps that may follow it */
+} MpmExcursion;
+
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
   MpmDiscretization *disc;
@@ -53,6 +60,7 @@ typedef struct {
   PetscBool      keep_tangents;
   Vec            x, f;
   MpmEvaluations cache;
+  MpmExcursion   excursion;
   MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
   PetscBool      told_unstable; /* it has, and that was said */
   char           lost[256];     /* tells of a point that left the grid, or of what nothing holds */
@@ -72,6 +80,7 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 /* Residual, Jacobian, convergence test and line search, handed to SNES (newton.c). */
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
 PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
+PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion);
 /* Sums the residual of disc->u over the points, force included, and leaves it with the nodes' owners, along the axes. */
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */

@@ -38,7 +38,8 @@ typedef struct MpmContacts {
     *depth;                         /* of the last step: forces on the material; deepest mean gaps behind, m */
   PetscReal (*moment)[MPM_MAX_DIM]; /* of those forces about the boundary's reference point */
   PetscBool *cut;                   /* by boundary: it cut the lattice of points at the start; NULL: not known yet */
-  PetscReal  cell;                  /* the smallest size of one, m */
+  PetscBool *drawn; /* in this step bilateral facets are pieces of the boundary's surface (surface_shares.c) */
+  PetscReal  cell;  /* the smallest size of one, m */
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
   PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
@@ -103,5 +104,13 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
 PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`). */
 PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);
+/* The number of the cell of a place, of a part of the material. */
+PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part);
+/* Distance from a boundary as it stands at the step's start, or is expected to stand where it is free. */
+void MpmContactsDistance(const MpmContacts *contacts, PetscInt boundary, const PetscReal x[], MpmSurface *surface);
+/* Adds the shares of the points in the boundary's own surface as facets (surface_shares.c). Collective. */
+PetscErrorCode MpmSurfaceShares(MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
+                                const MpmPoints *points);
 /* Weights of the facets, and their slips at the step's start (a term's `prepare`). */
 PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step);

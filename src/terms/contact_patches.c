@@ -11,6 +11,9 @@
 
   Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. That distance is theirs from
   then on, stretched as the material is across the surface: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
+
+  What a bilateral boundary holds may flow along it. When faces there have been drawn out or crowded, facets are pieces of the boundary's
+  own surface (surface_shares.c).
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
@@ -29,6 +32,7 @@
 #define TILT    0.25  /* of a cell */
 #define SOFT    10.   /* penalty on materials that flow, unless one is given */
 #define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
+#define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
 #define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
@@ -42,6 +46,7 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
   PetscCall(PetscCalloc1(count, &contacts->reaction));
   PetscCall(PetscCalloc1(count, &contacts->depth));
   PetscCall(PetscCalloc1(count, &contacts->moment));
+  PetscCall(PetscCalloc1(count, &contacts->drawn));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -53,6 +58,7 @@ PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
   PetscCall(PetscFree(contacts->reaction));
   PetscCall(PetscFree(contacts->depth));
   PetscCall(PetscFree(contacts->cut));
+  PetscCall(PetscFree(contacts->drawn));
   PetscCall(PetscFree(contacts->moment));
   PetscCall(PetscFree(contacts->bodies));
   PetscCall(PetscFree(contacts->facet));
@@ -184,7 +190,17 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   return PETSC_TRUE;
 }
 
-static PetscErrorCode AddFacet(MpmContacts *contacts, const MpmFacet *facet)
+PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part)
+{
+  PetscInt64 number = part;
+  PetscInt   cell[MPM_MAX_DIM];
+
+  MpmGridFindCell(grid, x, cell);
+  for (PetscInt a = grid->dim - 1; a >= 0; a--) number = number * grid->cells[a] + cell[a];
+  return number;
+}
+
+PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet)
 {
   PetscFunctionBeginUser;
   if (contacts->facet_count == contacts->capacity) {
@@ -195,8 +211,7 @@ static PetscErrorCode AddFacet(MpmContacts *contacts, const MpmFacet *facet)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Distance from a boundary as it stands at the step's start, or is expected to stand where it is free. */
-static void StartDistance(const MpmContacts *contacts, PetscInt b, const PetscReal x[], MpmSurface *surface)
+void MpmContactsDistance(const MpmContacts *contacts, PetscInt b, const PetscReal x[], MpmSurface *surface)
 {
   const MpmRigidBody *body = MpmContactsBody(contacts, b);
 
@@ -234,12 +249,12 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
   facet.touches = PetscMin(surface.distance, 0.);
   if (contacts->boundaries[b].bilateral && surface.distance > MPM_TOLERANCE * contacts->cell)
     PetscFunctionReturn(PETSC_SUCCESS);
-  StartDistance(contacts, b, facet.place, &surface);
+  MpmContactsDistance(contacts, b, facet.place, &surface);
   if (!contacts->boundaries[b].bilateral && surface.distance > margin) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++) facet.normal[a] = surface.normal[a];
   facet.area   = 0.5 * corner->area;
   facet.corner = points->id[p] + 1;
-  PetscCall(AddFacet(contacts, &facet));
+  PetscCall(MpmContactsAddFacet(contacts, &facet));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -261,7 +276,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
-    StartDistance(contacts, b, facet.place, &surface);
+    MpmContactsDistance(contacts, b, facet.place, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       facet.normal[a] = surface.normal[a];
       facet.area -= area[a] * surface.normal[a];
@@ -277,7 +292,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     if (!boundary->bilateral && surface.distance > margin) continue;
     touched = TouchedAtStart(contacts, b, points, p, face, &facet.touches);
     if (boundary->bilateral && !touched) continue;
-    PetscCall(AddFacet(contacts, &facet));
+    PetscCall(MpmContactsAddFacet(contacts, &facet));
   }
   PetscCall(CornerFacet(contacts, b, margin, points, start, &corner));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -296,22 +311,50 @@ static PetscReal Margin(const MpmContacts *contacts, const MpmGrid *grid, PetscI
   return margin;
 }
 
+/* Have faces that a bilateral boundary holds, and that do not follow it, been drawn out or crowded? */
+static PetscErrorCode FindDrawn(MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmPoints *points)
+{
+  const PetscInt dim   = grid->dim;
+  PetscBool      drawn = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  contacts->drawn[b] = PETSC_FALSE;
+  if (!contacts->cut[b] || !contacts->boundaries[b].bilateral) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < 2 * dim * points->count && !drawn; k++) {
+    const PetscInt p = k / (2 * dim), face = k % (2 * dim);
+    PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM], square = 0., start = 1.;
+
+    if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2)) ||
+        !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim]) ||
+        !TouchedAtStart(contacts, b, points, p, face, &arm[0]))
+      continue;
+    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(area[a]);
+    for (PetscInt a = 0; a < dim; a++) start *= a == face / 2 ? 1. : 2. * points->half_length[p * dim + a];
+    drawn = (PetscBool)(PetscSqrtReal(square) > DRAWN * start || PetscSqrtReal(square) < start / DRAWN);
+  }
+  PetscCall(MPIU_Allreduce(&drawn, &contacts->drawn[b], 1, MPIU_BOOL, MPI_LOR, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmSpace *space,
                                        const MpmPoints *points)
 {
   const PetscInt dim = grid->dim;
 
   PetscFunctionBeginUser;
+  PetscCall(FindDrawn(contacts, b, grid, points));
+  if (contacts->drawn[b]) {
+    PetscCall(MpmSurfaceShares(contacts, b, grid, space, points));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       const PetscInt p     = space->order[s];
       MpmFacet       facet = {.boundary = b, .point = p, .group = g};
-      PetscInt       cell[MPM_MAX_DIM];
 
       if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim])) continue;
-      MpmGridFindCell(grid, &points->x[p * dim], cell);
-      facet.cell = points->part ? points->part[p] : 0;
-      for (PetscInt a = dim - 1; a >= 0; a--) facet.cell = facet.cell * grid->cells[a] + cell[a];
+      facet.cell = MpmContactsCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
       PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), points, &facet));
     }
   }
@@ -515,21 +558,55 @@ static void Weights(const MpmRules *rules, const MpmSpace *space, const MpmPoint
   }
 }
 
+/*
+  Numbers that the points keep, at the facets of a boundary. Where these are pieces of its surface, points that have come to
+  it since take the mean of the others in their patch: those that kept a gap.
+*/
+static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *field, MpmParticles *particles,
+                           PetscReal value[])
+{
+  const MpmBoundary *boundary = &contacts->boundaries[b];
+  PetscReal         *kept, *gap = NULL;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&kept));
+  for (PetscInt f = 0; f < contacts->facet_count; f++)
+    if (contacts->facet[f].boundary == b) value[f] = kept[contacts->facet[f].point];
+  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&kept));
+  if (!contacts->drawn[b]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DMSwarmGetField(particles->swarm, boundary->gap_field, NULL, NULL, (void **)&gap));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    PetscReal       sum = 0., area = 0.;
+
+    if (patch->boundary != b) continue;
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      if (gap[contacts->facet[f].point] == 0.) continue;
+      sum += contacts->facet[f].area * value[f];
+      area += contacts->facet[f].area;
+    }
+    for (PetscInt f = patch->begin; area > 0. && f < patch->end; f++)
+      if (gap[contacts->facet[f].point] == 0.) value[f] = sum / area;
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, boundary->gap_field, NULL, NULL, (void **)&gap));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Slip at the step's start, put into the tangent plane there. */
 static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, PetscInt dim)
 {
+  PetscReal *value;
+
   PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(contacts->facet_count, &value));
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     for (PetscInt a = 0; contacts->boundaries[b].tangential && a < dim; a++) {
-      PetscReal *slip;
-
-      PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+      PetscCall(Load(contacts, b, contacts->boundaries[b].slip_field[a], particles, value));
       for (PetscInt k = 0; k < contacts->facet_count; k++)
-        if (contacts->facet[k].boundary == b) contacts->facet[k].slip[a] = slip[contacts->facet[k].point];
-      PetscCall(
-        DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+        if (contacts->facet[k].boundary == b) contacts->facet[k].slip[a] = value[k];
     }
   }
+  PetscCall(PetscFree(value));
   for (PetscInt k = 0; k < contacts->facet_count; k++) {
     MpmFacet           *facet = &contacts->facet[k];
     const MpmRigidBody *body  = MpmContactsBody(contacts, facet->boundary);
@@ -539,6 +616,32 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
     for (PetscInt a = 0; a < dim; a++) dot += facet->slip[a] * facet->normal[a];
     for (PetscInt a = 0; a < dim; a++) facet->slip[a] -= dot * facet->normal[a];
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Pieces of the surface start with the gap that their points had in their last patch: where they are says nothing of how far
+  the material is off.
+*/
+static PetscErrorCode LoadGaps(MpmContacts *contacts, MpmParticles *particles)
+{
+  PetscReal *gap;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(contacts->facet_count, &gap));
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    if (!contacts->drawn[b]) continue;
+    PetscCall(Load(contacts, b, contacts->boundaries[b].gap_field, particles, gap));
+    for (PetscInt k = 0; k < contacts->facet_count; k++) {
+      MpmFacet  *facet = &contacts->facet[k];
+      MpmSurface surface;
+
+      if (facet->boundary != b) continue;
+      MpmBoundaryDistance(&contacts->boundaries[b], &contacts->before[b], facet->place, &surface);
+      facet->touches = surface.distance - gap[k];
+    }
+  }
+  PetscCall(PetscFree(gap));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -562,23 +665,23 @@ static void Strengths(MpmContacts *contacts, const MpmSum *sum)
 /* The pressures with which the step starts, of boundaries with method augmented: those of the patches' points. */
 static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particles)
 {
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    const char *field = contacts->boundaries[b].pressure_field;
-    PetscReal  *pressure;
+  PetscReal *pressure;
 
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(contacts->facet_count, &pressure));
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     if (!contacts->boundaries[b].augmented) continue;
-    PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&pressure));
+    PetscCall(Load(contacts, b, contacts->boundaries[b].pressure_field, particles, pressure));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       MpmPatch *patch = &contacts->patch[k];
 
       if (patch->boundary != b) continue;
       patch->shift = 0.;
       for (PetscInt f = patch->begin; f < patch->end; f++)
-        patch->shift += contacts->facet[f].area / patch->area * pressure[contacts->facet[f].point] / patch->stiffness;
+        patch->shift += contacts->facet[f].area / patch->area * pressure[f] / patch->stiffness;
     }
-    PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&pressure));
   }
+  PetscCall(PetscFree(pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -624,6 +727,7 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
   Strengths(contacts, step->sum);
   PetscCall(LoadSlips(contacts, step->particles, step->sum->space->dim));
   PetscCall(LoadPressures(contacts, step->particles));
+  PetscCall(LoadGaps(contacts, step->particles));
   if (!again || !contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
   MpmRigidBegin(contacts, step->rules->time);
   while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));

@@ -21,6 +21,7 @@ typedef struct {
   PetscBool   augmented;      /* the pressures are found to which no depth belongs, to the next: */
   PetscReal   penetration;    /* m */
   char       *pressure_field; /* of the particles, where augmented */
+  char       *gap_field;      /* of the particles, where bilateral */
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */

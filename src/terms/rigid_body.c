@@ -9,7 +9,6 @@
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
-#include "grid/grid.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/contact.h"

@@ -6,7 +6,8 @@
 
     g = sum_q A_q d_q / A ,   s = sum_q A_q s_q / A ,   pressure p = -k g ,   traction t = k' s ,   k = penalty E/h
 
-  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral). Coulomb friction bounds the
+  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral; or pieces of the surface, surface_shares.c,
+  for which g is what it was at the end of the last step, plus the change of d). Coulomb friction bounds the
   traction: where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k'. So a patch that sticks
   gives by t/k', which is all the regularisation there is; k' = k where nothing may slide, and k/10 elsewhere. L is no more than what the material itself bears in shear where its law
   says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
@@ -437,6 +438,29 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The points of a bilateral patch keep its gap. */
+static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                               MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const char *field = contacts->boundaries[b].gap_field;
+    PetscReal  *gap;
+
+    if (!contacts->boundaries[b].bilateral) continue;
+    PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&gap));
+    PetscCall(PetscArrayzero(gap, sum->points->count));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
+        gap[contacts->facet[f].point] = answers[k].gap + patch->shift;
+    }
+    PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&gap));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reactions, moments and depths of the converged step; keeps the slips. */
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
@@ -457,6 +481,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(KeepPressures(contacts, sum, answers, particles));
+  PetscCall(KeepGaps(contacts, sum, answers, particles));
   PetscCall(PetscFree(answers));
   PetscCall(MpmPatchWorkDestroy(&work));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));

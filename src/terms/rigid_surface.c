@@ -135,6 +135,10 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(MpmFreedomRead(&block, boundary, &boundary->freedom));
   PetscCall(ReadMethod(&block, name, boundary));
   PetscCall(ReadPoints(options, name, grid, boundary));
+  if (bilateral) {
+    PetscCall(PetscSNPrintf(field, sizeof(field), "held_%s", name));
+    PetscCall(PetscStrallocpy(field, &boundary->gap_field));
+  }
   for (PetscInt a = 0; boundary->tangential && a < grid->dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
     PetscCall(PetscStrallocpy(field, &boundary->slip_field[a]));
@@ -147,6 +151,7 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(boundary->name));
   PetscCall(PetscFree(boundary->pressure_field));
+  PetscCall(PetscFree(boundary->gap_field));
   PetscCall(MpmSolidDestroy(&boundary->solid));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(boundary->slip_field[a]));
   PetscCall(MpmRegionDestroy(&boundary->region));
