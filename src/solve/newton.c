@@ -361,8 +361,8 @@ typedef struct {
 /*
   Where a penalty is stiff, the slope's zero lies where the first patch touches, and a line search that stops there takes an
   iteration a patch. Full steps, each of which finds the patches that touch after the last one, get on: so one is taken although the slope
-  forbids it, and two more may follow. Unless the residual is then below what it was, `back` says to return to the start, *step becomes that
-  first one, and the line search has its way.
+  forbids it, another may follow, and more as long as the residual falls. When it rises, and is not below what it was at first,
+  `back` says to return to the start, *step becomes that first one, and the line search has its way.
 */
 static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step, PetscBool fine, PetscBool *take,
                                 PetscBool *back)
@@ -372,15 +372,15 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
   PetscFunctionBeginUser;
   *take = *back = PETSC_FALSE;
   if (excursion->x && step->norm <= EXCURSION_GAIN * excursion->norm) PetscCall(MpmExcursionEnd(excursion));
-  if (excursion->x && !excursion->left) {
+  if (excursion->x && !excursion->more && step->norm > step->norm_start) {
     *back = PETSC_TRUE;
     PetscCall(VecCopy(excursion->x, X));
     PetscCall(VecCopy(excursion->y, Y));
     *step = (FullStep){excursion->norm, excursion->start, step->norm, excursion->slope};
     PetscCall(MpmExcursionEnd(excursion));
   } else if (excursion->x) {
-    excursion->left--;
-    *take = PETSC_TRUE;
+    excursion->more = PETSC_FALSE;
+    *take           = PETSC_TRUE;
   } else if (fine) *take = PETSC_TRUE;
   else if (HasContact(solver) && step->norm > step->norm_start && step->slope < -EXCURSION_KINK * step->start) {
     PetscCall(VecDuplicate(X, &excursion->x));
@@ -390,7 +390,7 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
     excursion->norm  = step->norm_start;
     excursion->start = step->start;
     excursion->slope = step->slope;
-    excursion->left  = 1;
+    excursion->more  = PETSC_TRUE;
     *take            = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

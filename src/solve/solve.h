@@ -38,7 +38,7 @@ typedef struct {
 typedef struct {
   Vec       x, y;               /* where it started, and its direction; NULL: there is none */
   PetscReal norm, start, slope; /* the residual's norm there, and the slopes there and at its end */
-  PetscInt  left;               /* more steps that may follow it */
+  PetscBool more;               /* another step may follow it in any case */
 } MpmExcursion;
 
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
