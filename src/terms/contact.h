@@ -14,9 +14,9 @@ typedef struct {
   PetscInt   corner;                         /* 0, or the id of the point whose edge or corner it is, and 1 */
   PetscInt64 cell;                           /* of the point's centre */
   PetscReal place[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start; the boundary's normal */
-  PetscReal distance;                                                   /* at the step's start, from */
-  PetscBool flat;                                                       /* a flat face, which counts in this step */
-  PetscReal area;                                                       /* projected on the boundary, m^(dim-1) */
+  PetscReal distance;                                                   /* at the step's start */
+  PetscInt  side;    /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
+  PetscReal area;    /* projected on the boundary, m^(dim-1) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
 } MpmFacet;
 

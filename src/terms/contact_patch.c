@@ -103,7 +103,7 @@ static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, foot[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    if (!facet->flat) {
+    if (!facet->side) {
       MpmBoundaryDistance(boundary, after, at, surface);
       continue;
     }
