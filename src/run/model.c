@@ -524,6 +524,27 @@ static PetscErrorCode BeginStages(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Finds the points that are tracked, moved and followed, and what stages ask for. */
+static PetscErrorCode SelectPoints(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt t = 0; t < model->results->tracks.count; t++)
+    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
+  PetscCall(MpmLinesSelect(model));
+  for (PetscInt m = 0; m < model->scene.motions->count; m++)
+    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
+  PetscCall(MpmMovingGridSelect(model));
+  PetscCall(MpmStagesSelect(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What stages note of the points as they start. */
+static void AddStageFields(const MpmModel model, const char *fields[], PetscInt *count)
+{
+  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
+  if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
+}
+
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
@@ -562,8 +583,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
     if (model->scene.boundaries->at[k].bilateral) fields[extra++] = model->scene.boundaries->at[k].gap_field;
   }
-  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
-  if (MpmStagesControlError(model)) fields[extra++] = MpmTimeErrorField;
+  AddStageFields(model, fields, &extra);
 
   for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;
   if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);
@@ -595,13 +615,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
-  for (PetscInt t = 0; t < model->results->tracks.count; t++)
-    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
-  PetscCall(MpmLinesSelect(model));
-  for (PetscInt m = 0; m < model->scene.motions->count; m++)
-    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
-  PetscCall(MpmMovingGridSelect(model));
-  PetscCall(MpmStagesSelect(model));
+  PetscCall(SelectPoints(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(BeginStages(model));
   PetscFunctionReturn(PETSC_SUCCESS);

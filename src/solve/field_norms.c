@@ -22,6 +22,7 @@ PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[])
   const PetscInt     bs = layout->block, fields = layout->field_count;
   PetscInt           n;
   const PetscScalar *values;
+  PetscInt           n;
 
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(norm, fields));
@@ -55,6 +56,7 @@ static PetscErrorCode Mask(const MpmSolver *solver, PetscInt field, PetscBool wi
   const PetscInt   bs     = layout->block;
   PetscInt         n;
   PetscScalar     *values;
+  PetscInt         n;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetLocalSize(v, &n));
@@ -86,6 +88,7 @@ PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y)
 
   PetscFunctionBeginUser;
   if (layout->field_count < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetLocalSize(x, &n));
   PetscCall(SNESGetJacobian(solver->snes, &J, NULL, NULL, NULL));
   PetscCall(VecDuplicate(y, &change));
   PetscCall(VecDuplicate(y, &part));

@@ -628,6 +628,7 @@ PetscErrorCode MpmSolverDestroy(MpmSolver *solver)
 {
   PetscFunctionBeginUser;
   PetscCall(SNESDestroy(&solver->snes));
+  PetscCall(MpmExcursionEnd(&solver->excursion));
   PetscCall(MatDestroy(&solver->jacobian));
   PetscCall(MatDestroy(&solver->shell));
   PetscCall(MpmFieldsplitReset(&solver->split));
