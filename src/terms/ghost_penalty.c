@@ -526,12 +526,28 @@ static PetscInt Components(const MpmSum *sum)
   return layout->ghost && layout->block == dim + 1 && !layout->shape_of[dim] ? dim + 1 : dim;
 }
 
+/* Does the face's matrix reach into dry ground? The slope of the pressure jumps where that begins. */
+static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
+{
+  const MpmDryGround *dry = &sum->dry;
+  const PetscInt      a   = dry->axis;
+  PetscInt            at[MPM_MAX_DIM];
+  PetscReal           top;
+
+  if (!dry->any) return PETSC_FALSE;
+  MpmSpaceAt(sum->space, face->first, at);
+  if (dry->up > 0) at[a] += face->degree + (a == face->axis ? 1 : 0);
+  top = (PetscReal)dry->up * (sum->grid->lower[a] + sum->grid->h[a] * (PetscReal)at[a]);
+  return (PetscBool)(top > dry->from + MPM_TOLERANCE * sum->grid->h[a]);
+}
+
 /* What a face's matrix is multiplied by, for one of them. */
 static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
 {
   PetscReal factor[2];
 
   if (c < sum->layout->dim) return face->stiffness;
+  if (IsDry(sum, face)) return 0.;
   for (PetscInt k = 0; k < 2; k++) {
     const MpmMaterial       *material = &sum->materials[face->material[k]];
     const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, sum->layout->dim);
