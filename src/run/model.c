@@ -560,6 +560,7 @@ static PetscErrorCode FillParts(MpmModel model)
 static PetscErrorCode BeginStages(MpmModel model)
 {
   PetscFunctionBeginUser;
+  MpmSurfacesSetBodies(model);
   PetscCall(MpmStageBegin(model, 0));
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
                                  model->state.particles));
@@ -631,7 +632,6 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(FillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(FillParts(model));
-  MpmSurfacesSetBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
