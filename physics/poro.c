@@ -45,5 +45,5 @@ MPM_KERNEL(poro, PORO_INPUTS, PoroKernel)
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(poro, .summary = "saturated ground: displacement and pore pressure (Biot's consolidation at finite strain)",
-            PORO_PHYSICS, .traits = MPM_PHYSICS_STAGES, .fbar = "poro_fbar")
+            PORO_PHYSICS, .traits = PORO_TRAITS, .fbar = "poro_fbar")
 #endif

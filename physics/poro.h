@@ -254,9 +254,28 @@ static void PoroInitial(const MpmPhysicsMaterial *material, const double *value,
   }
 }
 
+/* What a step lets through and what the stabilisation stores, of a pressure whose second difference over a cell is one. */
+static double PoroGhost(const MpmPhysicsMaterial *material, const double *value, double dt, double h)
+{
+  const MpmLawInfo *info = material->info;
+  const double      mu   = info->shear_modulus ? info->shear_modulus(material->parameter, material->table, NULL, NULL)
+                                               : info->stiffness(material->parameter, material->table, NULL, NULL) / 3.;
+  double            mobility = 0.;
+
+  for (int a = 0; a < material->dim; a++) mobility = fmax(mobility, value[PORO_MOBILITY + a]);
+  return -(dt * mobility + 0.5 * h * h / mu);
+}
+
+/* Where geometry and permeability stay, what displacement does to water is what pressure does to momentum, transposed. */
+static int PoroSymmetric(const MpmPhysicsMaterial *material, const double *value)
+{
+  return (material->info->traits & MPM_LAW_SMALL_STRAIN) && (int)value[PORO_PERMEABILITY_LAW] == PORO_CONSTANT;
+}
+
+#define PORO_TRAITS (MPM_PHYSICS_STAGES | MPM_PHYSICS_SADDLE | MPM_PHYSICS_SYMMETRIC)
 #define PORO_PHYSICS \
   .field_count = MPM_ROWS(poro_fields), .fields = poro_fields, .parameter_count = MPM_ROWS(poro_parameters), \
   .parameters = poro_parameters, .common_count = MPM_ROWS(poro_common), .common = poro_common, \
   .state_count = MPM_ROWS(poro_states), .states = poro_states, .taken_up = 1, .prepare = PoroPrepare, \
-  .initial = PoroInitial
+  .initial = PoroInitial, .ghost = PoroGhost, .symmetric = PoroSymmetric
 #endif

@@ -70,5 +70,5 @@ MPM_KERNEL_MEAN(poro_fbar, INPUTS, PoroFbarKernel, PoroFbarMean, PoroFbarTangent
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(poro_fbar, .summary = "saturated ground with the volume change averaged over cells", PORO_PHYSICS,
-            .traits = MPM_PHYSICS_INTERNAL | MPM_PHYSICS_STAGES)
+            .traits = PORO_TRAITS | MPM_PHYSICS_INTERNAL)
 #endif

@@ -36,6 +36,13 @@ MpmRegionType  MpmRegionGetType(MpmRegion region);
 PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal upper[]);
 
 /*
+  The surface that cut a lattice of boxes of these half-lengths, seen from the middle x of one inside the region: the nearest
+  within reach, whose outward normal and depth below it, >= 0, are returned. Straight surfaces across an axis are none: boxes end there.
+*/
+PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal half[], PetscReal normal[],
+                       PetscReal *depth);
+
+/*
   Reads -<prefix>vertices, a polygon that does not meet itself: x and y of `count` vertices in order; free with
   PetscFree(). With -help there may be none.
 */

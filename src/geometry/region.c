@@ -446,3 +446,82 @@ PetscBool MpmRegionContains(MpmRegion region, const PetscReal x[])
     return PETSC_TRUE;
   }
 }
+
+/* ---- the surface ---- */
+
+#define ALIGNED 1e-6  /* sine of the angle to an axis */
+#define MORE    1.001 /* a box right on the edge may be another region's */
+
+/* A piece of the surface, where it is nearer than the one that was found before. */
+typedef struct {
+  const PetscReal *half;
+  PetscReal        depth, normal[MPM_REGION_DIM];
+} Cut;
+
+/* Would the next box on some axis have its middle beyond the surface? */
+static void Nearer(MpmRegion region, const PetscReal normal[], PetscReal depth, PetscBool straight, Cut *cut)
+{
+  PetscReal reach = 0., across = 1.;
+
+  for (PetscInt a = 0; a < region->dim; a++) {
+    reach  = PetscMax(reach, 2. * cut->half[a] * PetscAbsReal(normal[a]));
+    across = PetscMin(across, 1. - PetscAbsReal(normal[a]));
+  }
+  if (depth > MORE * reach || depth < -2. * ToleranceAlong(region, normal, 1.) || depth >= cut->depth) return;
+  if (straight && across < 0.5 * PetscSqr(ALIGNED)) return;
+  cut->depth = PetscMax(depth, 0.);
+  for (PetscInt a = 0; a < region->dim; a++) cut->normal[a] = normal[a];
+}
+
+/* The edges that x stands before, or just beside. */
+static void CutByPolygon(MpmRegion region, const PetscReal x[], Cut *cut)
+{
+  const PetscInt n    = region->vertex_count;
+  PetscReal      turn = 0., beside = 0.;
+
+  for (PetscInt a = 0; a < 2; a++) beside += 2. * cut->half[a];
+  for (PetscInt i = 1; i + 1 < n; i++)
+    turn += Cross(region->vertices, &region->vertices[2 * i], &region->vertices[2 * i + 2]);
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal *a = &region->vertices[2 * i], *b = &region->vertices[2 * ((i + 1) % n)], *unit = region->tolerance;
+    const PetscReal  e[2]   = {(b[0] - a[0]) * unit[0], (b[1] - a[1]) * unit[1]};
+    const PetscReal  d[2]   = {x[0] - a[0] * unit[0], x[1] - a[1] * unit[1]};
+    const PetscReal  length = hypot(e[0], e[1]), along = (d[0] * e[0] + d[1] * e[1]) / length;
+    const PetscReal  sign = turn > 0. ? 1. : -1., normal[3] = {sign * e[1] / length, -sign * e[0] / length, 0.};
+
+    if (along > -beside && along < length + beside)
+      Nearer(region, normal, -(d[0] * normal[0] + d[1] * normal[1]), PETSC_TRUE, cut);
+  }
+}
+
+PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal half[], PetscReal normal[],
+                       PetscReal *depth)
+{
+  const PetscInt dim               = region->dim;
+  PetscReal      d[MPM_REGION_DIM] = {0., 0., 0.}, along = 0., norm;
+  Cut            cut = {.half = half, .depth = PETSC_INFINITY};
+
+  for (PetscInt a = 0; a < dim; a++) {
+    d[a] = x[a] - region->center[a];
+    along += d[a] * region->axis[a];
+  }
+  if (region->type == MPM_REGION_POLYGON) CutByPolygon(region, x, &cut);
+  if (region->type == MPM_REGION_CYLINDER) {
+    for (PetscInt a = 0; a < dim; a++) {
+      d[a] -= along * region->axis[a];
+      normal[a] = -region->axis[a];
+    }
+    if (region->length >= 0.) {
+      Nearer(region, normal, along, PETSC_TRUE, &cut);
+      Nearer(region, region->axis, region->length - along, PETSC_TRUE, &cut);
+    }
+  }
+  if (region->type == MPM_REGION_SPHERE || region->type == MPM_REGION_CYLINDER) {
+    norm = Norm(dim, d);
+    for (PetscInt a = 0; a < dim; a++) normal[a] = norm > 0. ? d[a] / norm : 0.;
+    if (norm > 0.) Nearer(region, normal, region->radius - norm, PETSC_FALSE, &cut);
+  }
+  for (PetscInt a = 0; a < dim; a++) normal[a] = cut.normal[a];
+  *depth = cut.depth;
+  return (PetscBool)(cut.depth < PETSC_INFINITY);
+}

@@ -41,5 +41,5 @@ void MpmSolidMiddle(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM]);
 PetscBool MpmSolidIsRound(const MpmSolid *solid);
 /* At a place x, with the radius grown by this much. On edges and axes, where the gradient jumps, one side's is given. */
 void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x[], MpmSurface *surface);
-/* Of a box, the same by the face with a normal nearest to `normal` alone, as if it had no edge; else nothing changes. */
-void MpmSolidFaceDistance(const MpmSolid *solid, const PetscReal normal[], const PetscReal x[], MpmSurface *surface);
+/* Is it made of flat faces? */
+PetscBool MpmSolidHasFaces(const MpmSolid *solid);

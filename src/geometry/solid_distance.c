@@ -224,16 +224,16 @@ void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x
   if (solid->side < 0.) MpmSurfaceFlip(dim, surface);
 }
 
-void MpmSolidFaceDistance(const MpmSolid *solid, const PetscReal normal[], const PetscReal x[], MpmSurface *surface)
+PetscBool MpmSolidHasFaces(const MpmSolid *solid)
 {
-  PetscInt face = 0;
-
-  if (solid->type != MPM_SOLID_BOX || solid->side < 0.) return;
-  for (PetscInt a = 1; a < solid->dim; a++)
-    if (PetscAbsReal(normal[a]) > PetscAbsReal(normal[face])) face = a;
-  if (PetscAbsReal(normal[face]) < 1. - STRAIGHT) return;
-  const PetscReal sign = normal[face] < 0. ? -1. : 1.;
-
-  *surface              = (MpmSurface){.distance = sign * (x[face] - solid->point[face]) - solid->half[face]};
-  surface->normal[face] = sign;
+  switch (solid->type) {
+  case MPM_SOLID_BOX:
+  case MPM_SOLID_POLYGON:
+  case MPM_SOLID_STL:
+    return PETSC_TRUE;
+  case MPM_SOLID_CONE:
+    return (PetscBool)(solid->dim == 2);
+  default:
+    return PETSC_FALSE;
+  }
 }

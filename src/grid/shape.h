@@ -54,6 +54,7 @@ typedef struct {
   PetscInt   first, count; /* the first node with a weight, and how many, <= MpmShapeWidth() */
   PetscReal *weight;
   PetscReal *gradient; /* derivatives by xi (divide by h for d/dx) */
+  PetscReal *mean;     /* means over the cell, which MpmShapeMean() makes */
 } MpmShapeLine;
 
 /* Overlaps with an interval that are smaller than this part of the domain are rounding. */
@@ -89,8 +90,8 @@ void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscRe
 void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal by, PetscInt edge_lower,
                     PetscInt edge_upper, MpmShapeLine *line);
 /*
-  The mean over the cell of what the nodes of `line` carry (shape_mean.c): mean[k] of its k-th node; where the domain lies in
-  several cells, its part in each counts. Arguments as above, with the line that MpmShapeEvaluate() has made.
+  The means over the cell of what the nodes of a line carry that MpmShapeEvaluate() has made (shape_mean.c); where the domain
+  lies in several cells, its part in each counts. Arguments as above.
 */
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
-                  PetscInt edge_upper, const MpmShapeLine *line, PetscReal mean[]);
+                  PetscInt edge_upper, const MpmShapeLine *line);

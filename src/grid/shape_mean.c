@@ -13,8 +13,9 @@
   Adds a node's share. Nodes that the point does not touch have the value that those which it does touch extend to
   linearly: no node gets an unknown by its mean alone, and means of linear fields stay what they are.
 */
-static void AddNode(const MpmShapeLine *line, PetscInt node, PetscReal share, PetscReal mean[])
+static void AddNode(const MpmShapeLine *line, PetscInt node, PetscReal share)
 {
+  PetscReal     *mean = line->mean;
   const PetscInt k = node - line->first, last = line->count - 1;
 
   if (k >= 0 && k <= last) mean[k] += share;
@@ -29,7 +30,7 @@ static void AddNode(const MpmShapeLine *line, PetscInt node, PetscReal share, Pe
 }
 
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
-                  PetscInt edge_upper, const MpmShapeLine *line, PetscReal mean[])
+                  PetscInt edge_upper, const MpmShapeLine *line)
 {
   static const MpmShapeType at_point[] = {MPM_SHAPE_LINEAR, MPM_SHAPE_LINEAR, MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3};
   const PetscInt            degree     = MpmShapeDegree(type);
@@ -39,14 +40,14 @@ void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal h
   PetscInt                  high  = PetscClipInterval((PetscInt)ceil(xi + reach) - 1, low, edge_upper - 1);
 
   if (l <= MPM_SHAPE_POINT) high = low;
-  for (PetscInt k = 0; k < line->count; k++) mean[k] = 0.;
+  for (PetscInt k = 0; k < line->count; k++) line->mean[k] = 0.;
   for (PetscInt c = low; c <= high; c++) {
     const PetscReal from = c == low ? xi - l : (PetscReal)c, to = c == high ? xi + l : (PetscReal)(c + 1);
     const PetscReal part = low == high ? 1. : (to - from) / (2. * l);
 
     if (degree == 1) {
-      AddNode(line, c, 0.5 * part, mean);
-      AddNode(line, c + 1, 0.5 * part, mean);
+      AddNode(line, c, 0.5 * part);
+      AddNode(line, c + 1, 0.5 * part);
       continue;
     }
     for (PetscInt q = 0; q < 4; q++) {
@@ -55,7 +56,7 @@ void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal h
       MpmShapeLine    here = {.weight = weight, .gradient = unused};
 
       MpmShapeEvaluate(at_point[degree], edge, at, 0., edge_lower, edge_upper, &here);
-      for (PetscInt k = 0; k < here.count; k++) AddNode(line, here.first + k, 0.25 * part * weight[k], mean);
+      for (PetscInt k = 0; k < here.count; k++) AddNode(line, here.first + k, 0.25 * part * weight[k]);
     }
   }
 }

@@ -88,7 +88,7 @@ PetscErrorCode MpmOptionsWord(const MpmOptions *options, const char *name, const
 PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
                               MpmNeed need, char **value);
 /*
-  A comma-separated list of names of blocks: letters, digits and underscores, no two alike. Free with MpmNamesDestroy().
+  A comma-separated list of names: letters, digits and underscores, no two alike. Free with MpmNamesDestroy().
 */
 PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
                                PetscInt *count, char ***names);

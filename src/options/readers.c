@@ -470,10 +470,11 @@ static PetscErrorCode CheckName(const Item *item, const ItemSpec *spec, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
-                               PetscInt *count, char ***names)
+/* `accepted`: what kind of names, for -help. */
+static PetscErrorCode ReadNames(const MpmOptions *options, const char *name, const char *help, const char *accepted,
+                                MpmNeed need, PetscInt *count, char ***names)
 {
-  const ItemSpec spec = {name, help, NULL, "names of blocks, comma-separated", NULL, need, PETSC_FALSE, PETSC_FALSE};
+  const ItemSpec spec = {name, help, NULL, accepted, NULL, need, PETSC_FALSE, PETSC_FALSE};
   Item           item;
 
   PetscFunctionBegin;
@@ -490,12 +491,20 @@ PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
+                               PetscInt *count, char ***names)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadNames(options, name, help, "names, comma-separated", need, count, names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
                                 PetscInt *count, char ***names)
 {
   PetscFunctionBegin;
   PetscCall(MpmOptionsHeading(options, list));
-  PetscCall(MpmOptionsNames(options, list, help, need, count, names));
+  PetscCall(ReadNames(options, list, help, "names of blocks, comma-separated", need, count, names));
   if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   *count = 1;
   PetscCall(PetscMalloc1(1, names));

@@ -303,6 +303,19 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
   return count;
 }
 
+/* The surface of the body's region, where it cut the lattice of points. */
+static void FillCuts(const MpmBody body, PetscInt dim, PetscInt first, PetscInt end, MpmPoints *points)
+{
+  for (PetscInt p = first; points->cut && p < end; p++) {
+    PetscReal *cut = &points->cut[p * (dim + 1)];
+
+    if (!body->imported &&
+        MpmRegionCut(body->region, &points->x[p * dim], &points->half_length[p * dim], cut, &cut[dim]))
+      continue;
+    for (PetscInt a = 0; a <= dim; a++) cut[a] = 0.;
+  }
+}
+
 /* Points of bodies on a lattice start without stress, with the history that the scene gives. */
 static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const MpmParticles *particles, PetscInt first,
                        PetscInt end, MpmPoints *points)
@@ -329,6 +342,7 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   PetscFunctionBeginUser;
   if (!body->imported) {
     *first += FillCells(body, grid, id, begin, points);
+    FillCuts(body, grid->dim, begin, *first, points);
     FillAtRest(body, materials, particles, begin, *first, points);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -339,6 +353,7 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   }
   for (PetscInt p = begin; p < *first && points->state; p++)
     MpmMaterialStateAtRest(&materials[body->material], grid->dim, &points->state[p * particles->state_size]);
+  FillCuts(body, grid->dim, begin, *first, points);
   PetscCall(MpmImportedPlace(body->imported, grid->dim, begin, points));
   for (PetscInt p = begin; p < *first && points->state; p++)
     MpmBodyInitialFill(body->initial, grid->dim, Height(body, &points->x[p * grid->dim]),

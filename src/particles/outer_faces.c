@@ -37,6 +37,23 @@ void MpmOuterFace(PetscInt dim, const PetscReal F[], const PetscReal half[], Pet
   }
 }
 
+PetscReal MpmOuterNormal(PetscInt dim, const PetscReal F[], const PetscReal N[], PetscReal n[])
+{
+  const PetscReal half[MPM_MAX_DIM]     = {0.5, 0.5, 0.5};
+  PetscReal       cofactor[MPM_MAX_DIM] = {0., 0., 0.}, length = 0.;
+
+  for (PetscInt axis = 0; axis < dim; axis++) {
+    PetscReal unused[MPM_MAX_DIM], area[MPM_MAX_DIM];
+
+    MpmOuterFace(dim, F, half, axis, 1, unused, area);
+    for (PetscInt a = 0; a < dim; a++) cofactor[a] += N[axis] * area[a];
+  }
+  for (PetscInt a = 0; a < dim; a++) length += PetscSqr(cofactor[a]);
+  length = PetscSqrtReal(length);
+  for (PetscInt a = 0; a < dim; a++) n[a] = cofactor[a] / length;
+  return MpmDeterminant(dim, F) / length;
+}
+
 /* A domain that may cover a probe: its place, its part, and the inverse of F diag(l). */
 typedef struct {
   PetscReal x[MPM_MAX_DIM], inverse[MPM_MAX_DIM * MPM_MAX_DIM], part;

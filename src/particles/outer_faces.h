@@ -20,5 +20,10 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
 /* The vector from a point's centre to the middle of a face, and the face's outward area vector, m^(dim-1), both by F. */
 void MpmOuterFace(PetscInt dim, const PetscReal F[], const PetscReal half[], PetscInt axis, PetscInt side,
                   PetscReal arm[], PetscReal area[]);
+/*
+  The unit normal, by F, of planes of the material that had the normal N at the start; returns how far apart they stand now, over
+  then: 1/|F^-T N|.
+*/
+PetscReal MpmOuterNormal(PetscInt dim, const PetscReal F[], const PetscReal N[], PetscReal n[]);
 /* The points' field of them, for points where they are; of particles that have it. */
 PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid);

@@ -55,6 +55,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (fields->faces) PetscCall(Register(particles, "faces", 1, PETSC_INT));
   if (fields->part) PetscCall(Register(particles, "part", 1, PETSC_INT));
+  if (fields->part) PetscCall(Register(particles, "cut", dim + 1, PETSC_REAL));
   if (fields->state_size) PetscCall(Register(particles, "state", fields->state_size, PETSC_REAL));
   if (fields->own_size) PetscCall(Register(particles, "own", fields->own_size, PETSC_REAL));
   if (fields->increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
@@ -106,6 +107,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->has_increment) PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->has_faces) PetscCall(DMSwarmGetField(swarm, "faces", NULL, NULL, (void **)&points->faces));
   if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "part", NULL, NULL, (void **)&points->part));
+  if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "cut", NULL, NULL, (void **)&points->cut));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
   if (particles->rates)
     PetscCall(DMSwarmGetField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));
@@ -134,6 +136,7 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
     PetscCall(DMSwarmRestoreField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->has_faces) PetscCall(DMSwarmRestoreField(swarm, "faces", NULL, NULL, (void **)&points->faces));
   if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "part", NULL, NULL, (void **)&points->part));
+  if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "cut", NULL, NULL, (void **)&points->cut));
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
   if (particles->rates)
     PetscCall(DMSwarmRestoreField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));

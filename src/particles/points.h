@@ -16,6 +16,8 @@ typedef struct MpmPoints {
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
   PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */
   PetscInt  *part;        /* of the material; parts have nodes of their own. With more parts than one only */
+  PetscReal *cut; /* at the start: normal of the surface that cut the lattice of points there, and depth below it, m;
+                             or zeros. With more parts than one only */
   PetscReal *volume0;
   PetscReal *mass;   /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
   PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */

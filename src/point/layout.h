@@ -36,7 +36,10 @@ typedef struct MpmLayout {
   MpmScale    scale[MPM_MAX_BLOCK];
   PetscInt    own_size; /* numbers that the physics keeps of a point */
   PetscInt    taken_up; /* place, among the physics' values, of the density of what points take up; -1: nothing */
+  PetscBool   saddle;   /* the Jacobian is that of a saddle point */
   PetscBool   solid;    /* the displacement's gradient is all that the kernel sees */
+  double (*ghost)(const MpmPhysicsMaterial *material, const double *value, double dt,
+                  double h); /* as the physics has it */
   const MpmKernelSet *kernel;
 } MpmLayout;
 

@@ -148,8 +148,10 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
   layout->taken_up = physics->taken_up - 1;
   for (int k = 0; physics->taken_up && k < physics->parameter_count; k++)
     layout->taken_up += MpmParameterPlaces(&physics->parameters[k]);
-  layout->means = layout->kernel->mean ? 1 : 0;
-  layout->solid = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
+  layout->means  = layout->kernel->mean ? 1 : 0;
+  layout->ghost  = physics->ghost;
+  layout->saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
+  layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
   PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
                layout->kernel->direction && layout->kernel->tangent,
              PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,

@@ -501,6 +501,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
+  if (!MpmSceneIsSymmetric(model)) model->solver.symmetric = PETSC_FALSE;
   PetscCall(MpmWaterRead(model, options));
   PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
                              &model->results->tracks.count, &model->results->tracks.names));
@@ -513,49 +514,6 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The physics' own states of the points as they start. */
-static PetscErrorCode FillOwnStates(MpmModel model)
-{
-  const MpmPhysics *physics = &model->scene.physics;
-  MpmPoints         points;
-
-  PetscFunctionBeginUser;
-  if (!model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) {
-    const MpmMaterial *material = &model->scene.materials->at[points.material[p]];
-    PetscReal         *own      = &points.own[p * model->disc.layout->own_size];
-
-    MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim, own);
-    if (physics->initial) {
-      const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, model->disc.dim);
-
-      physics->initial(&of, material->physics_parameter,
-                       points.state ? &points.state[p * model->state.particles->state_size] : NULL, own);
-    }
-  }
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Which part of the material each point belongs to. */
-static PetscErrorCode FillParts(MpmModel model)
-{
-  const MpmBodies *bodies = model->scene.bodies;
-  PetscInt        *body_of;
-  MpmPoints        points;
-
-  PetscFunctionBeginUser;
-  if (model->disc.parts == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscMalloc1(points.count, &body_of));
-  MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
-  for (PetscInt p = 0; p < points.count; p++) points.part[p] = bodies->part[body_of[p]];
-  PetscCall(PetscFree(body_of));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The first stage of a run that does not go on from a checkpoint. */
 static PetscErrorCode BeginStages(MpmModel model)
 {
@@ -565,6 +523,27 @@ static PetscErrorCode BeginStages(MpmModel model)
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
                                  model->state.particles));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the points that are tracked, moved and followed, and what stages ask for. */
+static PetscErrorCode SelectPoints(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt t = 0; t < model->results->tracks.count; t++)
+    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
+  PetscCall(MpmLinesSelect(model));
+  for (PetscInt m = 0; m < model->scene.motions->count; m++)
+    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
+  PetscCall(MpmMovingGridSelect(model));
+  PetscCall(MpmStagesSelect(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What stages note of the points as they start. */
+static void AddStageFields(const MpmModel model, const char *fields[], PetscInt *count)
+{
+  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
+  if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
 }
 
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
@@ -605,8 +584,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
     if (model->scene.boundaries->at[k].bilateral) fields[extra++] = model->scene.boundaries->at[k].gap_field;
   }
-  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[extra++] = MpmReductionFields[a];
-  if (MpmStagesControlError(model)) fields[extra++] = MpmTimeErrorField;
+  AddStageFields(model, fields, &extra);
 
   for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;
   if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);
@@ -629,21 +607,15 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
-  PetscCall(FillOwnStates(model));
+  PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
-  PetscCall(FillParts(model));
+  PetscCall(MpmFillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
-  for (PetscInt t = 0; t < model->results->tracks.count; t++)
-    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
-  PetscCall(MpmLinesSelect(model));
-  for (PetscInt m = 0; m < model->scene.motions->count; m++)
-    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
-  PetscCall(MpmMovingGridSelect(model));
-  PetscCall(MpmStagesSelect(model));
+  PetscCall(SelectPoints(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(BeginStages(model));
   PetscFunctionReturn(PETSC_SUCCESS);

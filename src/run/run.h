@@ -144,6 +144,11 @@ PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
 PetscErrorCode MpmWeldsPrint(MpmModel model);
 /* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c). */
 PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options);
+/* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */
+PetscErrorCode MpmFillOwnStates(MpmModel model);
+PetscErrorCode MpmFillParts(MpmModel model);
+/* Is the Jacobian symmetric, as far as the physics knows (symmetry.c)? Once materials, loads and surfaces are read. */
+PetscBool MpmSceneIsSymmetric(MpmModel model);
 /*
   Surfaces of bodies (surfaces_read.c): their blocks, behind the boundaries'; which points are those of their bodies, once they are there;
   and their part in the discretization, once that is set up.

@@ -47,6 +47,7 @@ static const struct {
   RESULTS("run", INT64, checkpoint.run),
   MODEL("stage", INT, state.stage),
   MODEL("stage_start", REAL, state.time_start),
+  MODEL("points_put_back", BOOL, disc.put_back),
   MODEL("reference_output", BOOL, state.reference_output),
   MODEL("reduction_height", REAL, state.safety.height),
   MODEL("factor_of_safety", REAL, state.safety.factor),

@@ -30,6 +30,7 @@ typedef struct {
   MpmPlace          summed;    /* where the Jacobian's sums, which wait in the matrix, were made */
   PetscBool         assembled; /* the matrix holds the Jacobian of the last solve */
   PetscReal         reference; /* residual of the step at zero displacement */
+  PetscBool         predicted; /* Newton starts from the increment extrapolated from the last steps */
   PetscBool         lag;       /* may a Jacobian serve for more than one iteration? */
   PetscBool         lagged;    /* has the last one? */
   PetscBool         solving;   /* SNES is at work: others who ask for a Jacobian get a new one */

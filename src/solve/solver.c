@@ -142,6 +142,8 @@ static PetscErrorCode CheckTypes(MpmSolver *solver)
 #define DIRECT_MOST_2D      1e6
 #define DIRECT_MOST_3D      5e3
 #define DIRECT_MOST_FBAR_3D 1e5
+#define DIRECT_MOST_PORO_2D 2e4
+#define DIRECT_MOST_PORO_3D 5e3
 
 /* What `auto` takes, and why. */
 static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const char **name)
@@ -150,7 +152,14 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
   char      why[128];
 
   PetscFunctionBeginUser;
-  if (solver->jacobian_type == MPM_JACOBIAN_MATFREE) {
+  if (solver->disc->layout->saddle) {
+    most = solver->disc->dim == 2 ? DIRECT_MOST_PORO_2D : DIRECT_MOST_PORO_3D;
+    if (!MpmFieldsplitServes(solver->disc->layout)) most = PETSC_INFINITY;
+    *name = unknowns <= most ? "direct" : "poro-fieldsplit";
+    PetscCall(PetscSNPrintf(why, sizeof(why),
+                            "auto: %" PetscInt_FMT "D, a saddle point of about %.0f unknowns, direct up to %.0f",
+                            solver->disc->dim, (double)unknowns, (double)most));
+  } else if (solver->jacobian_type == MPM_JACOBIAN_MATFREE) {
     *name = "pbjacobi";
     PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
   } else {
@@ -232,14 +241,49 @@ static PetscErrorCode TuneMultigrid(PetscBool contacts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The pressure's multigrid: BoomerAMG where PETSc has it, which jumps of permeability by many orders do not disturb. */
+static PetscErrorCode TuneFieldsplit(void)
+{
+  PetscFunctionBeginUser;
+#if defined(PETSC_HAVE_HYPRE)
+  PetscCall(OptionDefault("-fieldsplit_p_pc_type", "hypre"));
+#else
+  PetscCall(OptionDefault("-fieldsplit_p_pc_type", "gamg"));
+  PetscCall(OptionDefault("-fieldsplit_p_mg_levels_pc_type", "sor"));
+#endif
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Presets and preconditioners that a physics of several fields, or of one, cannot take. */
+static PetscErrorCode CheckSuits(const MpmSolver *solver)
+{
+  const MpmLayout *layout   = solver->disc->layout;
+  const PetscBool  definite = (PetscBool)(strcmp(solver->name, "auto") && strcmp(solver->name, "direct") &&
+                                         strcmp(solver->name, "poro-fieldsplit"));
+  char             type[64] = "";
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(strcmp(solver->name, "poro-fieldsplit") || (layout->saddle && MpmFieldsplitServes(layout)),
+                "-mpm_solver poro-fieldsplit: needs a displacement and a pressure, must be another with this physics");
+  MpmCheckInput(!definite || !layout->saddle,
+                "-mpm_solver %s: needs a definite Jacobian, must be auto, direct or poro-fieldsplit with this physics",
+                solver->name);
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_type", type, sizeof(type), NULL));
+  MpmCheckInput(strcmp(type, "band") || layout->field_count == 1,
+                "-pc_type band: is for one field, must be cholesky or lu with this physics");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
 {
   const char *name = solver->name;
   PetscBool   direct;
 
   PetscFunctionBeginUser;
+  PetscCall(CheckSuits(solver));
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
+  if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit());
   if (!strcmp(name, "amg") && !solver->symmetric)
     PetscCall(TuneMultigrid((PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1)));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
@@ -274,11 +318,13 @@ static PetscErrorCode ReadType(const MpmOptions *options, const char *name, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const char solver_help[] = "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
-                                  "3D and 1e5 in 3D with F-bar, then amg "
-                                  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
-                                  "and 2.0 at 9 800, 11.5 and 4.6 at "
-                                  "17 000)";
+static const char solver_help[] =
+  "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
+  "3D and 1e5 in 3D with F-bar, then amg; for a displacement with a pore pressure up to "
+  "2e4 in 2D and 5e3 in 3D, then poro-fieldsplit "
+  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
+  "and 2.0 at 9 800, 11.5 and 4.6 at "
+  "17 000)";
 
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options)
 {

@@ -24,6 +24,7 @@ typedef struct MpmRules {
   PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
   PetscBool          mean;          /* points of one cell stand side by side, for means over it */
   PetscReal          time_n, time;  /* the step is from time_n to time */
+  PetscBool          put_back;      /* the points were put back after the last step, which kept their stress */
   PetscInt           parts;         /* of the material, with nodes of their own; 0 or 1: none */
 } MpmRules;
 

@@ -140,9 +140,10 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
 
       EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
       for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
-      if (lines->mean)
-        MpmShapeMean(shape->type, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line,
-                     &lines->values.mean[k * lines->width]);
+      if (lines->mean) {
+        line.mean = &lines->values.mean[k * lines->width];
+        MpmShapeMean(shape->type, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
+      }
       lines->first[k] = line.first + (a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0);
       lines->count[k] = line.count;
     }

@@ -7,26 +7,26 @@
 
     g = g_n - n . w ,   s = s_n + (I - n n^T) w ,   pressure p = -k g where g <= 0 ,   traction t = k' s ,   k = penalty E/h
 
-  and friction as at rigid surfaces (contact_patch.c): |t| <= mu p + adhesion. The first body gets the force -A (p n + t), spread
+  and the law of contact_law.c: |t| <= mu p + adhesion. The first body gets the force -A (p n + t), spread
   over its facets by area, the second the opposite over its own: forces balance to rounding, whatever the two lattices of points.
   n and A are those of the step's start, so the force depends on w alone, and with B = dw/du the tangent is
 
     B^T A (k n n^T + dt/dw) B .
 
   With `method: augmented` the pressure is -k (g - shift), and between Newton's solutions the shift becomes what holds the pressure
-  at no depth. With `method: barrier`, p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1, d0 a tenth of a cell, in place of
-  the penalty: the bodies never meet, for where g <= 0 there is no answer and Newton's step is halved. Source of the
-  barrier: Li, Fang, Li and Jiang (2022), BFEMP, doi:10.1016/j.cma.2021.114350.
+  at no depth. With `method: barrier` a barrier of reach d0, a tenth of a cell, stands in place of the penalty: the bodies never
+  meet, for where g <= 0 there is no answer and Newton's step is halved.
 */
-#include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/body_contact.h"
+#include "terms/contact_law.h"
 #include "terms/sparsity.h"
 
-#define SLIDING 0.1 /* as at rigid surfaces: what may slide is softer along the surface than across it */
+#define SLIDING \
+  0.02 /* k'/k of what may slide: both sides give way, and many patches turn from sticking to sliding at once */
 
 /* What a patch does at a mean relative displacement w. */
 typedef struct {
@@ -38,67 +38,53 @@ typedef struct {
 } Answer;
 
 /* Pressure and its fall with the gap. */
-static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch, Answer *answer, PetscReal *rate)
+static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmContactLaw *law,
+                     Answer *answer, PetscReal *rate)
 {
-  const PetscReal reach = MPM_BARRIER * contacts->cell, x = answer->gap / reach;
-
-  *rate = patch->stiffness;
-  if (!contacts->pairs->at[patch->pair].barrier) {
-    answer->active   = (PetscBool)(answer->gap <= contacts->touch);
-    answer->pressure = answer->active ? -patch->stiffness * answer->gap : 0.;
+  if (contacts->pairs->at[patch->pair].barrier) {
+    answer->refused =
+      (PetscBool)!MpmContactBarrier(law, MPM_BARRIER * contacts->cell, answer->gap, &answer->pressure, rate);
+    answer->active = (PetscBool)(answer->pressure > 0.);
     return;
   }
-  answer->refused = (PetscBool)(answer->gap <= 0.);
-  answer->active  = (PetscBool)(x > 0. && x < 1.);
-  if (!answer->active) return;
-  answer->pressure = patch->stiffness * reach * (2. * (x - 1.) * PetscLogReal(x) + (x - 1.) * (x - 1.) / x);
-  *rate            = patch->stiffness * (-2. * PetscLogReal(x) - 4. * (x - 1.) / x + (x - 1.) * (x - 1.) / (x * x));
+  *rate            = patch->stiffness;
+  answer->active   = (PetscBool)(answer->gap <= contacts->touch);
+  answer->pressure = answer->active ? -patch->stiffness * answer->gap : 0.;
 }
 
 /* Adds the traction along the surface, its derivative, and what is kept of the slip. */
-static void Friction(const MpmPair *pair, const MpmPairPatch *patch, PetscInt dim, PetscReal rate, Answer *answer)
+static void Friction(const MpmPairPatch *patch, const MpmContactLaw *law, PetscInt dim, PetscReal rate, Answer *answer)
 {
-  const PetscBool slides = (PetscBool)(!pair->stick || patch->strength < 0.5 * PETSC_INFINITY);
-  const PetscReal k = slides ? SLIDING * patch->stiffness : patch->stiffness, *n = patch->normal;
-  PetscReal       size = 0., limit = pair->friction * PetscMax(answer->pressure, 0.) + pair->adhesion, growth = 0.;
+  const PetscReal   *n = patch->normal, area = patch->side[0].area;
+  MpmContactFriction friction;
 
-  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
-  size = PetscSqrtReal(size);
-  if (pair->stick || limit > patch->strength) limit = patch->strength;
-  else growth = pair->friction * rate; /* of the limit with n . w */
+  MpmContactSlide(law, dim, answer->pressure, answer->slip, &friction);
   for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal along  = size > 0. ? answer->slip[a] / size : 0.;
-    const PetscBool sticks = (PetscBool)(k * size <= limit);
-
-    answer->force[a] -= patch->side[0].area * (sticks ? k * answer->slip[a] : limit * along);
-    for (PetscInt c = 0; c < dim; c++) {
-      const PetscReal project = (a == c ? 1. : 0.) - n[a] * n[c];
-      PetscReal       value   = k * project;
-
-      if (!sticks) value = limit / size * (project - along * answer->slip[c] / size) + growth * along * n[c];
-      answer->stiffness[a][c] += patch->side[0].area * value;
-    }
+    answer->force[a] -= area * friction.traction[a];
+    MpmContactAcross(dim, n, friction.by_slip[a]); /* dt/ds ds/dw, ds/dw = I - n n^T */
+    for (PetscInt c = 0; c < dim; c++)
+      answer->stiffness[a][c] += area * (friction.by_slip[a][c] + friction.by_pressure[a] * rate * n[c]);
   }
-  for (PetscInt a = 0; a < dim && k * size > limit; a++) answer->slip[a] *= limit / (k * size);
 }
 
 static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, const PetscReal w[],
                      Answer *answer)
 {
-  const MpmPair   *pair = &contacts->pairs->at[patch->pair];
-  const PetscReal *n = patch->normal, area = patch->side[0].area;
-  PetscReal        along = 0., rate;
+  const MpmPair      *pair = &contacts->pairs->at[patch->pair];
+  const MpmContactLaw law  = {patch->stiffness, SLIDING, pair->friction, pair->adhesion, patch->strength, pair->stick};
+  const PetscReal    *n = patch->normal, area = patch->side[0].area;
+  PetscReal           along = 0., rate;
 
   for (PetscInt a = 0; a < dim; a++) along += n[a] * w[a];
   *answer = (Answer){.gap = patch->gap - patch->touches - patch->shift - along};
-  Pressure(contacts, patch, answer, &rate);
+  Pressure(contacts, patch, &law, answer, &rate);
   if (!answer->active) return;
   for (PetscInt a = 0; a < dim; a++) {
     answer->force[a] = -area * answer->pressure * n[a];
     for (PetscInt c = 0; c < dim; c++) answer->stiffness[a][c] = area * rate * n[a] * n[c];
     if (pair->tangential) answer->slip[a] = patch->slip[a] + w[a] - along * n[a];
   }
-  if (pair->tangential) Friction(pair, patch, dim, rate, answer);
+  if (pair->tangential) Friction(patch, &law, dim, rate, answer);
 }
 
 /* ---- sums ---- */
@@ -278,7 +264,7 @@ PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, con
     if (answer.active || patch->shift > 0.)
       *worst = PetscMax(*worst, PetscAbsReal(shift[k] - patch->shift) / (pair->penetration * contacts->cell));
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, contacts->comm));
   for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) contacts->patch[k].shift = shift[k];
   PetscCall(PetscFree(shift));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -303,13 +289,16 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
       slip[k][a] = answer.slip[a];
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];
     }
+    contacts->patch[k].closed = 0.;
+    for (PetscInt a = 0; answer.active && a < sum->space->dim; a++)
+      contacts->patch[k].closed += contacts->patch[k].normal[a] * w[a];
     if (contacts->pairs->at[contacts->patch[k].pair].augmented)
       contacts->patch[k].shift = answer.pressure / contacts->patch[k].stiffness;
   }
   PetscCall(MpmPairPatchesKeep(contacts, slip, sum->points->count, particles));
   PetscCall(PetscFree(slip));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->force, (PetscMPIInt)(contacts->pairs->count * MPM_MAX_DIM),
-                           MPIU_REAL, MPIU_SUM, sum->grid->comm));
+                           MPIU_REAL, MPIU_SUM, contacts->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -36,6 +36,7 @@ typedef struct {
   PetscReal normal[MPM_MAX_DIM], gap,
     slip[MPM_MAX_DIM];                       /* at the step's start; the normal is outward of the first body */
   PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
+  PetscReal    closed;                       /* by so much the last step closed the gap where it touches, m */
   PetscReal    shift; /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
   MpmPatchSide side[2];
 } MpmPairPatch;
@@ -49,7 +50,8 @@ struct MpmPairContacts {
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
   PetscReal     cell, touch;       /* the smallest size of a cell; a patch no further away touches */
   PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
-  PetscInt      state_size;        /* of a point's history */
+  MPI_Comm      comm;
+  PetscInt      state_size;                                 /* of a point's history */
   PetscInt      facet_count, list_count, patch_count, most; /* most: nodes of a patch */
   MpmPairFacet *facet;                                      /* by cells */
   PetscInt     *list;                                       /* of facets, by patches and their sides */
@@ -62,7 +64,8 @@ struct MpmPairContacts {
 PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair);
 PetscErrorCode MpmPairsDestroy(MpmPairs *pairs);
 /* The pairs are borrowed. */
-PetscErrorCode MpmPairContactsCreate(const MpmPairs *pairs, PetscInt state_size, MpmPairContacts *contacts);
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size,
+                                     MpmPairContacts *contacts);
 #define MPM_BARRIER 0.1 /* of a cell: so near a barrier begins to push */
 PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`); collective. */
@@ -75,6 +78,12 @@ PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
   1, the pressures become those that the patches have at u. Collective.
 */
 PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst);
+/*
+  For points that are put back to where the last step found them, which keep their stress: so that patches which touch do so there
+  under the same pressure, the points keep the gap that the step left in place of that at which they touch, and
+  the next step makes that of it (MpmRules.put_back).
+*/
+PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles);
 /* The points of a patch keep its slip and the gap at which it touches. */
 PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM], PetscInt points,
                                   MpmParticles *particles);

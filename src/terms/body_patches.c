@@ -1,48 +1,37 @@
 /*
   Facets and patches of bodies in contact with one another: where they may touch in a step.
 
-  A facet is a face of a point's domain that bounds its part of the material (outer_faces.c), with the weights of its mean
-  displacement at the nodes. Every rank has the facets of its own points and copies of those of other ranks that are near.
-
   Facets of the first body in one cell make a patch; each facet of the second body goes to the patch of the facet of the first
   that lies across from it: the nearest one that looks the other way and before which its middle stands. The patch belongs to
   the rank of the first body's points, which appends the nodes of both sides to its own.
 
-    n = (sum a_1 - sum a_2)/|...| ,   gap = n . (y_2 - y_1) ,   y the means of the facets' middles, by their areas along n
+    n = (sum A_1 n_1 - sum A_2 n_2)/|...| ,   gap = n . (y_2 - y_1) ,   y the means of the facets' places, by their areas along n
 
-  What overlaps when the run starts touches from there on, as at rigid surfaces; where the two bodies were cut out of their
-  lattices at an angle, small gaps do as well.
+  with the sums over facets near the patch, n_i their normals, A_i the areas seen along them (body_facets.c). What overlaps when
+  the run starts touches from there on, as at rigid surfaces. So do small gaps where a lattice was cut at an angle by a surface
+  that is not known: of points from a file.
 */
 #include "geometry/geometry.h"
 #include "options/options.h"
 #include "point/material.h"
 #include "grid/grid.h"
-#include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "terms/body_contact.h"
+#include "terms/body_facets.h"
 #include "terms/contact.h"
 
 #define TOUCH   1e-12 /* of a cell: rounding */
-#define SEARCH  1.5   /* cells: no facet is looked for farther away */
 #define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */
 #define SMOOTH  2.5   /* cells: facets so near make the normal of a patch */
 #define LOOKS   0.2   /* cosine: facets of the first body that look farther away are not part of a patch */
+#define UNKNOWN 1e30  /* m: a gap; so large that means with others are so, too */
 #define FACING  0.5   /* cosine: facets that look at one another less do not lie across */
-#define FIRM    500.  /* penalties, as at rigid surfaces: on materials that do not flow, */
-#define SOFT    10.   /* and on those that do */
-
-struct MpmPairFacet {
-  PetscInt  part, id, point, across; /* point: on this rank, -1: a copy; across: one of the other body is */
-  PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
-  PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
-    cell[MPM_MAX_DIM];                        /* size: half the edge of a face; cell: of its point */
-  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
-  PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, does it flow? */
-};
+#define FIRM    500.  /* penalties, unless one is given: as at rigid surfaces on materials that do not flow, */
+#define RUBS    100.  /* on these with Coulomb's friction, */
+#define SOFT    10.   /* and on those that flow */
 
 /* ---- reading ---- */
 
@@ -67,8 +56,9 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
   PetscCall(
     MpmOptionsReal(block, "penalty", "E/h",
                    "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
-                   "10 where one of them flows",
+                   "10 where one of them flows, 100 with a coefficient of friction",
                    MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
+  if (!pair->firm && pair->friction > 0.) pair->penalty = RUBS;
   PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
   PetscCall(PetscStrallocpy(field, &pair->gap_field));
   PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", pair->name));
@@ -94,10 +84,12 @@ PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPairContactsCreate(const MpmPairs *pairs, PetscInt state_size, MpmPairContacts *contacts)
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size,
+                                     MpmPairContacts *contacts)
 {
   PetscFunctionBeginUser;
   contacts->pairs      = pairs;
+  contacts->comm       = comm;
   contacts->state_size = state_size;
   PetscCall(PetscCalloc1(pairs->count, &contacts->force));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -114,157 +106,25 @@ PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- facets ---- */
-
-/* Is the part one of a contact? */
-static PetscBool InContact(const MpmPairs *pairs, PetscInt part)
-{
-  for (PetscInt k = 0; k < pairs->count; k++)
-    if (pairs->at[k].part[0] == part || pairs->at[k].part[1] == part) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
-                              const MpmSpace *space, PetscInt group, PetscInt p, PetscInt face)
-{
-  const PetscInt     dim      = space->dim;
-  const MpmGroup    *nodes    = &space->groups[group];
-  const MpmMaterial *material = &rules->materials[points->material[p]];
-  PetscInt           cell[MPM_MAX_DIM];
-  MpmFacet           facet = {.point = p, .group = group};
-  PetscReal          arm[MPM_MAX_DIM], size = 0.;
-  MpmPairFacet       made = {.part = points->part[p], .id = 2 * dim * points->id[p] + face, .point = p};
-
-  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
-  MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
-  for (PetscInt a = 0; a < dim; a++) {
-    made.place[a] = facet.place[a] = points->x[p * dim + a] + arm[a];
-    made.cell[a]                   = (PetscReal)cell[a];
-    size += PetscSqr(made.area[a]);
-  }
-  made.size = 0.5 * PetscPowReal(PetscSqrtReal(size), 1. / (PetscReal)(dim - 1));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    made.first[a] = nodes->first[a];
-    made.count[a] = nodes->count[a];
-  }
-  MpmFacetLines(rules, space, points, &facet, made.line);
-  made.modulus  = material->penalty;
-  made.plastic  = material->info.traits & MPM_LAW_PLASTIC ? 1. : 0.;
-  made.strength = MpmMaterialShearStrength(material, points->state + p * contacts->state_size);
-  return made;
-}
-
-static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
-                                const MpmSpace *space)
-{
-  PetscInt capacity = 0;
-
-  PetscFunctionBeginUser;
-  contacts->facet_count = 0;
-  for (PetscInt g = 0; g < space->group_count; g++) {
-    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
-      const PetscInt p = space->order[s];
-
-      if (!points->faces[p] || !InContact(contacts->pairs, points->part[p])) continue;
-      for (PetscInt face = 0; face < 2 * space->dim; face++) {
-        if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
-        if (contacts->facet_count == capacity) {
-          capacity = 2 * capacity + 64;
-          PetscCall(PetscRealloc((size_t)capacity * sizeof(MpmPairFacet), &contacts->facet));
-        }
-        contacts->facet[contacts->facet_count++] = MakeFacet(contacts, rules, points, space, g, p, face);
-      }
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Cells around a facet, `more` on each side. */
-static void CellsAround(const MpmGrid *grid, const MpmPairFacet *facet, PetscInt more, PetscInt lower[],
-                        PetscInt upper[])
-{
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt cell = a < grid->dim ? (PetscInt)facet->cell[a] : 0;
-
-    lower[a] = a < grid->dim ? PetscMax(cell - more, 0) : 0;
-    upper[a] = a < grid->dim ? PetscMin(cell + more, grid->cells[a] - 1) : 0;
-  }
-}
-
-/* Copies of the facets to the ranks that own cells near them; those received stand behind the own ones. */
-static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid)
-{
-  const PetscInt own = contacts->facet_count;
-  PetscInt      *boxes;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((2 * MPM_MAX_DIM * own), &boxes));
-  for (PetscInt k = 0; k < own; k++) {
-    PetscInt *box = &boxes[2 * MPM_MAX_DIM * k];
-
-    CellsAround(grid, &contacts->facet[k], (PetscInt)ceil(2. * SEARCH) + 1, box, box + MPM_MAX_DIM);
-  }
-  PetscCall(MpmGridShare(grid, sizeof(MpmPairFacet), boxes, &contacts->facet_count, (void **)&contacts->facet));
-  for (PetscInt k = own; k < contacts->facet_count; k++) contacts->facet[k].point = -1;
-  PetscCall(PetscFree(boxes));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* By cell, then by id: one order, whatever the ranks. */
-static int CompareFacets(const void *a, const void *b)
-{
-  const MpmPairFacet *f = (const MpmPairFacet *)a, *g = (const MpmPairFacet *)b;
-
-  for (PetscInt k = MPM_MAX_DIM - 1; k >= 0; k--)
-    if (f->cell[k] != g->cell[k]) return f->cell[k] < g->cell[k] ? -1 : 1;
-  return f->id < g->id ? -1 : f->id > g->id;
-}
-
 /* ---- who lies across from whom ---- */
 
 /* How far the middle of a facet of the second body is from one of the first; infinite where it does not lie before it. */
 static PetscReal Across(PetscInt dim, const MpmPairFacet *one, const MpmPairFacet *other, PetscReal reach)
 {
-  PetscReal dot = 0., area = 0., size = 0., along = 0., square = 0.;
+  PetscReal dot = 0., along = 0., square = 0.;
 
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal d = other->place[a] - one->place[a];
 
-    dot += one->area[a] * other->area[a];
-    area += PetscSqr(one->area[a]);
-    size += PetscSqr(other->area[a]);
-    along += d * one->area[a];
+    dot += one->look[a] * other->look[a];
+    along += d * one->look[a];
     square += d * d;
   }
-  if (dot > -FACING * PetscSqrtReal(area * size) || square > reach * reach) return PETSC_INFINITY;
-  along /= PetscSqrtReal(area);
+  if (dot > -FACING || square > reach * reach) return PETSC_INFINITY;
   if (PetscSqrtReal(PetscMax(square - along * along, 0.)) >
       (one->size + other->size) * PetscSqrtReal((PetscReal)dim - 1.))
     return PETSC_INFINITY;
   return square;
-}
-
-/* The first facet of a cell in the sorted list. */
-static PetscInt FirstOfCell(const MpmPairContacts *contacts, const PetscInt cell[])
-{
-  MpmPairFacet wanted = {.id = -1};
-  PetscInt     lower = 0, upper = contacts->facet_count;
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) wanted.cell[a] = (PetscReal)cell[a];
-  while (lower < upper) {
-    const PetscInt middle = (lower + upper) / 2;
-
-    if (CompareFacets(&contacts->facet[middle], &wanted) < 0) lower = middle + 1;
-    else upper = middle;
-  }
-  return lower;
-}
-
-static PetscBool InCell(const MpmPairFacet *facet, const PetscInt cell[])
-{
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    if (facet->cell[a] != (PetscReal)cell[a]) return PETSC_FALSE;
-  return PETSC_TRUE;
 }
 
 /* The facet of the first body that lies across from facet k of the second, or -1. */
@@ -274,17 +134,19 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
   PetscInt            lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM], found = -1;
   PetscReal           best = PETSC_INFINITY;
 
-  CellsAround(grid, other, (PetscInt)ceil(SEARCH) + 1, lower, upper);
+  MpmPairFacetCells(grid, other, MPM_PAIR_SEARCH, lower, upper);
   for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
     for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
       for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
-        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count && InCell(&contacts->facet[f], cell);
-             f++) {
+        PetscInt begin, end;
+
+        MpmPairFacetsOfCell(contacts, cell, &begin, &end);
+        for (PetscInt f = begin; f < end; f++) {
           const MpmPairFacet *one = &contacts->facet[f];
           PetscReal           distance;
 
           if (one->part != pair->part[0]) continue;
-          distance = Across(grid->dim, one, other, SEARCH * contacts->cell);
+          distance = Across(grid->dim, one, other, MPM_PAIR_SEARCH * contacts->cell);
           if (distance < best * (1. - 1e-9) || (distance < PETSC_INFINITY && found < 0)) {
             best  = distance;
             found = f;
@@ -306,34 +168,33 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
 /* Does the facet look along the direction, of length 1, rather than across it? */
 static PetscBool Looks(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
 {
-  PetscReal dot = 0., size = 0.;
+  PetscReal dot = 0.;
 
-  for (PetscInt a = 0; a < dim; a++) {
-    dot += facet->area[a] * direction[a];
-    size += PetscSqr(facet->area[a]);
-  }
-  return (PetscBool)(dot > LOOKS * PetscSqrtReal(size));
+  for (PetscInt a = 0; a < dim; a++) dot += facet->look[a] * direction[a];
+  return (PetscBool)(dot > LOOKS);
 }
 
 /*
-  The outward normal of the first body about a place: the mean of both bodies' area vectors there, the nearest first, over the
+  The outward normal of the first body about a place: the mean of both bodies' normals there by area, the nearest first, over the
   facets that have one of the other body across. Those of the patch alone would tell of the steps of the lattices, not of the
-  surface that cut them.
+  surface that cut them, where that is not known. Steps count where there is nothing else (`all`).
 */
-static void SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair,
-                         const MpmPairFacet *about, PetscReal normal[])
+static PetscBool SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair,
+                              const MpmPairFacet *about, PetscBool all, PetscReal normal[])
 {
   const PetscInt dim  = grid->dim;
   PetscReal      size = 0.;
   PetscInt       lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM];
 
-  CellsAround(grid, about, (PetscInt)ceil(SMOOTH) + 1, lower, upper);
+  MpmPairFacetCells(grid, about, SMOOTH, lower, upper);
   for (PetscInt a = 0; a < dim; a++) normal[a] = 0.;
   for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
     for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
       for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
-        for (PetscInt f = FirstOfCell(contacts, cell); f < contacts->facet_count && InCell(&contacts->facet[f], cell);
-             f++) {
+        PetscInt begin, end;
+
+        MpmPairFacetsOfCell(contacts, cell, &begin, &end);
+        for (PetscInt f = begin; f < end; f++) {
           const MpmPairFacet *facet = &contacts->facet[f];
           PetscReal           near = 0., sign = 0.;
 
@@ -342,13 +203,15 @@ static void SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, c
           if (facet->part == pair->part[1]) sign = -1.;
           for (PetscInt a = 0; a < dim; a++) near += PetscSqr(facet->place[a] - about->place[a]);
           near = PetscMax(0., 1. - PetscSqrtReal(near) / (SMOOTH * contacts->cell));
-          for (PetscInt a = 0; a < dim; a++) normal[a] += sign * near * near * facet->area[a];
+          for (PetscInt a = 0; a < dim; a++)
+            normal[a] += sign * near * near * (all ? facet->area[a] : facet->seen * facet->look[a]);
         }
       }
     }
   }
   for (PetscInt a = 0; a < dim; a++) size += PetscSqr(normal[a]);
-  for (PetscInt a = 0; a < dim; a++) normal[a] /= PetscSqrtReal(size);
+  for (PetscInt a = 0; size > 0. && a < dim; a++) normal[a] /= PetscSqrtReal(size);
+  return (PetscBool)(size > 0.);
 }
 
 /* Means and stiffness from the facets. */
@@ -502,7 +365,8 @@ static PetscErrorCode AddPatch(MpmPairContacts *contacts, const MpmGrid *grid, P
     about.place[a] = 0.;
     for (PetscInt k = 0; k < count; k++) about.place[a] += contacts->facet[others[k]].place[a] / (PetscReal)count;
   }
-  SmoothNormal(contacts, grid, bodies, &about, patch.normal);
+  if (!SmoothNormal(contacts, grid, bodies, &about, PETSC_FALSE, patch.normal))
+    (void)SmoothNormal(contacts, grid, bodies, &about, PETSC_TRUE, patch.normal);
   while (f > 0 && SameCell(&contacts->facet[f - 1], &contacts->facet[seed])) f--;
   patch.side[0].begin = contacts->list_count;
   for (; f < contacts->facet_count && SameCell(&contacts->facet[f], &contacts->facet[seed]); f++)
@@ -559,10 +423,8 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   contacts->cell = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
   contacts->touch  = TOUCH * contacts->cell;
-  contacts->starts = (PetscBool)(rules->time_n == 0.);
-  PetscCall(OwnFacets(contacts, rules, points, space));
-  PetscCall(ShareFacets(contacts, rules->grid));
-  qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmPairFacet), CompareFacets);
+  contacts->starts = (PetscBool)(rules->time_n == 0. && !rules->put_back);
+  PetscCall(MpmPairFacetsFind(contacts, rules, points, space));
   PetscCall(PetscFree(contacts->list));
   PetscCall(PetscMalloc1((2 * contacts->facet_count * contacts->pairs->count), &contacts->list));
   for (PetscInt k = 0; k < contacts->pairs->count; k++) PetscCall(PatchesOfPair(contacts, rules->grid, k));
@@ -609,19 +471,22 @@ static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, 
 }
 
 /*
-  The gap at which a patch touches when the run starts: that of an overlap; and, where the surface was cut through a lattice, any
-  one that is less than a facet's size.
+  The gap at which a patch touches when the run starts: that of an overlap, or of rounding; and, where an unknown surface cut the
+  lattice, any one that is less than a facet's size.
 */
 static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, const MpmPairPatch *patch)
 {
   const PetscReal size = contacts->facet[contacts->list[patch->side[0].begin]].size;
-  PetscBool       cut  = PETSC_TRUE;
+  PetscReal       within;
+  PetscBool       cut = PETSC_TRUE;
 
-  for (PetscInt a = 0; a < dim; a++)
-    if (PetscAbsReal(patch->normal[a]) > 1. - ALIGNED) cut = PETSC_FALSE;
   if (contacts->pairs->at[patch->pair].barrier) /* which needs a gap */
     return PetscMin(patch->gap - 0.5 * MPM_BARRIER * contacts->cell, 0.);
-  return patch->gap < 0. || (cut && patch->gap < size) ? patch->gap : 0.;
+  for (PetscInt a = 0; a < dim; a++)
+    if (PetscAbsReal(patch->normal[a]) > 1. - ALIGNED) cut = PETSC_FALSE;
+  FOR_SIDES(patch, f, s) if (contacts->facet[contacts->list[f]].placed) cut = PETSC_FALSE;
+  within = cut ? size : MPM_TOLERANCE * contacts->cell;
+  return patch->gap < within ? patch->gap : 0.;
 }
 
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
@@ -637,9 +502,13 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
     const MpmPair *pair = &contacts->pairs->at[p];
 
     PetscCall(LoadField(contacts, p, pair->gap_field, dim, step->particles, mean));
-    for (PetscInt k = 0; k < contacts->patch_count; k++)
-      if (contacts->patch[k].pair == p)
-        contacts->patch[k].touches = contacts->starts ? TouchesAtStart(dim, contacts, &contacts->patch[k]) : mean[k];
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmPairPatch *patch = &contacts->patch[k];
+
+      if (patch->pair != p) continue;
+      patch->touches = contacts->starts ? TouchesAtStart(dim, contacts, patch) : mean[k];
+      if (step->rules->put_back) patch->touches = mean[k] < 0.5 * UNKNOWN ? patch->gap - mean[k] : 0.;
+    }
     if (pair->augmented) PetscCall(LoadField(contacts, p, pair->pressure_field, dim, step->particles, mean));
     for (PetscInt k = 0; pair->augmented && k < contacts->patch_count; k++)
       if (contacts->patch[k].pair == p) contacts->patch[k].shift = mean[k] / contacts->patch[k].stiffness;
@@ -685,6 +554,25 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
       }
       PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)&value));
     }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    PetscReal *value;
+
+    PetscCall(DMSwarmGetField(particles->swarm, contacts->pairs->at[p].gap_field, NULL, NULL, (void **)&value));
+    for (PetscInt k = 0; k < points; k++) value[k] = UNKNOWN;
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPairPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
+        value[contacts->facet[contacts->list[f]].point] = patch->gap - patch->touches - patch->closed;
+    }
+    PetscCall(DMSwarmRestoreField(particles->swarm, contacts->pairs->at[p].gap_field, NULL, NULL, (void **)&value));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

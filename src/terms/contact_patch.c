@@ -1,9 +1,10 @@
 /*
-  The law of contact of one patch: its gap, slip and tractions, as rigid_contact.c has them.
+  One patch at a rigid surface: its gap and slip, and its tractions (contact_law.c), as rigid_contact.c has them.
 */
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/contact.h"
+#include "terms/contact_law.h"
 #include "terms/rigid_body.h"
 
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work)
@@ -31,6 +32,12 @@ void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weigh
       value[a] += weight[i] * u[nodes[i] * sum->block + a];
 }
 
+void MpmPatchValue(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch, PetscInt facet,
+                   const PetscReal u[], PetscReal value[])
+{
+  MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, facet), u, value);
+}
+
 void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
                       const PetscReal force[], PetscReal y[])
 {
@@ -41,50 +48,22 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
       y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
 }
 
-/*
-  What may slide is softer along the surface than across it: else a change of pressure, which moves the bound on the traction,
-  and the slip that follows throw Newton's method from sticking to sliding and back.
-*/
-#define SLIDING 0.1
-
-/* P v, v less its part along n */
-static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
-{
-  PetscReal dot = 0.;
-
-  for (PetscInt a = 0; a < dim; a++) dot += v[a] * n[a];
-  for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
-}
+#define SLIDING 0.1 /* k'/k of what may slide */
 
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
-  const PetscBool slides = (PetscBool)(!boundary->stick || patch->strength < 0.5 * PETSC_INFINITY);
-  const PetscReal k      = slides ? SLIDING * patch->stiffness : patch->stiffness; /* along the surface */
-  const PetscInt  dim    = boundary->dim;
-  PetscReal       size = 0., limit, rate = 0.; /* rate: of the limit by the gap */
+  const MpmContactLaw law      = {patch->stiffness,   SLIDING,         boundary->friction,
+                                  boundary->adhesion, patch->strength, boundary->stick};
+  const PetscReal     pressure = -patch->stiffness * answer->gap;
+  MpmContactFriction  friction;
 
-  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(answer->slip[a]);
-  size  = PetscSqrtReal(size);
-  limit = boundary->friction * PetscMax(-patch->stiffness * answer->gap, 0.) + boundary->adhesion;
-  if (boundary->stick || limit > patch->strength) limit = patch->strength;
-  else rate = answer->gap < 0. ? -boundary->friction * patch->stiffness : 0.;
-  if (k * size <= limit) {
-    for (PetscInt a = 0; a < dim; a++) {
-      answer->traction[a]   = k * answer->slip[a];
-      answer->by_slip[a][a] = k;
-    }
-    return;
+  MpmContactSlide(&law, boundary->dim, pressure, answer->slip, &friction);
+  for (PetscInt a = 0; a < boundary->dim; a++) {
+    answer->traction[a] = friction.traction[a];
+    answer->by_gap[a]   = -patch->stiffness * friction.by_pressure[a];
+    for (PetscInt c = 0; c < boundary->dim; c++) answer->by_slip[a][c] = friction.by_slip[a][c];
   }
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal along = answer->slip[a] / size;
-
-    answer->traction[a] = limit * along;
-    answer->by_gap[a]   = rate * along;
-    for (PetscInt c = 0; c < dim; c++)
-      answer->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - along * answer->slip[c] / size);
-  }
-  for (PetscInt a = 0; a < dim; a++) answer->slip[a] = answer->traction[a] / k;
 }
 
 /* Takes the displacement of a boundary's own place off that of the material there. */
@@ -108,37 +87,31 @@ static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary
   return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
 }
 
-#define BEHIND 0.02 /* of a cell: deeper than any mean that a penalty leaves */
-
 /*
-  A patch that is far behind a boundary that retreats has come through the face that was nearest at the step's start, though
-  another one may be nearer now: Newton's iterates fall deep into it, and have to be pushed out where they came from.
+  Distances at the step's end. A flat face stays the one that a facet met at the step's start, as a plane that moves with the
+  boundary: another one may be nearer to Newton's iterates, which fall deep into it, and to what is squeezed out under an edge.
 */
 static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
 {
   const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
   const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
-  const PetscInt     dim  = boundary->dim;
-  PetscReal          mean = 0., at[MPM_MAX_DIM] = {0., 0., 0.}, normal[MPM_MAX_DIM];
+  const PetscInt     dim = boundary->dim;
 
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet   = &contacts->facet[f];
-    MpmSurface     *surface = &work->surface[f - patch->begin];
+    const MpmFacet *facet           = &contacts->facet[f];
+    MpmSurface     *surface         = &work->surface[f - patch->begin];
+    PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, foot[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    MpmBoundaryDistance(boundary, after, at, surface);
-    mean += facet->area / patch->area * (surface->distance - facet->touches);
-  }
-  for (PetscInt f = patch->begin; mean < -BEHIND * contacts->cell && f < patch->end; f++) {
-    const MpmFacet *facet   = &contacts->facet[f];
-    PetscReal       advance = 0.;
-
-    MpmPoseCarry(dim, before, after, facet->place, at);
-    for (PetscInt a = 0; a < dim; a++) advance += (at[a] - facet->place[a]) * facet->normal[a];
-    if (advance >= 0.) continue;
-    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    MpmPoseTurn(dim, before, after, facet->normal, normal);
-    MpmBoundaryFaceDistance(boundary, after, normal, at, &work->surface[f - patch->begin]);
+    if (!facet->flat) {
+      MpmBoundaryDistance(boundary, after, at, surface);
+      continue;
+    }
+    *surface = (MpmSurface){.distance = 0.};
+    for (PetscInt a = 0; a < dim; a++) foot[a] = facet->place[a] - facet->distance * facet->normal[a];
+    MpmPoseCarry(dim, before, after, foot, foot);
+    MpmPoseTurn(dim, before, after, facet->normal, surface->normal);
+    for (PetscInt a = 0; a < dim; a++) surface->distance += (at[a] - foot[a]) * surface->normal[a];
   }
 }
 
@@ -165,7 +138,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     answer->gap += share * (surface->distance - facet->touches);
     if (!boundary->tangential) continue;
     Relative(before, after, dim, facet->place, value, at);
-    Project(dim, facet->normal, at);
+    MpmContactAcross(dim, facet->normal, at);
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + at[a]);
   }
   answer->gap -= patch->shift;
@@ -188,7 +161,7 @@ void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
   const PetscInt  dim    = contacts->boundaries[patch->boundary].dim;
 
   for (PetscInt a = 0; a < dim; a++) force[a] = answer->traction[a];
-  Project(dim, facet->normal, force);
+  MpmContactAcross(dim, facet->normal, force);
   for (PetscInt a = 0; a < dim; a++)
     force[a] = -facet->area * (force[a] + normal * work->surface[f - patch->begin].normal[a]);
 }

@@ -11,6 +11,9 @@
 
   Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. That distance is theirs from
   then on, stretched as the material is across the surface: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
+
+  What a bilateral boundary holds may flow along it. When faces there have been drawn out or crowded, facets are pieces of the boundary's
+  own surface (surface_shares.c).
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
@@ -156,23 +159,6 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far apart planes of the material that had the normal n at the start stand now, over then: 1/|F^-T n|. */
-static PetscReal NormalStretch(const MpmPoints *points, PetscInt p, PetscInt dim, const PetscReal n[])
-{
-  const PetscReal *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
-  PetscReal        cofactor[MPM_MAX_DIM] = {0., 0., 0.}, square = 0.;
-
-  for (PetscInt axis = 0; axis < dim; axis++) {
-    PetscReal unused[MPM_MAX_DIM], area[MPM_MAX_DIM], size = 1.;
-
-    MpmOuterFace(dim, F, half, axis, 1, unused, area);
-    for (PetscInt a = 0; a < dim; a++) size *= a == axis ? 1. : 2. * half[a];
-    for (PetscInt a = 0; a < dim; a++) cofactor[a] += n[axis] * area[a] / size;
-  }
-  for (PetscInt a = 0; a < dim; a++) square += PetscSqr(cofactor[a]);
-  return MpmDeterminant(dim, F) / PetscSqrtReal(square);
-}
-
 /*
   Did the face touch the boundary at the start, and at which distance? It did where the boundary is the reason for which the lattice
   has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant.
@@ -184,14 +170,13 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   const MpmPose      still    = {.growth = 0.};
   const PetscInt     dim = boundary->dim, axis = face / 2;
   const PetscReal    sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
-  PetscReal          at[MPM_MAX_DIM];
+  PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM], stretch;
   MpmSurface         surface, beyond;
-  PetscReal          stretch;
 
   *touches = 0.;
   InitialPlace(dim, points, p, face, at);
   MpmBoundaryDistance(boundary, &still, at, &surface);
-  stretch = NormalStretch(points, p, dim, surface.normal);
+  stretch = MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
   if (surface.distance <= 0.) {
     *touches = stretch * surface.distance;
     return PETSC_TRUE;
@@ -234,10 +219,55 @@ void MpmContactsDistance(const MpmContacts *contacts, PetscInt b, const PetscRea
   else MpmBoundaryDistance(&contacts->boundaries[b], &contacts->before[b], x, surface);
 }
 
+#define ENTRY_STEP  0.02 /* of a cell, at least */
+#define ENTRY_STEPS 100
+
+/*
+  Distance of a facet inside a boundary with flat faces, from the plane of the face that it came through: the first on the way back along
+  its outward normal, which another one may be nearer than. The way goes from place to place by what is free of the surface.
+*/
+static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[], const MpmFacet *facet,
+                          MpmSurface *surface)
+{
+  const MpmBoundary *boundary        = &contacts->boundaries[facet->boundary];
+  const PetscInt     dim             = boundary->dim;
+  PetscReal          at[MPM_MAX_DIM] = {0., 0., 0.}, size = 0.;
+  MpmSurface         there = *surface;
+
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(outward[a]);
+  size = PetscSqrtReal(size);
+  for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a];
+  for (PetscInt k = 0; there.distance < -contacts->touch; k++) {
+    const PetscReal step = PetscMax(-there.distance, ENTRY_STEP * contacts->cell) / size;
+
+    if (k == ENTRY_STEPS || !(size > 0.)) return;
+    for (PetscInt a = 0; a < dim; a++) at[a] -= step * outward[a];
+    MpmBoundaryDistance(boundary, &contacts->before[facet->boundary], at, &there);
+  }
+  *surface = there;
+  for (PetscInt a = 0; a < dim; a++) surface->distance += (facet->place[a] - at[a]) * there.normal[a];
+}
+
+/* Distance of a facet from its boundary as it stands at the step's start, or is expected to stand where it is free. */
+static void StartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet, MpmSurface *surface)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
+  PetscReal          curved   = 0.;
+
+  facet->flat = PETSC_FALSE;
+  MpmContactsDistance(contacts, facet->boundary, facet->place, surface);
+  if (MpmContactsBody(contacts, facet->boundary) || !MpmSolidHasFaces(&boundary->solid)) return;
+  EntryDistance(contacts, outward, facet, surface);
+  for (PetscInt a = 0; a < boundary->dim; a++)
+    for (PetscInt c = 0; c < boundary->dim; c++) curved += PetscAbsReal(surface->second[a][c]);
+  facet->flat     = (PetscBool)(curved == 0.);
+  facet->distance = surface->distance;
+}
+
 /* What of a point's faces meets a boundary from two sides or more: its edge or corner stands out. */
 typedef struct {
   PetscInt  count;
-  PetscReal arm[MPM_MAX_DIM], initial[MPM_MAX_DIM], area;
+  PetscReal arm[MPM_MAX_DIM], initial[MPM_MAX_DIM], outward[MPM_MAX_DIM], area;
 } Corner;
 
 /*
@@ -264,7 +294,7 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
   facet.touches = PetscMin(surface.distance, 0.);
   if (contacts->boundaries[b].bilateral && surface.distance > MPM_TOLERANCE * contacts->cell)
     PetscFunctionReturn(PETSC_SUCCESS);
-  MpmContactsDistance(contacts, b, facet.place, &surface);
+  StartDistance(contacts, corner->outward, &facet, &surface);
   if (!contacts->boundaries[b].bilateral && surface.distance > margin) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++) facet.normal[a] = surface.normal[a];
   facet.area   = 0.5 * corner->area;
@@ -291,7 +321,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
-    MpmContactsDistance(contacts, b, facet.place, &surface);
+    StartDistance(contacts, area, &facet, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       facet.normal[a] = surface.normal[a];
       facet.area -= area[a] * surface.normal[a];
@@ -301,7 +331,10 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;
       corner.area += facet.area;
-      for (PetscInt a = 0; a < dim; a++) corner.arm[a] += arm[a];
+      for (PetscInt a = 0; a < dim; a++) {
+        corner.arm[a] += arm[a];
+        corner.outward[a] += area[a];
+      }
       corner.initial[face / 2] = (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
     }
     if (!boundary->bilateral && surface.distance > margin) continue;

@@ -58,7 +58,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
-  PetscCall(MpmPairContactsCreate(pairs, state_size, disc->pairs));
+  PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   PetscFunctionReturn(PETSC_SUCCESS);

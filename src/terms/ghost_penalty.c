@@ -14,6 +14,10 @@
   polynomial of degree p. Being on increments, it puts no lasting force on the material. Where a spline ends, at the
   grid's edge or a wall, nodes beyond have the coefficients that the shape functions give them.
 
+  Beside the displacement, where a physics has a factor for it, the one other component gets the same on its total, with that
+  factor in place of E_s: for a pore pressure dt m + h^2/(2 mu), with m the mobility, so that it holds to its neighbours whether
+  water has time to flow or not. The penalty's rows sum to zero: no water comes of it.
+
   Sparse points, one a cell on some axis from the start or by stretch, see too little of the grid's field: nodal displacements that alternate from cell
   to cell strain no point, and a body folds up in them as it bends. These modes have the largest jumps of all, so that the
   penalty on every face, with gamma of at least MPM_GHOST_SPARSE, gives them back their stiffness. For a smooth field the
@@ -25,6 +29,7 @@
   Sources: Burman (2010), doi:10.1016/j.crma.2010.10.006; for the material point method Coombs (2023),
   doi:10.1002/nme.7332.
 */
+#include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/points.h"
@@ -46,7 +51,9 @@ struct MpmFace {
   PetscInt    axis, degree;
   PetscInt    first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
   MpmEdgeType edge[MPM_MAX_DIM];
-  PetscReal   stiffness;                                   /* gamma E_s, Pa */
+  PetscReal   stiffness; /* gamma E_s, Pa */
+  PetscReal   gamma;
+  PetscInt    material[2];                                 /* on its two sides */
   PetscReal   along[MPM_MAX_DIM][FACE_WIDTH * FACE_WIDTH]; /* the matrix is their Kronecker product */
 };
 
@@ -460,8 +467,10 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
       if (!(sparse || IsEdge(map, rules, cell) || IsEdge(map, rules, next)) ||
           !FaceBox(map->space, rules, cell, &face, &box))
         continue;
-      face.stiffness = (sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost) *
-                       PetscMax(materials[MarkMaterial(here)].penalty, materials[MarkMaterial(there)].penalty);
+      face.gamma       = sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost;
+      face.material[0] = MarkMaterial(here);
+      face.material[1] = MarkMaterial(there);
+      face.stiffness = face.gamma * PetscMax(materials[face.material[0]].penalty, materials[face.material[1]].penalty);
       if (faces) {
         for (PetscInt a = 0; a < map->dim; a++) AxisMatrix(&face, &box, a, grid->h[a]);
         faces[count] = face;
@@ -508,11 +517,36 @@ static void AxisApply(PetscInt before, PetscInt n, PetscInt after, const PetscRe
   }
 }
 
+/* Components that the penalty acts on: those of the displacement, and the one beside it where the physics has a factor for it. */
+static PetscInt Components(const MpmSum *sum)
+{
+  const MpmLayout *layout = sum->layout;
+  const PetscInt   dim    = layout->dim;
+
+  return layout->ghost && layout->block == dim + 1 && !layout->shape_of[dim] ? dim + 1 : dim;
+}
+
+/* What a face's matrix is multiplied by, for one of them. */
+static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
+{
+  PetscReal factor[2];
+
+  if (c < sum->layout->dim) return face->stiffness;
+  for (PetscInt k = 0; k < 2; k++) {
+    const MpmMaterial       *material = &sum->materials[face->material[k]];
+    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, sum->layout->dim);
+
+    factor[k] = sum->layout->ghost(&of, material->physics_parameter, sum->dt, sum->grid->h[face->axis]);
+  }
+  /* where permeability jumps so does the gradient: the lesser one */
+  return face->gamma * (PetscAbsReal(factor[0]) < PetscAbsReal(factor[1]) ? factor[0] : factor[1]);
+}
+
 /* Linear: the residual of u is the action on it. */
 static PetscErrorCode AddForces(const MpmSum *sum, const PetscReal u[], PetscReal residual[])
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  bs = sum->block, dim = space->dim;
+  const PetscInt  bs = sum->block, dim = space->dim, components = Components(sum);
   PetscReal       value[2][FACE_NODES];
 
   PetscFunctionBeginUser;
@@ -521,13 +555,14 @@ static PetscErrorCode AddForces(const MpmSum *sum, const PetscReal u[], PetscRea
     const MpmGroup *box  = &space->groups[space->face_begin + f];
     const PetscInt  n = box->node_count, *nodes = &space->group_nodes[box->node_offset];
 
-    for (PetscInt c = 0; c < dim; c++) {
-      PetscInt before = 1, now = 0;
+    for (PetscInt c = 0; c < components; c++) {
+      const PetscReal factor = Factor(sum, face, c);
+      PetscInt        before = 1, now = 0;
 
       for (PetscInt i = 0; i < n; i++) value[0][i] = u[nodes[i] * bs + c];
       for (PetscInt a = 0; a < dim; before *= box->count[a], a++, now = !now)
         AxisApply(before, box->count[a], n / (before * box->count[a]), face->along[a], value[now], value[!now]);
-      for (PetscInt i = 0; i < n; i++) residual[nodes[i] * bs + c] += face->stiffness * value[now][i];
+      for (PetscInt i = 0; i < n; i++) residual[nodes[i] * bs + c] += factor * value[now][i];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -537,7 +572,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
                                PetscInt *failed)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  bs = sum->block, dim = space->dim;
+  const PetscInt  bs = sum->block, dim = space->dim, components = Components(sum);
 
   PetscFunctionBeginUser;
   (void)ctx;
@@ -547,6 +582,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     const MpmFace  *face  = &space->faces[f];
     const MpmGroup *box   = &space->groups[space->face_begin + f];
     const PetscInt *nodes = &space->group_nodes[box->node_offset];
+    const PetscReal other = components > dim ? Factor(sum, face, dim) / face->stiffness : 0.;
 
     for (PetscInt i = 0; i < box->node_count; i++) {
       PetscReal value = face->stiffness;
@@ -554,13 +590,13 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 
       for (PetscInt a = 0; a < dim; k /= box->count[a], a++)
         value *= face->along[a][(k % box->count[a]) * (box->count[a] + 1)];
-      for (PetscInt c = 0; c < dim; c++) blocks[(nodes[i] * bs + c) * bs + c] += value;
+      for (PetscInt c = 0; c < components; c++) blocks[(nodes[i] * bs + c) * bs + c] += c < dim ? value : other * value;
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The face's matrix, the same for every component; returns its number of nodes. */
+/* The face's matrix, the same for every component of the displacement; returns its number of nodes. */
 static PetscInt FaceMatrix(const MpmSpace *space, PetscInt f, PetscReal matrix[])
 {
   const MpmFace  *face  = &space->faces[f];
@@ -583,7 +619,7 @@ static PetscInt FaceMatrix(const MpmSpace *space, PetscInt f, PetscReal matrix[]
 static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  bs = sum->block, dim = space->dim;
+  const PetscInt  bs = sum->block, dim = space->dim, components = Components(sum);
   PetscReal      *matrix, *element;
 
   PetscFunctionBeginUser;
@@ -591,12 +627,15 @@ static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
   PetscCall(PetscMalloc1((FACE_NODES * FACE_NODES), &matrix));
   PetscCall(PetscMalloc1((FACE_NODES * FACE_NODES * bs * bs), &element));
   for (PetscInt f = 0; f < space->face_count; f++) {
-    const PetscInt n = FaceMatrix(space, f, matrix);
+    const PetscInt  n     = FaceMatrix(space, f, matrix);
+    const PetscReal other = components > dim ? Factor(sum, &space->faces[f], dim) / space->faces[f].stiffness : 0.;
 
     PetscCall(PetscArrayzero(element, n * n * bs * bs));
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt c = 0; c < dim; c++)
         for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] = matrix[i * n + j];
+    for (PetscInt k = 0; k < n * n && components > dim; k++)
+      element[((k / n * bs + dim) * bs + dim) * n + k % n] = other * matrix[k];
     MpmPatternAddBlock(pattern, space, &space->groups[space->face_begin + f], element);
   }
   PetscCall(PetscFree(matrix));

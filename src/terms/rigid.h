@@ -42,6 +42,3 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
 MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
 /* Seen from the place x, the boundary standing there. */
 void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
-/* Of a box, the same by the one face that has this normal; of other shapes nothing changes. */
-void MpmBoundaryFaceDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal normal[],
-                             const PetscReal x[], MpmSurface *surface);

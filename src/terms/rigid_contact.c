@@ -6,7 +6,8 @@
 
     g = sum_q A_q d_q / A ,   s = sum_q A_q s_q / A ,   pressure p = -k g ,   traction t = k' s ,   k = penalty E/h
 
-  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral). Coulomb friction bounds the
+  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral; or pieces of the surface, surface_shares.c,
+  for which g is what it was at the end of the last step, plus the change of d). Coulomb friction bounds the
   traction: where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k'. So a patch that sticks
   gives by t/k', which is all the regularisation there is; k' = k where nothing may slide, and k/10 elsewhere. L is no more than what the material itself bears in shear where its law
   says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
@@ -26,27 +27,19 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/contact.h"
+#include "terms/contact_law.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 
 /* ---- sums ---- */
 
-/* P v, v less its part along n */
-static void Project(PetscInt dim, const PetscReal n[], PetscReal v[])
-{
-  PetscReal dot = 0.;
-
-  for (PetscInt a = 0; a < dim; a++) dot += v[a] * n[a];
-  for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
-}
-
 /* A patch of prescribed motion at the local unknowns u. */
 static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                      MpmPatchWork *work, MpmPatchAnswer *answer)
 {
   for (PetscInt f = patch->begin; f < patch->end; f++)
-    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), u, work->value[f - patch->begin]);
+    MpmPatchValue(contacts, sum, patch, f, u, work->value[f - patch->begin]);
   MpmPatchEvaluate(contacts, patch, work, answer);
 }
 
@@ -90,9 +83,9 @@ static void Change(const MpmContacts *contacts, const MpmPatch *patch, const Mpm
     const PetscReal share = facet->area / patch->area;
     PetscReal       value[MPM_MAX_DIM];
 
-    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), du, value);
+    MpmPatchValue(contacts, sum, patch, f, du, value);
     for (PetscInt a = 0; a < dim; a++) *gap += share * work->surface[f - patch->begin].normal[a] * value[a];
-    Project(dim, facet->normal, value);
+    MpmContactAcross(dim, facet->normal, value);
     for (PetscInt a = 0; a < dim; a++) slip[a] += share * value[a];
   }
 }
@@ -130,7 +123,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
       MpmFacetValue(sum, box, MpmFacetWeights(contacts, f), du, value);
       for (PetscInt a = 0; a < dim; a++) along += surface->normal[a] * value[a];
       for (PetscInt a = 0; a < dim; a++) force[a] = traction[a];
-      Project(dim, contacts->facet[f].normal, force);
+      MpmContactAcross(dim, contacts->facet[f].normal, force);
       for (PetscInt a = 0; a < dim; a++) {
         force[a] += (answer.stiffness * gap + own * along) * surface->normal[a];
         for (PetscInt c = 0; c < dim; c++) force[a] += normal * surface->second[a][c] * value[c];

@@ -206,16 +206,3 @@ void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const
   MpmSolidDistance(&boundary->solid, pose->growth, at, surface);
   if (pose->turned) TurnSurface(boundary->dim, pose, surface);
 }
-
-void MpmBoundaryFaceDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal normal[],
-                             const PetscReal x[], MpmSurface *surface)
-{
-  const MpmPose rest            = {.growth = 0.};
-  PetscReal     at[MPM_MAX_DIM] = {0., 0., 0.}, face[MPM_MAX_DIM] = {0., 0., 0.};
-
-  if (boundary->solid.type != MPM_SOLID_BOX || boundary->solid.side < 0.) return;
-  AtRest(boundary, pose, x, at);
-  MpmPoseTurn(boundary->dim, pose, &rest, normal, face);
-  MpmSolidFaceDistance(&boundary->solid, face, at, surface);
-  if (pose->turned) TurnSurface(boundary->dim, pose, surface);
-}

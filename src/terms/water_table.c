@@ -8,9 +8,10 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
-#include "grid/grid.h"
 #include "terms/load.h"
 #include "terms/water_table.h"
+
+#define SLACK 1e-6 /* of gravity, and of the grid's height */
 
 /* Gravity must act along one axis. */
 static PetscErrorCode FindVertical(const MpmLoads *loads, PetscInt dim, MpmWaterTable *table, PetscReal *gravity)
@@ -24,13 +25,13 @@ static PetscErrorCode FindVertical(const MpmLoads *loads, PetscInt dim, MpmWater
   *gravity = PetscAbsReal(sum[table->axis]);
   MpmCheckInput(*gravity > 0., "-mpm_water_level: needs a load of type gravity, along an axis");
   for (PetscInt a = 0; a < dim; a++)
-    MpmCheckInput(a == table->axis || PetscAbsReal(sum[a]) <= MPM_TOLERANCE * *gravity,
+    MpmCheckInput(a == table->axis || PetscAbsReal(sum[a]) <= SLACK * *gravity,
                   "-mpm_water_level: needs gravity along an axis");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, const MpmGrid *grid, const MpmLoads *loads,
-                                   MpmWaterTable *table)
+PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, PetscInt dim, const PetscReal bounds[2 * MPM_MAX_DIM],
+                                   const MpmLoads *loads, MpmWaterTable *table)
 {
   static const char *const above[] = {"dry", "suction", NULL};
   const MpmOptions         block   = {options->comm, "mpm_water_", options->record};
@@ -49,13 +50,13 @@ PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, const MpmGrid *gri
   table->suction = (PetscBool)(word == 1);
   PetscCall(MpmRampCreate(&block, "ramp", "0:1", &table->ramp));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindVertical(loads, grid->dim, table, &gravity));
+  PetscCall(FindVertical(loads, dim, table, &gravity));
   table->weight *= gravity;
   MpmRampBounds(table->ramp, &least, &most);
-  ends[0] = table->up > 0 ? grid->lower[table->axis] : -grid->upper[table->axis];
-  ends[1] = table->up > 0 ? grid->upper[table->axis] : -grid->lower[table->axis];
+  ends[0] = table->up > 0 ? bounds[table->axis] : -bounds[MPM_MAX_DIM + table->axis];
+  ends[1] = table->up > 0 ? bounds[MPM_MAX_DIM + table->axis] : -bounds[table->axis];
   for (PetscInt k = 0; k < 2; k++) {
-    const PetscReal level = table->level * (k ? most : least), slack = MPM_TOLERANCE * grid->h[table->axis];
+    const PetscReal level = table->level * (k ? most : least), slack = SLACK * (ends[1] - ends[0]);
 
     MpmRealText(ends[0], text[0]);
     MpmRealText(ends[1], text[1]);

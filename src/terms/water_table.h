@@ -14,9 +14,9 @@ typedef struct MpmWaterTable {
   MpmRamp   ramp;
 } MpmWaterTable;
 
-/* Reads level, above and ramp; gravity's load and the grid say where that may be. `weight` of the water, N/m3. */
-PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, const MpmGrid *grid, const MpmLoads *loads,
-                                   MpmWaterTable *table);
+/* Reads level, above and ramp; the grid's lower and, behind them, upper bounds say where that may be. `weight` is the density. */
+PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, PetscInt dim, const PetscReal bounds[2 * MPM_MAX_DIM],
+                                   const MpmLoads *loads, MpmWaterTable *table);
 PetscErrorCode MpmWaterTableDestroy(MpmWaterTable *table);
 /* How far a place is below the level at a time, m. */
 PetscReal MpmWaterTableDepth(const MpmWaterTable *table, PetscReal time, const PetscReal x[]);

@@ -18,6 +18,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
+#include "terms/body_contact.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -161,7 +162,11 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
   model->state.dt_last    = 0.;
   PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
                     retryable));
-  if (!*why) PetscCall(PutBack(model, rest));
+  if (!*why) {
+    PetscCall(PutBack(model, rest));
+    PetscCall(MpmPairsPutBack(model->disc.pairs, rest->n, model->state.particles));
+    model->disc.put_back = PETSC_TRUE;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -263,8 +268,9 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   model->state.scheme.water_held = PETSC_TRUE;
   if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
-  /* what the penalty holds back in one iteration is left for the next ones */
-  if (model->state.rescue.ghost) model->disc.ghost = model->solver.factorises ? 0. : MPM_GHOST_REST;
+  /* what the penalty holds back in one iteration is left for the next ones; contacts may press on small-cut nodes */
+  if (model->state.rescue.ghost)
+    model->disc.ghost = model->solver.factorises && !model->scene.pairs->count ? 0. : MPM_GHOST_REST;
   PetscCall(FindEquilibrium(model, &rest, &solved, why));
   model->state.scheme.water_held = PETSC_FALSE;
   if (model->disc.ghost < ghost) model->disc.ghost = ghost;

@@ -133,6 +133,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .ghost      = model->disc.ghost,
                     .sparse     = model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                     .mean       = (PetscBool)(model->disc.layout->means > 0),
+                    .put_back   = model->disc.put_back,
                     .time_n     = model->state.time,
                     .time       = time};
 }
@@ -461,7 +462,7 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
   PetscFunctionBeginUser;
   model->solver.newton = model->solver.linear = 0;
-  if (model->state.predict && model->state.dt_last > 0.) {
+  if (model->solver.cache.predicted) {
     PetscCall(MpmSolverSolve(&model->solver, reason));
     if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(InitialGuess(model, PETSC_FALSE));
@@ -477,15 +478,36 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define TRUST 0.1 /* of the residual at rest: where things may slide, a prediction that leaves more is none */
+
+/* May anything slide on anything? What sticks now may slide in the next step. */
+static PetscBool Rubs(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
+    if (model->scene.pairs->at[k].tangential) return PETSC_TRUE;
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
+    if (model->scene.boundaries->at[b].friction > 0.) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* The start of Newton, and the residual that its tolerance refers to. */
 static PetscErrorCode PredictStep(MpmModel model)
 {
+  PetscReal norm;
+
   PetscFunctionBeginUser;
   model->solver.cache.reference = 0.;
-  if (!model->state.predict || !(model->state.dt_last > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  model->solver.cache.predicted = (PetscBool)(model->state.predict && model->state.dt_last > 0.);
+  if (!model->solver.cache.predicted) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStepFindReference(model));
   PetscCall(InitialGuess(model, PETSC_TRUE));
   PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
+  if (!Rubs(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  PetscCall(VecNorm(model->solver.f, NORM_2, &norm));
+  if (norm <= TRUST * model->solver.cache.reference) PetscFunctionReturn(PETSC_SUCCESS);
+  model->solver.cache.predicted = PETSC_FALSE;
+  PetscCall(InitialGuess(model, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -536,6 +558,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
 {
   PetscFunctionBeginUser;
   PetscCall(Commit(model));
+  model->disc.put_back   = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last;
   model->state.dt_last   = model->disc.sum->span;
   model->disc.committed  = PETSC_TRUE;

@@ -19,7 +19,6 @@
   second's.
 */
 #include "point/layout.h"
-#include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
@@ -69,7 +68,7 @@ static PetscInt ReactionCount(const MpmModel model)
 static PetscErrorCode KeepFirst(MpmModel model)
 {
   const MpmLayout *layout = model->disc.layout;
-  const PetscInt   size = model->disc.dim * model->disc.dim, count = model->disc.points->count;
+  const PetscInt   size = model->disc.dim * model->disc.dim, count = model->disc.space->point_count;
   MpmSdirk        *sdirk = model->state.scheme.sdirk;
 
   PetscFunctionBeginUser;

@@ -23,13 +23,18 @@
 PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options)
 {
   const MpmLayout *layout = model->disc.layout;
+  PetscReal        bounds[2 * MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
   if (MpmPressureComponent(layout) < 0 || layout->taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     PetscCall(MpmBodyReadPressure(options, model->scene.bodies->names[b], model->scene.bodies->at[b]));
   model->scene.water->weight = model->scene.materials->at[0].physics_parameter[layout->taken_up];
-  PetscCall(MpmWaterTableCreate(options, model->disc.grid, model->scene.loads, model->scene.water));
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
+    bounds[a]               = model->disc.grid->lower[a];
+    bounds[MPM_MAX_DIM + a] = model->disc.grid->upper[a];
+  }
+  PetscCall(MpmWaterTableCreate(options, model->disc.dim, bounds, model->scene.loads, model->scene.water));
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) /* the load of open water follows its face */
     if (model->scene.water->there && model->scene.surfaces->at[k].drained) model->solver.symmetric = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);

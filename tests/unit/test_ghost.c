@@ -32,6 +32,26 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const char *ghost,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same of saturated ground, with a step and a permeability that make both parts of the pressure's factor count. */
+static PetscErrorCode CreatePoro(PetscInt dim, const char *shape, MpmModel *model)
+{
+  char options[2048];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(
+    options, sizeof(options),
+    "-mpm_dim %d -mpm_physics poro -mpm_grid_lower %s -mpm_grid_upper %s -mpm_grid_cells %s -mpm_shape %s "
+    "-mpm_materials m "
+    "-mpm_material_m_type linear_elastic -mpm_material_m_E 1e6 -mpm_material_m_nu 0.25 -mpm_material_m_porosity 0.4 "
+    "-mpm_material_m_permeability 1e-9 -mpm_bodies b -mpm_body_b_material m -mpm_body_b_region box -mpm_body_b_lower "
+    "%s "
+    "-mpm_body_b_upper %s -mpm_time_step 0.25 -mpm_stabilization_ghost %s",
+    (int)dim, dim == 2 ? "0,0" : "0,0,0", dim == 2 ? "12,12" : "8,8,8", dim == 2 ? "12,12" : "8,8,8", shape,
+    dim == 2 ? "3,3" : "2,2,2", dim == 2 ? "9,9" : "5,5,5", FACTOR));
+  PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* All points move by the same part of a cell. */
 static PetscErrorCode Shift(MpmModel model, PetscReal part)
 {
@@ -137,6 +157,63 @@ START_TEST(polynomials_at_open_edges)
 END_TEST
 
 /* Iterations of CG with the diagonal as preconditioner for a random right-hand side. */
+/* What the penalty does to a pressure is what it does to a displacement, times minus dt m + h^2/(2 mu) over E; and no water comes of it. */
+static PetscErrorCode LookAtPressure(MpmModel model, PetscReal *ratio, PetscReal *apart, PetscReal *sum)
+{
+  const PetscInt bs = model->disc.block, dim = model->disc.dim, n = model->disc.space->local * bs;
+  PetscReal     *u, *f, numbers[4] = {0.}, most = 0.;
+  PetscInt       failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(n, &u, n, &f));
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscInt *node = &model->disc.space->node[k / bs * dim];
+
+    u[k] = SceneRandom(1, (node[0] * 100 + node[1]) * 100 + (dim > 2 ? node[2] : 0), 0); /* of all components alike */
+    f[k] = 0.;
+  }
+  PetscCall(MpmTermGhost.residual(NULL, model->disc.sum, u, f, &failed));
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, bs, f));
+  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
+    numbers[0] += f[i * bs] * f[i * bs + dim];
+    numbers[1] += PetscSqr(f[i * bs]);
+    numbers[2] += PetscSqr(f[i * bs + dim]);
+    numbers[3] += f[i * bs + dim];
+    most = PetscMax(most, PetscAbsReal(f[i * bs + dim]));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, numbers, 4, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  *ratio = numbers[0] / numbers[1];
+  *apart = 1. - PetscSqr(numbers[0]) / (numbers[1] * numbers[2]);
+  *sum   = PetscAbsReal(numbers[3]) / most;
+  PetscCall(PetscFree2(u, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+START_TEST(pressure)
+{
+  const PetscReal E = 1e6, mu = E / (2. * 1.25), mobility = 1e-9 / 1e-3, dt = 0.25;
+  const PetscReal expected = -(dt * mobility + 1. / (2. * mu)) / E;
+
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(shapes); s++) {
+      MpmModel  model;
+      PetscReal ratio, apart, sum;
+
+      SCENE_CALL(CreatePoro(dim, shapes[s], &model));
+      SCENE_CALL(Shift(model, 0.3));
+      SCENE_CALL(SceneBegin(model, dt));
+      SCENE_CALL(LookAtPressure(model, &ratio, &apart, &sum));
+      ck_assert_msg(PetscAbsReal(ratio / expected - 1.) <= 1e-12, "%dD %s: factor %g, expected %g", (int)dim, shapes[s],
+                    (double)ratio, (double)expected);
+      ck_assert_msg(PetscAbsReal(apart) <= 1e-12, "%dD %s: another form by %g", (int)dim, shapes[s], (double)apart);
+      ck_assert_msg(sum <= 1e-11, "%dD %s: rows sum to %g", (int)dim, shapes[s], (double)sum);
+      SCENE_CALL(SceneDestroy(&model));
+    }
+  }
+}
+END_TEST
+
 static PetscErrorCode Iterations(MpmModel model, PetscInt *iterations)
 {
   PetscReal amplitude[MPM_MAX_DIM] = {1., 1., 1.};
@@ -206,7 +283,7 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {polynomials, polynomials_at_open_edges, sliding};
+  const TTest *const tests[] = {polynomials, polynomials_at_open_edges, pressure, sliding};
 
   return UnitRun(&argc, &argv, "ghost", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -110,7 +110,8 @@ static void Check(const Case *c, const SceneVerdict *verdict)
                 (double)verdict->petsc);
   for (int k = 0; k < 2; k++)
     ck_assert_msg(verdict->action[k] <= 1e-13, "%s: action %d differs by %g", name, k, (double)verdict->action[k]);
-  ck_assert_msg(verdict->diagonal <= 5e-13, "%s: diagonals differ by %g", name, (double)verdict->diagonal);
+  /* a weak node's is lifted by 1e-11 in the matrix */
+  ck_assert_msg(verdict->diagonal <= 2e-12, "%s: diagonals differ by %g", name, (double)verdict->diagonal);
   ck_assert_msg(verdict->blocks <= 1e-8, "%s: inverted diagonal blocks are wrong by %g", name, (double)verdict->blocks);
   if (!c->ground->small) {
     ck_assert_msg(verdict->slope >= 1.95, "%s: the Taylor remainder has order %g", name, (double)verdict->slope);
@@ -129,7 +130,7 @@ static void CheckAll(PetscInt dim)
     MpmModel     model;
     SceneVerdict verdict;
 
-    if (dim == 3 && k % 8 != 7 && k % 8 != (k / 8 % 3 ? 5 : 2)) continue; /* in space two of the eight */
+    if (dim == 3 && k % 8 != 7 && k % 8 != (k / 8 % 3 ? 5 : 3)) continue; /* in space two of the eight */
     SCENE_CALL(Create(&c, &model));
     ck_assert_int_eq((int)model->disc.layout->means, c.fbar);
     SCENE_CALL(Look(model, &verdict));

@@ -386,7 +386,7 @@ START_TEST(help)
   UNIT_CALL(MpmOptionsReal(&options, "E", "Pa", "modulus", MPM_RANGE_POSITIVE, MPM_REQUIRED, &E, NULL));
   UNIT_CALL(MpmOptionsWord(&options, "state", "a switch", words, MPM_OPTIONAL, &word, NULL));
   UNIT_CALL(MpmOptionsText(&options, "title", "title", NULL, MPM_REQUIRED, &text));
-  UNIT_CALL(MpmOptionsNames(&options, "bodies", "bodies", MPM_OPTIONAL, &count, &names));
+  UNIT_CALL(MpmOptionsNames(&options, "axes", "axes", MPM_OPTIONAL, &count, &names));
   PetscHelpPrintf = print;
   ck_assert_str_eq(printed,
                    "\nBlock a\n"
@@ -395,7 +395,7 @@ START_TEST(help)
                    "  -mpm_a_E                            modulus (Pa; > 0; required)\n"
                    "  -mpm_a_state                        a switch (one of on, off; default off)\n"
                    "  -mpm_a_title                        title (text; required)\n"
-                   "  -mpm_a_bodies                       bodies (names of blocks, comma-separated; optional)\n");
+                   "  -mpm_a_axes                         axes (names, comma-separated; optional)\n");
   ck_assert_double_eq(E, -5.); /* a missing value stays as on entry */
   ck_assert_ptr_null(text);
   ck_assert_int_eq(count, 0);

@@ -268,6 +268,60 @@ static PetscErrorCode Silent(MPI_Comm comm, const char format[], ...)
   return PETSC_SUCCESS;
 }
 
+/* The surface that cut a lattice near x has this normal and depth. */
+static void CheckCut(MpmRegion region, PetscInt dim, const PetscReal x[], const PetscReal normal[], PetscReal depth)
+{
+  const PetscReal half[3] = {0.05, 0.05, 0.05};
+  PetscReal       n[3], d;
+
+  ck_assert_msg(MpmRegionCut(region, x, half, n, &d), "(%g, %g): none", (double)x[0], (double)x[1]);
+  for (PetscInt a = 0; a < dim; a++) ck_assert_double_eq_tol(n[a], normal[a], 1e-14);
+  ck_assert_double_eq_tol(d, depth, 1e-12);
+}
+
+#define NO_CUT(...) \
+  ck_assert_msg(!MpmRegionCut(region, (const PetscReal[]){__VA_ARGS__}, (const PetscReal[]){0.05, 0.05, 0.05}, \
+                              (PetscReal[3]){0.}, &(PetscReal){0.}), \
+                "(" #__VA_ARGS__ ") is at a cut")
+#define AT(...) ((const PetscReal[]){__VA_ARGS__})
+
+START_TEST(cuts)
+{
+  const PetscReal r = sqrt(0.5);
+  MpmRegion       region;
+
+  BLOCK("region", "polygon", "vertices", "0,0, 0,1, 1,0"); /* clockwise */
+  region = Create(2);
+  CheckCut(region, 2, AT(0.45, 0.5), AT(r, r), 0.05 * r);
+  CheckCut(region, 2, AT(0.5, 0.5), AT(r, r), 0.); /* on it */
+  CheckCut(region, 2, AT(0.95, 0.01), AT(r, r), 0.04 * r);
+  NO_CUT(0.4, 0.45);  /* the next box on either axis is inside as well */
+  NO_CUT(0.02, 0.02); /* boxes end at straight edges */
+  Destroy(&region);
+  BLOCK("region", "polygon", "vertices", "0,0, 2,0, 2,2, 1,1, 0,2"); /* a notch */
+  region = Create(2);
+  CheckCut(region, 2, AT(0.9, 1.06), AT(r, r), 0.04 * r);
+  CheckCut(region, 2, AT(1.1, 1.06), AT(-r, r), 0.04 * r);
+  Destroy(&region);
+  BLOCK("region", "sphere", "center", "1,1,1", "radius", "0.5");
+  region = Create(3);
+  CheckCut(region, 3, AT(1., 1., 1.46), AT(0., 0., 1.), 0.04); /* curved, so there are steps beside */
+  CheckCut(region, 3, AT(1.42, 0.98, 1.), AT(0.42 / hypot(0.42, 0.02), -0.02 / hypot(0.42, 0.02), 0.),
+           0.5 - hypot(0.42, 0.02));
+  NO_CUT(1., 1., 1.);
+  Destroy(&region);
+  BLOCK("region", "cylinder", "point", "0,0,0", "axis", "1,1,0", "radius", "0.5", "length", "2");
+  region = Create(3);
+  CheckCut(region, 3, AT(0.7, 0.7, 0.45), AT(0., 0., 1.), 0.05);
+  CheckCut(region, 3, AT(0.01, 0.01, 0.), AT(-r, -r, 0.), 0.02 * r);
+  Destroy(&region);
+  BLOCK("region", "box", "lower", "0,0", "upper", "1,1");
+  region = Create(2);
+  NO_CUT(0.01, 0.5);
+  Destroy(&region);
+}
+END_TEST
+
 /* With -help a block may be incomplete: the manual is printed to the end. */
 START_TEST(incomplete_with_help)
 {
@@ -345,8 +399,8 @@ END_TEST
 int main(int argc, char **argv)
 {
   const TTest *const tests[] = {
-    everything,           box,   box_refuses,  sphere, cylinder, polygon, polygon_random, polygon_refuses,
-    incomplete_with_help, ramps, ramps_refused};
+    everything,      box,  box_refuses,          sphere, cylinder,     polygon, polygon_random,
+    polygon_refuses, cuts, incomplete_with_help, ramps,  ramps_refused};
 
   return UnitRun(&argc, &argv, "region", sizeof(tests) / sizeof(tests[0]), tests);
 }

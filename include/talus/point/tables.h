@@ -281,7 +281,7 @@ typedef struct {
   int         deviation;  /* is the value less its mean over the cell? */
   int         increment;
   int         rate;
-  int         negative; /* are its equations taken times -1? Reactions are told with the sign that they have otherwise */
+  int negative;       /* are its equations taken times -1? Reactions are told with the sign that they have otherwise */
   const char *symbol; /* in lists of components, for a field of one; NULL: by its name alone */
   const char *unit;   /* of the value; NULL: none is told */
   MpmNearNull near_null;
@@ -291,10 +291,17 @@ typedef struct {
 /*
   MPM_PHYSICS_SYMMETRIC  with laws that derive from a potential, the Jacobian is symmetric
   MPM_PHYSICS_INTERNAL   takes another physics' place by itself, and is not offered to scenes
+  MPM_PHYSICS_SADDLE     the Jacobian is that of a saddle point, with as many negative eigenvalues as another field than the displacement
+                         has unknowns: nothing for solvers that want it definite
   MPM_PHYSICS_STAGES     what a step stores and what flows in it stand in its equations as amounts, the second times dt, and
                          the kernel takes `stage`: the scheme `second` is possible. With dt = 0 nothing flows
 */
-typedef enum { MPM_PHYSICS_SYMMETRIC = 1, MPM_PHYSICS_INTERNAL = 2, MPM_PHYSICS_STAGES = 16 } MpmPhysicsTrait;
+typedef enum {
+  MPM_PHYSICS_SYMMETRIC = 1,
+  MPM_PHYSICS_INTERNAL  = 2,
+  MPM_PHYSICS_STAGES    = 16,
+  MPM_PHYSICS_SADDLE    = 32
+} MpmPhysicsTrait;
 
 /* A number of the scene, -mpm_<block>_<name>, that a physics' kernel needs at every point. */
 typedef struct {
@@ -320,6 +327,9 @@ typedef struct {
            scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with which of them: "porosity
            is missing: must be > 0 and < 1"
   initial  NULL, or the physics' states of a point at the start, beside the table of states
+  ghost  NULL, or the factor of the ghost penalty on the one component beside the displacement, in the sign of its equation, where
+         Young's modulus stands for the displacement: of a material, for a step dt in cells of h
+  symmetric  NULL, or whether MPM_PHYSICS_SYMMETRIC holds with these values of a material
 
   The first field must be the displacement increment with as many components as dimensions: it moves the points.
 */
@@ -340,4 +350,6 @@ typedef struct {
   int taken_up; /* 1 + place, in `common`, of the density of what a point takes up with its volume; 0: nothing */
   const char *(*prepare)(const MpmPhysicsMaterial *material, double gravity, double *value);
   void (*initial)(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own);
+  int (*symmetric)(const MpmPhysicsMaterial *material, const double *value);
+  double (*ghost)(const MpmPhysicsMaterial *material, const double *value, double dt, double h);
 } MpmPhysics;

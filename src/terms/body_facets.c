@@ -1,0 +1,191 @@
+/*
+  Facets of bodies in contact with one another.
+
+  A facet is a face of a point's domain that bounds its part of the material (outer_faces.c), with the weights of its mean
+  displacement at the nodes. Every rank has the facets of its own points and copies of those of other ranks that are near.
+
+  Where the surface of a body's region cut its lattice of points at an angle, faces are steps, which tell neither where the surface
+  is nor where it looks. The points know that from the start, normal N and depth D. The material carries it along:
+
+    n = F^-T N/|F^-T N| ,   depth = D/|F^-T N| ,
+
+  and the facet stands on that surface, before the middle of its face.
+*/
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/outer_faces.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "terms/body_facets.h"
+#include "terms/contact.h"
+
+#define SLACK 1.01 /* of the distance between points: domains may have been stretched */
+
+/* Is the part one of a contact? */
+static PetscBool InContact(const MpmPairs *pairs, PetscInt part)
+{
+  for (PetscInt k = 0; k < pairs->count; k++)
+    if (pairs->at[k].part[0] == part || pairs->at[k].part[1] == part) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+  Where the facet looks, and how much of it. A face beyond which the surface took the next point of the lattice stands on the surface;
+  any other one of a point near it is the step of another.
+*/
+static void SetSurface(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, const PetscReal arm[],
+                       MpmPairFacet *facet)
+{
+  const PetscReal *N = &points->cut[p * (dim + 1)], depth = N[dim];
+  const PetscReal  along = (face % 2 ? 1. : -1.) * N[face / 2];
+  PetscReal        size = 0., known = 0., off = 0., stretch;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    size += PetscSqr(facet->area[a]);
+    known += PetscAbsReal(N[a]);
+  }
+  size        = PetscSqrtReal(size);
+  facet->size = 0.5 * PetscPowReal(size, 1. / (PetscReal)(dim - 1));
+  for (PetscInt a = 0; a < dim; a++) facet->look[a] = facet->area[a] / size;
+  facet->seen = known > 0. ? 0. : size;
+  if (!(along > 0. && depth < 2. * SLACK * along * points->half_length[p * dim + face / 2])) return;
+  stretch       = MpmOuterNormal(dim, &points->F[p * dim * dim], N, facet->look);
+  facet->placed = 1;
+  for (PetscInt a = 0; a < dim; a++) {
+    facet->seen += facet->area[a] * facet->look[a];
+    off += arm[a] * facet->look[a];
+  }
+  for (PetscInt a = 0; a < dim; a++) facet->place[a] += (stretch * depth - off) * facet->look[a];
+}
+
+static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                              const MpmSpace *space, PetscInt group, PetscInt p, PetscInt face)
+{
+  const PetscInt     dim      = space->dim;
+  const MpmGroup    *nodes    = &space->groups[group];
+  const MpmMaterial *material = &rules->materials[points->material[p]];
+  PetscInt           cell[MPM_MAX_DIM];
+  MpmFacet           facet = {.point = p, .group = group};
+  PetscReal          arm[MPM_MAX_DIM];
+  MpmPairFacet       made = {.part = points->part[p], .id = 2 * dim * points->id[p] + face, .point = p};
+
+  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
+  MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
+  for (PetscInt a = 0; a < dim; a++) {
+    made.place[a] = facet.place[a] = points->x[p * dim + a] + arm[a];
+    made.cell[a]                   = (PetscReal)cell[a];
+  }
+  SetSurface(dim, points, p, face, arm, &made);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    made.first[a] = nodes->first[a];
+    made.count[a] = nodes->count[a];
+  }
+  MpmFacetLines(rules, space, points, &facet, made.line);
+  made.modulus  = material->penalty;
+  made.plastic  = material->info.traits & MPM_LAW_PLASTIC ? 1. : 0.;
+  made.strength = MpmMaterialShearStrength(material, points->state + p * contacts->state_size);
+  return made;
+}
+
+static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                                const MpmSpace *space)
+{
+  PetscInt capacity = 0;
+
+  PetscFunctionBeginUser;
+  contacts->facet_count = 0;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      if (!points->faces[p] || !InContact(contacts->pairs, points->part[p])) continue;
+      for (PetscInt face = 0; face < 2 * space->dim; face++) {
+        if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+        if (contacts->facet_count == capacity) {
+          capacity = 2 * capacity + 64;
+          PetscCall(PetscRealloc((size_t)capacity * sizeof(MpmPairFacet), &contacts->facet));
+        }
+        contacts->facet[contacts->facet_count++] = MakeFacet(contacts, rules, points, space, g, p, face);
+      }
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmPairFacetCells(const MpmGrid *grid, const MpmPairFacet *facet, PetscReal reach, PetscInt lower[],
+                       PetscInt upper[])
+{
+  const PetscInt more = (PetscInt)ceil(reach) + 1;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscInt cell = a < grid->dim ? (PetscInt)facet->cell[a] : 0;
+
+    lower[a] = a < grid->dim ? PetscMax(cell - more, 0) : 0;
+    upper[a] = a < grid->dim ? PetscMin(cell + more, grid->cells[a] - 1) : 0;
+  }
+}
+
+/* Copies of the facets to the ranks that own cells near them; those received stand behind the own ones. */
+static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid)
+{
+  const PetscInt own = contacts->facet_count;
+  PetscInt      *boxes;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((2 * MPM_MAX_DIM * own), &boxes));
+  for (PetscInt k = 0; k < own; k++) {
+    PetscInt *box = &boxes[2 * MPM_MAX_DIM * k];
+
+    MpmPairFacetCells(grid, &contacts->facet[k], 2. * MPM_PAIR_SEARCH, box, box + MPM_MAX_DIM);
+  }
+  PetscCall(MpmGridShare(grid, sizeof(MpmPairFacet), boxes, &contacts->facet_count, (void **)&contacts->facet));
+  for (PetscInt k = own; k < contacts->facet_count; k++) contacts->facet[k].point = -1;
+  PetscCall(PetscFree(boxes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* By cell, then by id: one order, whatever the ranks. */
+static int CompareFacets(const void *a, const void *b)
+{
+  const MpmPairFacet *f = (const MpmPairFacet *)a, *g = (const MpmPairFacet *)b;
+
+  for (PetscInt k = MPM_MAX_DIM - 1; k >= 0; k--)
+    if (f->cell[k] != g->cell[k]) return f->cell[k] < g->cell[k] ? -1 : 1;
+  return f->id < g->id ? -1 : f->id > g->id;
+}
+
+/* The first facet of a cell in the sorted list. */
+static PetscInt FirstOfCell(const MpmPairContacts *contacts, const PetscInt cell[])
+{
+  MpmPairFacet wanted = {.id = -1};
+  PetscInt     lower = 0, upper = contacts->facet_count;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) wanted.cell[a] = (PetscReal)cell[a];
+  while (lower < upper) {
+    const PetscInt middle = (lower + upper) / 2;
+
+    if (CompareFacets(&contacts->facet[middle], &wanted) < 0) lower = middle + 1;
+    else upper = middle;
+  }
+  return lower;
+}
+
+void MpmPairFacetsOfCell(const MpmPairContacts *contacts, const PetscInt cell[], PetscInt *first, PetscInt *end)
+{
+  *first = *end = FirstOfCell(contacts, cell);
+  for (; *end < contacts->facet_count; (*end)++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+      if (contacts->facet[*end].cell[a] != (PetscReal)cell[a]) return;
+}
+
+PetscErrorCode MpmPairFacetsFind(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                                 const MpmSpace *space)
+{
+  PetscFunctionBeginUser;
+  PetscCall(OwnFacets(contacts, rules, points, space));
+  PetscCall(ShareFacets(contacts, rules->grid));
+  qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmPairFacet), CompareFacets);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

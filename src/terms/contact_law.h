@@ -1,0 +1,36 @@
+#pragma once
+/*
+  The law of contact of a patch, of bodies with rigid surfaces and with one another: pressure by gap, traction by slip and pressure.
+*/
+#include "base/base.h"
+
+/* What holds between two surfaces. */
+typedef struct {
+  PetscReal stiffness;          /* across, Pa/m */
+  PetscReal along;              /* stiffness along the surface over that across, of what may slide */
+  PetscReal friction, adhesion; /* Coulomb's coefficient; Pa */
+  PetscReal strength;           /* of the material itself in shear, Pa; or infinite */
+  PetscBool stick;              /* nothing but the strength bounds the traction */
+} MpmContactLaw;
+
+/* Along the surface; the traction is the first body's on the second. */
+typedef struct {
+  PetscReal traction[MPM_MAX_DIM], by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_pressure[MPM_MAX_DIM];
+} MpmContactFriction;
+
+/* v less its part along n. */
+static inline void MpmContactAcross(PetscInt dim, const PetscReal n[], PetscReal v[])
+{
+  PetscReal dot = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) dot += v[a] * n[a];
+  for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
+}
+/* Traction at a slip and a pressure, and its derivatives; the slip becomes what is kept of it: what the traction stretches. */
+void MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
+                     MpmContactFriction *friction);
+/*
+  A barrier's pressure at a gap, 0 from `reach` on, and its fall with the gap; PETSC_FALSE where there is none, the gap being gone.
+*/
+PetscBool MpmContactBarrier(const MpmContactLaw *law, PetscReal reach, PetscReal gap, PetscReal *pressure,
+                            PetscReal *rate);
