@@ -518,6 +518,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
 static PetscErrorCode BeginStages(MpmModel model)
 {
   PetscFunctionBeginUser;
+  MpmSurfacesSetBodies(model);
   PetscCall(MpmStageBegin(model, 0));
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
                                  model->state.particles));
@@ -609,7 +610,6 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmFillParts(model));
-  MpmSurfacesSetBodies(model);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmBodiesCheckOverlap(model));
