@@ -524,6 +524,20 @@ static PetscErrorCode BeginStages(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Finds the points that are tracked, moved and followed, and what stages ask for. */
+static PetscErrorCode SelectPoints(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt t = 0; t < model->results->tracks.count; t++)
+    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
+  PetscCall(MpmLinesSelect(model));
+  for (PetscInt m = 0; m < model->scene.motions->count; m++)
+    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
+  PetscCall(MpmMovingGridSelect(model));
+  PetscCall(MpmStagesSelect(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What stages note of the points as they start. */
 static void AddStageFields(const MpmModel model, const char *fields[], PetscInt *count)
 {
@@ -601,13 +615,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
-  for (PetscInt t = 0; t < model->results->tracks.count; t++)
-    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
-  PetscCall(MpmLinesSelect(model));
-  for (PetscInt m = 0; m < model->scene.motions->count; m++)
-    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
-  PetscCall(MpmMovingGridSelect(model));
-  PetscCall(MpmStagesSelect(model));
+  PetscCall(SelectPoints(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(BeginStages(model));
   PetscFunctionReturn(PETSC_SUCCESS);

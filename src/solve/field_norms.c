@@ -12,7 +12,6 @@
   counts where a step is long against the time that the pressure takes to spread over a cell.
 */
 #include "point/layout.h"
-#include "space/space.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
 #include "solve/solve.h"
@@ -22,12 +21,13 @@ PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[])
   const MpmLayout   *layout = solver->disc->layout;
   const PetscInt     bs = layout->block, fields = layout->field_count;
   const PetscScalar *values;
+  PetscInt           n;
 
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(norm, fields));
+  PetscCall(VecGetLocalSize(v, &n));
   PetscCall(VecGetArrayRead(v, &values));
-  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++)
-    norm[layout->field_of[k % bs]] += PetscSqr(PetscRealPart(values[k]));
+  for (PetscInt k = 0; k < n; k++) norm[layout->field_of[k % bs]] += PetscSqr(PetscRealPart(values[k]));
   PetscCall(VecRestoreArrayRead(v, &values));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, norm, (PetscMPIInt)fields, MPIU_REAL, MPIU_SUM, solver->disc->comm));
   for (PetscInt f = 0; f < fields; f++) norm[f] = PetscSqrtReal(norm[f]);
@@ -54,10 +54,12 @@ static PetscErrorCode Mask(const MpmSolver *solver, PetscInt field, PetscBool wi
   const MpmLayout *layout = solver->disc->layout;
   const PetscInt   bs     = layout->block;
   PetscScalar     *values;
+  PetscInt         n;
 
   PetscFunctionBeginUser;
+  PetscCall(VecGetLocalSize(v, &n));
   PetscCall(VecGetArray(v, &values));
-  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
+  for (PetscInt k = 0; k < n; k++) {
     const PetscBool is = (PetscBool)(layout->field_of[k % bs] == field);
 
     if (is == without || !MpmConstraintsFree(solver->disc->constraints, k)) values[k] = 0.;
@@ -74,7 +76,8 @@ PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y)
 {
   const MpmLayout   *layout = solver->disc->layout;
   MpmFieldNormsKept *kept   = &solver->cache.fields;
-  const PetscInt     bs = layout->block, n = solver->disc->space->owned * bs;
+  const PetscInt     bs     = layout->block;
+  PetscInt           n;
   PetscReal          norm[MPM_MAX_BLOCK];
   PetscScalar       *values;
   const PetscScalar *at;
@@ -83,6 +86,7 @@ PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y)
 
   PetscFunctionBeginUser;
   if (layout->field_count < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetLocalSize(x, &n));
   PetscCall(SNESGetJacobian(solver->snes, &J, NULL, NULL, NULL));
   PetscCall(VecDuplicate(y, &change));
   PetscCall(VecDuplicate(y, &part));

@@ -343,6 +343,9 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 #define LINE_SEARCH_TRIALS   8
 #define LINE_SEARCH_SHORTEST 0.02
 #define LINE_SEARCH_OVERSHOT 0.3 /* with contact: so much of the slope, with the other sign, in later iterations */
+/* with contact: a slope so many times as large, with the other sign, comes from a stiff kink; and what is progress */
+#define EXCURSION_KINK 30.
+#define EXCURSION_GAIN 0.9
 
 /* Will a new Jacobian be asked for after this iteration? Steps are much like the last one. */
 static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
@@ -392,12 +395,67 @@ static PetscErrorCode Try(Search *search)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool HasContact(const MpmSolver *solver)
+{
+  return (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
+}
+
 /* Is there contact, and has a step gone well beyond the zero of the slope? */
 static PetscBool Overshot(const MpmSolver *solver, PetscInt it, PetscReal start, PetscReal slope)
 {
-  const PetscBool contact = (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
+  return (PetscBool)(HasContact(solver) && it >= LINE_SEARCH_PATIENT && start > 0. &&
+                     slope < -LINE_SEARCH_OVERSHOT * start);
+}
 
-  return (PetscBool)(contact && it >= LINE_SEARCH_PATIENT && start > 0. && slope < -LINE_SEARCH_OVERSHOT * start);
+PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion)
+{
+  PetscFunctionBeginUser;
+  PetscCall(VecDestroy(&excursion->x));
+  PetscCall(VecDestroy(&excursion->y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A full step: residuals' norms and slopes at its start and its end. */
+typedef struct {
+  PetscReal norm_start, start, norm, slope;
+} FullStep;
+
+/*
+  Where a penalty is stiff, the slope's zero lies where the first patch touches, and a line search that stops there takes an
+  iteration a patch. Full steps, each of which finds the patches that touch after the last one, get on: so one is taken although the slope
+  forbids it, another may follow, and more as long as the residual falls. When it rises, and is not below what it was at first,
+  `back` says to return to the start, *step becomes that first one, and the line search has its way.
+*/
+static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step, PetscBool fine, PetscBool *take,
+                                PetscBool *back)
+{
+  MpmExcursion *excursion = &solver->excursion;
+
+  PetscFunctionBeginUser;
+  *take = *back = PETSC_FALSE;
+  if (excursion->x && step->norm <= EXCURSION_GAIN * excursion->norm) PetscCall(MpmExcursionEnd(excursion));
+  if (excursion->x && !excursion->more && step->norm > step->norm_start) {
+    *back = PETSC_TRUE;
+    PetscCall(VecCopy(excursion->x, X));
+    PetscCall(VecCopy(excursion->y, Y));
+    *step = (FullStep){excursion->norm, excursion->start, step->norm, excursion->slope};
+    PetscCall(MpmExcursionEnd(excursion));
+  } else if (excursion->x) {
+    excursion->more = PETSC_FALSE;
+    *take           = PETSC_TRUE;
+  } else if (fine) *take = PETSC_TRUE;
+  else if (HasContact(solver) && step->norm > step->norm_start && step->slope < -EXCURSION_KINK * step->start) {
+    PetscCall(VecDuplicate(X, &excursion->x));
+    PetscCall(VecDuplicate(Y, &excursion->y));
+    PetscCall(VecCopy(X, excursion->x));
+    PetscCall(VecCopy(Y, excursion->y));
+    excursion->norm  = step->norm_start;
+    excursion->start = step->start;
+    excursion->slope = step->slope;
+    excursion->more  = PETSC_TRUE;
+    *take            = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -409,19 +467,21 @@ static PetscBool Overshot(const MpmSolver *solver, PetscInt it, PetscReal start,
   run away (a footing on clay: 63 iterations and two cuts in place of 24).
 
   Where contact sticks, slips or opens from one iterate to the next, full steps may go to and fro over a kink for ever, each
-  with a slope as large as the last and of the other sign, and a residual that falls on every other one. So there the slope has to be
-  less after a step than before.
+  with a slope as large as the last and of the other sign, and a residual that falls on every other one. So there the slope
+  has to be less after a step than before.
 */
 static PetscErrorCode SearchByWork(Search *search, PetscBool *found)
 {
   const PetscReal ratio = search->it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
-  PetscReal       start, slope;
+  FullStep        step  = {.norm_start = search->fnorm};
   PetscScalar     dot;
+  PetscBool       take, back = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   *found = PETSC_TRUE;
+  if (!search->it) PetscCall(MpmExcursionEnd(&search->solver->excursion));
   PetscCall(VecDot(search->F, search->Y, &dot));
-  start = PetscRealPart(dot);
+  step.start = PetscRealPart(dot);
   for (PetscInt trial = 0;; trial++) {
     PetscCall(Try(search));
     if (PetscIsInfOrNanReal(search->norm)) {
@@ -431,19 +491,25 @@ static PetscErrorCode SearchByWork(Search *search, PetscBool *found)
       continue;
     }
     PetscCall(VecDot(search->G, search->Y, &dot));
-    slope = PetscRealPart(dot);
+    step.norm  = search->norm;
+    step.slope = PetscRealPart(dot);
     if (trial >= LINE_SEARCH_TRIALS) break;
-    if (!Overshot(search->solver, search->it, start, slope) &&
-        (search->norm <= search->fnorm || start <= 0. || PetscAbsReal(slope) <= ratio * start))
-      break;
-    if (slope > 0.) break; /* still downhill */
-    /* overshot: the zero lies between 0 and this length */
-    {
-      const PetscReal next = search->lambda * start / (start - slope);
-
-      if (next < LINE_SEARCH_SHORTEST) break;
-      search->lambda = PetscMin(next, 0.9 * search->lambda);
+    take =
+      (PetscBool)(!Overshot(search->solver, search->it, step.start, step.slope) &&
+                  (step.norm <= step.norm_start || step.start <= 0. || PetscAbsReal(step.slope) <= ratio * step.start));
+    if (search->lambda == 1. && !back) {
+      PetscCall(Excursion(search->solver, search->X, search->Y, &step, take, &take, &back));
+      if (back) {
+        search->lambda = PetscMax(step.start / (step.start - step.slope), LINE_SEARCH_SHORTEST);
+        continue;
+      }
     }
+    if (take || step.slope > 0.) break; /* slope > 0: still downhill */
+    /* overshot: the zero lies between 0 and this length */
+    const PetscReal next = search->lambda * step.start / (step.start - step.slope);
+
+    if (next < LINE_SEARCH_SHORTEST) break;
+    search->lambda = PetscMin(next, 0.9 * search->lambda);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -50,6 +50,13 @@ typedef struct {
   PetscObjectId modes; /* the near null space that the displacement's comes from */
 } MpmFieldsplit;
 
+/* A full step that the line search would have cut short was taken. */
+typedef struct {
+  Vec       x, y;               /* where it started, and its direction; NULL: there is none */
+  PetscReal norm, start, slope; /* the residual's norm there, and the slopes there and at its end */
+  PetscBool more;               /* another step may follow it in any case */
+} MpmExcursion;
+
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
   MpmDiscretization *disc;
@@ -70,6 +77,7 @@ typedef struct {
   Vec            x, f;
   MpmFieldsplit  split;
   MpmEvaluations cache;
+  MpmExcursion   excursion;
   MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
   PetscBool      told_unstable; /* it has, and that was said */
   char           lost[256];     /* tells of a point that left the grid, or of what nothing holds */
@@ -89,6 +97,7 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 /* Residual, Jacobian, convergence test and line search, handed to SNES (newton.c). */
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
 PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
+PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion);
 /* Sums the residual of disc->u over the points, force included, and leaves it with the nodes' owners, along the axes. */
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */

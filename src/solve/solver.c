@@ -142,7 +142,8 @@ static PetscErrorCode CheckTypes(MpmSolver *solver)
 #define DIRECT_MOST_2D      1e6
 #define DIRECT_MOST_3D      5e3
 #define DIRECT_MOST_FBAR_3D 1e5
-#define DIRECT_MOST_PORO_3D 8e3
+#define DIRECT_MOST_PORO_2D 2e4
+#define DIRECT_MOST_PORO_3D 5e3
 
 /* What `auto` takes, and why. */
 static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const char **name)
@@ -152,7 +153,8 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
 
   PetscFunctionBeginUser;
   if (solver->disc->layout->saddle) {
-    if (solver->disc->dim == 3) most = MpmFieldsplitServes(solver->disc->layout) ? DIRECT_MOST_PORO_3D : PETSC_INFINITY;
+    most = solver->disc->dim == 2 ? DIRECT_MOST_PORO_2D : DIRECT_MOST_PORO_3D;
+    if (!MpmFieldsplitServes(solver->disc->layout)) most = PETSC_INFINITY;
     *name = unknowns <= most ? "direct" : "poro-fieldsplit";
     PetscCall(PetscSNPrintf(why, sizeof(why),
                             "auto: %" PetscInt_FMT "D, a saddle point of about %.0f unknowns, direct up to %.0f",
@@ -316,11 +318,13 @@ static PetscErrorCode ReadType(const MpmOptions *options, const char *name, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const char solver_help[] = "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
-                                  "3D and 1e5 in 3D with F-bar, then amg "
-                                  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
-                                  "and 2.0 at 9 800, 11.5 and 4.6 at "
-                                  "17 000)";
+static const char solver_help[] =
+  "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
+  "3D and 1e5 in 3D with F-bar, then amg; for a displacement with a pore pressure up to "
+  "2e4 in 2D and 5e3 in 3D, then poro-fieldsplit "
+  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
+  "and 2.0 at 9 800, 11.5 and 4.6 at "
+  "17 000)";
 
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options)
 {
@@ -624,6 +628,7 @@ PetscErrorCode MpmSolverDestroy(MpmSolver *solver)
 {
   PetscFunctionBeginUser;
   PetscCall(SNESDestroy(&solver->snes));
+  PetscCall(MpmExcursionEnd(&solver->excursion));
   PetscCall(MatDestroy(&solver->jacobian));
   PetscCall(MatDestroy(&solver->shell));
   PetscCall(MpmFieldsplitReset(&solver->split));

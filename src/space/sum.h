@@ -5,6 +5,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "talus/point/tables.h"
 
 /* What the points would be at the step's end, F, Cauchy stress and history, at the displacement u last evaluated. */
 typedef struct MpmTrial {

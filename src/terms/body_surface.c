@@ -98,13 +98,6 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool MpmSurfacesOpen(const MpmBodySurfaces *surfaces)
-{
-  for (PetscInt k = 0; k < surfaces->count; k++)
-    if (surfaces->at[k].drained) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces)
 {
   PetscInt more = 0;
@@ -126,6 +119,13 @@ PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBod
     PetscCall(PetscStrallocpy(boundaries->names[b], &surfaces->names[surfaces->count++]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmSurfacesOpen(const MpmBodySurfaces *surfaces)
+{
+  for (PetscInt k = 0; k < surfaces->count; k++)
+    if (surfaces->at[k].drained) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces)

@@ -63,10 +63,10 @@ typedef struct MpmSurfaceFaces {
 /* `layout` is that of the scene's physics. */
 PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
                                     const MpmBodies *bodies, MpmBodySurface *surface);
-/* Is there one on which open water stands below its level? */
-PetscBool      MpmSurfacesOpen(const MpmBodySurfaces *surfaces);
 /* Adds what drained boundaries are to the list of surfaces, of which count and names are there. */
 PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces);
+/* Is there one on which open water stands below its level? */
+PetscBool      MpmSurfacesOpen(const MpmBodySurfaces *surfaces);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);

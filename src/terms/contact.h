@@ -14,9 +14,9 @@ typedef struct {
   PetscInt   corner;                         /* 0, or the id of the point whose edge or corner it is, and 1 */
   PetscInt64 cell;                           /* of the point's centre */
   PetscReal place[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start; the boundary's normal */
-  PetscReal distance;                                                   /* at the step's start, from */
-  PetscBool flat;                                                       /* a flat face, which counts in this step */
-  PetscReal area;                                                       /* projected on the boundary, m^(dim-1) */
+  PetscReal distance;                                                   /* at the step's start */
+  PetscInt  side;    /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
+  PetscReal area;    /* projected on the boundary, m^(dim-1) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
 } MpmFacet;
 
@@ -96,6 +96,9 @@ static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, Pets
 /* By axis, at the nodes of its point's group (contact_patches.c); `line` has room for MPM_MAX_WIDTH of them on each. */
 void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                    PetscReal (*line)[16]);
+/* A nodal field of `dim` components, at a facet: by the nodes of its patch's box, or of another one. */
+void MpmPatchValue(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch, PetscInt facet,
+                   const PetscReal u[], PetscReal value[]);
 void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
                    PetscReal value[]);
 void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,

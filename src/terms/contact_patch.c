@@ -32,6 +32,12 @@ void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weigh
       value[a] += weight[i] * u[nodes[i] * sum->block + a];
 }
 
+void MpmPatchValue(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch, PetscInt facet,
+                   const PetscReal u[], PetscReal value[])
+{
+  MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, facet), u, value);
+}
+
 void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
                       const PetscReal force[], PetscReal y[])
 {
@@ -97,7 +103,7 @@ static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, foot[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    if (!facet->flat) {
+    if (!facet->side) {
       MpmBoundaryDistance(boundary, after, at, surface);
       continue;
     }

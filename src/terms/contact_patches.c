@@ -5,9 +5,9 @@
   outward area a = cof(F) A_a e_a; what of it faces a surface of normal n is A = -a . n. Summed over the steps of a lattice that was
   cut at an angle, A is the area of the cut.
 
-  The facets of one cell form a patch. A patch has one mean gap and one mean slip, as a mortar method with one
-  multiplier a cell has them: with a condition at every facet the surface would have more conditions than the cells have
-  unknowns, and what lies near it would move with it as one.
+  The facets of one cell form a patch, those at different sides of something with flat faces one each. A patch has one mean gap
+  and one mean slip, as a mortar method with one multiplier a cell has them: with a condition at every facet the surface would have
+  more conditions than the cells have unknowns, and what lies near it would move with it as one.
 
   Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. That distance is theirs from
   then on, stretched as the material is across the surface: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
@@ -252,16 +252,23 @@ static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[]
 static void StartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet, MpmSurface *surface)
 {
   const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
-  PetscReal          curved   = 0.;
+  const MpmPose     *before   = &contacts->before[facet->boundary];
+  const MpmPose      rest     = {.growth = 0.};
+  PetscReal          curved = 0., normal[MPM_MAX_DIM] = {0., 0., 0.};
+  PetscInt           axis = 0;
 
-  facet->flat = PETSC_FALSE;
+  facet->side = 0;
   MpmContactsDistance(contacts, facet->boundary, facet->place, surface);
   if (MpmContactsBody(contacts, facet->boundary) || !MpmSolidHasFaces(&boundary->solid)) return;
   EntryDistance(contacts, outward, facet, surface);
   for (PetscInt a = 0; a < boundary->dim; a++)
     for (PetscInt c = 0; c < boundary->dim; c++) curved += PetscAbsReal(surface->second[a][c]);
-  facet->flat     = (PetscBool)(curved == 0.);
   facet->distance = surface->distance;
+  if (curved > 0.) return;
+  MpmPoseTurn(boundary->dim, before, &rest, surface->normal, normal);
+  for (PetscInt a = 1; a < boundary->dim; a++)
+    if (PetscAbsReal(normal[a]) > PetscAbsReal(normal[axis]) * (1. + ALIGNED)) axis = a;
+  facet->side = 2 * axis + (normal[axis] > 0. ? 2 : 1);
 }
 
 /* What of a point's faces meets a boundary from two sides or more: its edge or corner stands out. */
@@ -418,6 +425,7 @@ static int CompareFacets(const void *a, const void *b)
   if (f->boundary != g->boundary) return f->boundary < g->boundary ? -1 : 1;
   if (f->cell != g->cell) return f->cell < g->cell ? -1 : 1;
   if (f->corner != g->corner) return f->corner < g->corner ? -1 : 1;
+  if (f->side != g->side) return f->side < g->side ? -1 : 1;
   return f->point < g->point ? -1 : f->point > g->point;
 }
 
@@ -464,7 +472,7 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     MpmPatch       *patch;
 
     if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell ||
-        facet->corner != facet[-1].corner) {
+        facet->corner != facet[-1].corner || facet->side != facet[-1].side) {
       contacts->patch[contacts->patch_count] = (MpmPatch){
         .boundary = facet->boundary, .begin = k, .box = box_begin + contacts->patch_count, .strength = PETSC_INFINITY};
       contacts->patch_count++;

@@ -227,7 +227,7 @@ static PetscBool PatchAt(const MpmContacts *contacts, const MpmPatch *patch, con
 {
   MpmRigidIncrementAt(&contacts->bodies[patch->boundary], sum->block, u, q);
   for (PetscInt f = patch->begin; f < patch->end; f++)
-    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), u, work->u[f - patch->begin]);
+    MpmPatchValue(contacts, sum, patch, f, u, work->u[f - patch->begin]);
   MpmRigidPatch(contacts, patch, q, work);
   return work->answer.any;
 }
@@ -242,7 +242,7 @@ void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const 
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     PetscReal value[MPM_MAX_DIM];
 
-    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), u, value);
+    MpmPatchValue(contacts, sum, patch, f, u, value);
     MpmRigidSee(body, &contacts->facet[f], &q, value, work->value[f - patch->begin]);
   }
   MpmPatchEvaluate(contacts, patch, work, answer);
@@ -266,7 +266,7 @@ void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
   MpmRigidIncrement   q;
 
   MpmRigidIncrementAt(body, sum->block, u, &q);
-  MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), u, value);
+  MpmPatchValue(contacts, sum, patch, f, u, value);
   MpmRigidArmAfter(body, &contacts->facet[f], &q, value, arm);
   TurnVector(body, &q, force);
 }

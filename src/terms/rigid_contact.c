@@ -39,7 +39,7 @@ static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const M
                      MpmPatchWork *work, MpmPatchAnswer *answer)
 {
   for (PetscInt f = patch->begin; f < patch->end; f++)
-    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), u, work->value[f - patch->begin]);
+    MpmPatchValue(contacts, sum, patch, f, u, work->value[f - patch->begin]);
   MpmPatchEvaluate(contacts, patch, work, answer);
 }
 
@@ -83,7 +83,7 @@ static void Change(const MpmContacts *contacts, const MpmPatch *patch, const Mpm
     const PetscReal share = facet->area / patch->area;
     PetscReal       value[MPM_MAX_DIM];
 
-    MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), du, value);
+    MpmPatchValue(contacts, sum, patch, f, du, value);
     for (PetscInt a = 0; a < dim; a++) *gap += share * work->surface[f - patch->begin].normal[a] * value[a];
     MpmContactAcross(dim, facet->normal, value);
     for (PetscInt a = 0; a < dim; a++) slip[a] += share * value[a];

@@ -12,7 +12,6 @@
   least. A place for Newton to start from is all that comes of it; a body that is in contact and hardly moved by its first step is left to Newton as it is.
 */
 #include "grid/grid.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "terms/rigid_body.h"
 
@@ -61,9 +60,7 @@ static PetscErrorCode SumPatches(const MpmContacts *contacts, PetscInt b, const 
     if (patch->boundary != b) continue;
     for (PetscInt f = patch->begin; f < patch->end; f++) {
       for (PetscInt a = 0; a < MPM_MAX_DIM; a++) work.u[f - patch->begin][a] = 0.;
-      if (balance->u)
-        MpmFacetValue(balance->sum, &balance->sum->space->groups[patch->box], MpmFacetWeights(contacts, f), balance->u,
-                      work.u[f - patch->begin]);
+      if (balance->u) MpmPatchValue(contacts, balance->sum, patch, f, balance->u, work.u[f - patch->begin]);
     }
     MpmRigidPatch(contacts, patch, q, &work);
     if (!work.answer.any) continue;

@@ -264,28 +264,24 @@ static void OnWedge(PetscReal u, PetscReal v, PetscInt face, PetscReal x[3])
 }
 
 /* Deep in a box that has retreated, the face that is named counts, not the nearest one; outside, its plane. */
-START_TEST(faces)
+START_TEST(flat_faces)
 {
-  MpmSolid        box     = Make(3, "-mpm_a_type box -mpm_a_lower -1,-1,5 -mpm_a_upper 1,1,6");
-  const PetscReal deep[3] = {0.9, 0.2, 5.4}, below[3] = {0.9, 0.2, 4.5};
-  const PetscReal bottom[3] = {0., 0., -1.};
-  MpmSurface      nearest, named;
+  const struct {
+    PetscInt    dim;
+    const char *options;
+    PetscBool   flat;
+  } cases[] = {{2, "-mpm_a_type box -mpm_a_lower 0,0 -mpm_a_upper 1,2", PETSC_TRUE},
+               {2, "-mpm_a_type polygon -mpm_a_vertices 0,0,1,0,0,1", PETSC_TRUE},
+               {2, "-mpm_a_type cone -mpm_a_tip 0,0 -mpm_a_radius 1", PETSC_TRUE},
+               {3, "-mpm_a_type cone -mpm_a_tip 0,0,0 -mpm_a_radius 1", PETSC_FALSE},
+               {2, "-mpm_a_type sphere -mpm_a_center 0,0 -mpm_a_radius 1", PETSC_FALSE}};
 
-  MpmSolidDistance(&box, 0., deep, &nearest);
-  ck_assert_double_eq_tol(nearest.distance, -0.1, 1e-14);
-  named = nearest;
-  MpmSolidFaceDistance(&box, bottom, deep, &named);
-  ck_assert_double_eq_tol(named.distance, -0.4, 1e-14);
-  ck_assert_double_eq(named.normal[0], 0.);
-  ck_assert_double_eq(named.normal[2], -1.);
-  MpmSolidFaceDistance(&box, bottom, below, &named);
-  ck_assert_double_eq_tol(named.distance, 0.5, 1e-14);
-  UNIT_CALL(MpmSolidDestroy(&box));
-  box   = Make(3, "-mpm_a_type sphere -mpm_a_center 0,0,5 -mpm_a_radius 2");
-  named = nearest;
-  MpmSolidFaceDistance(&box, bottom, deep, &named);
-  ck_assert_double_eq(named.distance, nearest.distance);
-  UNIT_CALL(MpmSolidDestroy(&box));
+  for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+    MpmSolid solid = Make(cases[k].dim, cases[k].options);
+
+    ck_assert_int_eq(MpmSolidHasFaces(&solid), cases[k].flat);
+    UNIT_CALL(MpmSolidDestroy(&solid));
+  }
 }
 END_TEST
 
@@ -571,8 +567,8 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {round_and_flat,    boxes,   faces,          cones, polygons, poses, rotations,
-                                turned_boundaries, motions, motions_refused};
+  const TTest *const tests[] = {round_and_flat, boxes,     flat_faces,        cones,   polygons,
+                                poses,          rotations, turned_boundaries, motions, motions_refused};
 
   return UnitRun(&argc, &argv, "solid", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """A rigid footing that is pressed into an elastic block and lifted again, on a grid that goes with it: balance, lift-off without
-tension, and nothing pushed out through the footing's sides when its motion turns.
+tension, and nothing pushed out through the footing's sides when its motion turns or where the ground at its edge is nearer to them.
 
 A short version of examples/footing_3d, whose README has forces on finer grids.
 """
 import sys
 from pathlib import Path
+
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import Test, difference, example  # noqa: E402
@@ -28,6 +30,15 @@ def same(test):
     test.check("ranks", difference(*forces), None, 1e-8)
 
 
+def edge(test):
+    """Ground beside the edge of a strip footing is not pushed sideways as if it had come through the footing's side."""
+    run = test.run(Path(__file__).resolve().parent / "strip_footing.yaml", mpm_quiet=None)
+    side, force = (np.abs(run.results.column(f"reaction_footing_{axis}")) for axis in "xy")
+    test.check("edge.sideways", np.max(side[-5:] / force[-5:]), None, 0.02)
+    test.check("edge.newton_per_step", run.newton.mean(), None, 6.0)
+
+
 with Test() as test:
     loading(test)
     same(test)
+    edge(test)

@@ -24,7 +24,8 @@ def series(test):
         runs[shape] = test.run(example("strip_undrained"), mpm_shape=shape, mpm_quiet=None)
         test.check_example(shape, runs[shape], "strip_undrained")
     for label, options in (("fbar", {"mpm_stabilization_fbar": "true"}), ("small", {"mpm_material_clay_type": "linear_elastic"}),
-                           ("no_projection", {"mpm_stabilization_ppp": 0})):
+                           ("no_projection", {"mpm_stabilization_ppp": 0}),
+                           ("nothing", {"mpm_stabilization_ppp": 0, "mpm_stabilization_ghost": "off"})):
         test.check_example(label, test.run(example("strip_undrained"), mpm_quiet=None, **options), "strip_undrained")
     for ranks in (2, 3):
         run = test.run(example("strip_undrained"), ranks=ranks, mpm_quiet=None)
