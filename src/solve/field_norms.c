@@ -20,7 +20,6 @@ PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[])
 {
   const MpmLayout   *layout = solver->disc->layout;
   const PetscInt     bs = layout->block, fields = layout->field_count;
-  PetscInt           n;
   const PetscScalar *values;
   PetscInt           n;
 
@@ -54,7 +53,6 @@ static PetscErrorCode Mask(const MpmSolver *solver, PetscInt field, PetscBool wi
 {
   const MpmLayout *layout = solver->disc->layout;
   const PetscInt   bs     = layout->block;
-  PetscInt         n;
   PetscScalar     *values;
   PetscInt         n;
 
@@ -94,7 +92,6 @@ PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y)
   PetscCall(VecDuplicate(y, &part));
   PetscCall(VecDuplicate(y, &result));
   PetscCall(VecCopy(y, change));
-  PetscCall(VecGetLocalSize(y, &n));
   PetscCall(VecGetArray(change, &values));
   PetscCall(VecGetArrayRead(x, &at));
   for (PetscInt k = 0; k < n; k++)
