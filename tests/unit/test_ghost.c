@@ -156,7 +156,6 @@ START_TEST(polynomials_at_open_edges)
 }
 END_TEST
 
-/* Iterations of CG with the diagonal as preconditioner for a random right-hand side. */
 /* What the penalty does to a pressure is what it does to a displacement, times minus dt m + h^2/(2 mu) over E; and no water comes of it. */
 static PetscErrorCode LookAtPressure(MpmModel model, PetscReal *ratio, PetscReal *apart, PetscReal *sum)
 {
@@ -214,6 +213,7 @@ START_TEST(pressure)
 }
 END_TEST
 
+/* Iterations of CG with the diagonal as preconditioner for a random right-hand side. */
 static PetscErrorCode Iterations(MpmModel model, PetscInt *iterations)
 {
   PetscReal amplitude[MPM_MAX_DIM] = {1., 1., 1.};
