@@ -307,10 +307,12 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
   MpmCheckInput(model->disc.layout->solid || model->disc.layout->taken_up >= 0,
                 "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name, model->scene.physics.name);
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
-    for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++)
-      MpmCheckInput(!stage->bcs[b] || model->scene.bcs->at[b].value[k] == 0.,
+    const MpmCondition *bc = &model->scene.bcs->at[b];
+
+    for (PetscInt k = 0; k < bc->component_count; k++)
+      MpmCheckInput(!stage->bcs[b] || !model->disc.layout->increment[bc->component[k]] || bc->value[k] == 0.,
                     "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
-                    model->scene.bcs->names[b], (double)model->scene.bcs->at[b].value[k], stage->name);
+                    model->scene.bcs->names[b], (double)bc->value[k], stage->name);
   }
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     MpmCheckInput(
