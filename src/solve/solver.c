@@ -241,10 +241,22 @@ static PetscErrorCode TuneMultigrid(PetscBool contacts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pressure's multigrid: BoomerAMG where PETSc has it, which jumps of permeability by many orders do not disturb. */
-static PetscErrorCode TuneFieldsplit(void)
+/*
+  The pressure's multigrid: BoomerAMG where PETSc has it, which jumps of permeability by many orders do not disturb. And the
+  displacement's where there is contact, whose stiff couplings of many nodes Jacobi's method does not smooth: ILU(0), shifted as above.
+*/
+static PetscErrorCode TuneFieldsplit(PetscBool contacts)
 {
+  PetscBool smoother;
+
   PetscFunctionBeginUser;
+  PetscCall(MpmDatabaseHas("fieldsplit_u_mg_levels_pc_type", &smoother));
+  if (contacts && !smoother) {
+    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_pc_type", "bjacobi"));
+    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_sub_pc_type", "ilu"));
+    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_type", "inblocks"));
+    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_amount", "1"));
+  }
 #if defined(PETSC_HAVE_HYPRE)
   PetscCall(OptionDefault("-fieldsplit_p_pc_type", "hypre"));
 #else
@@ -276,16 +288,16 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
 
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
 {
-  const char *name = solver->name;
-  PetscBool   direct;
+  const PetscBool contacts = (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
+  const char     *name     = solver->name;
+  PetscBool       direct;
 
   PetscFunctionBeginUser;
   PetscCall(CheckSuits(solver));
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
-  if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit());
-  if (!strcmp(name, "amg") && !solver->symmetric)
-    PetscCall(TuneMultigrid((PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1)));
+  if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit(contacts));
+  if (!strcmp(name, "amg") && !solver->symmetric) PetscCall(TuneMultigrid(contacts));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
   if (name != solver->name) {
