@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test, difference, example  # noqa: E402
+from talus_test import EXAMPLES, Test, difference, example  # noqa: E402
 
 COARSE = {"mpm_quiet": None, "mpm_output_every": 0, "mpm_grid_cells": "5,5,6"}
 
@@ -38,7 +38,18 @@ def edge(test):
     test.check("edge.newton_per_step", run.newton.mean(), None, 6.0)
 
 
+def saturated(test):
+    """On saturated ground: balance and no tension, and the same by blocks of fields on two ranks."""
+    scene = EXAMPLES / "footing_3d" / "saturated.yaml"
+    run = test.run(scene, **COARSE)
+    test.check_example("saturated", run, "footing_3d")
+    blocks = test.run(scene, ranks=2, mpm_solver="poro-fieldsplit", mpm_time_end=0.5, **COARSE)
+    forces = [of.results.column("reaction_footing_z")[:5] for of in (run, blocks)]
+    test.check("saturated.blocks", difference(*forces), None, 1e-6)
+
+
 with Test() as test:
     loading(test)
+    saturated(test)
     same(test)
     edge(test)
