@@ -18,6 +18,7 @@ struct _p_MpmBody {
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
   PetscReal      pressure; /* of the water, beyond the hydrostatic one */
+  PetscReal      velocity[MPM_MAX_DIM];
   PetscInt       dim, material;
   PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
   PetscInt       id_first, id_end;
@@ -103,6 +104,18 @@ PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, 
   PetscCall(MpmOptionsReal(&block, "initial_pressure", "Pa",
                            "pressure of the water to start with, beyond the hydrostatic one", MPM_RANGE_ANY,
                            MPM_OPTIONAL, &body->pressure, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(MpmOptionsReals(&block, "velocity", "m/s", "with which its points start, in scenes with a dynamic stage",
+                            MPM_RANGE_ANY, MPM_OPTIONAL, body->dim, body->velocity, given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -362,6 +375,22 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How the points move as they are made. */
+static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], PetscInt dim, const MpmPoints *points)
+{
+  PetscInt *body_of;
+
+  PetscFunctionBeginUser;
+  if (!points->velocity) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(points->count, &body_of));
+  MpmBodiesOfPoints(body_count, bodies, points, body_of);
+  for (PetscInt k = 0; k < points->count * dim; k++) points->velocity[k] = bodies[body_of[k / dim]]->velocity[k % dim];
+  if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
+  if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
+  PetscCall(PetscFree(body_of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles)
 {
@@ -394,6 +423,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));
+  PetscCall(FillMotion(body_count, bodies, grid->dim, &points));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   particles->total = id;
   PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE,

@@ -20,6 +20,8 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
 /* The excess of the water's pressure that its points start with, Pa, where the physics has water. */
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
 PetscReal      MpmBodyPressure(const MpmBody body);
+/* The velocity that its points start with; `given` tells whether there is one. */
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],

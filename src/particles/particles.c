@@ -29,7 +29,7 @@ static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscI
 }
 
 /* Fields besides the scene's own, at most. */
-#define OWN_FIELDS 16
+#define OWN_FIELDS 19
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles)
 {
@@ -61,17 +61,23 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (fields->increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
   if (fields->rates) PetscCall(Register(particles, "value", fields->rates, PETSC_REAL));
   if (fields->rates) PetscCall(Register(particles, "value_gradient", fields->rates * dim, PETSC_REAL));
+  if (fields->velocity) PetscCall(Register(particles, "velocity", dim, PETSC_REAL));
+  if (fields->affine) PetscCall(Register(particles, "affine", dim * dim, PETSC_REAL));
+  if (fields->acceleration) PetscCall(Register(particles, "acceleration", dim, PETSC_REAL));
   for (PetscInt e = 0; e < fields->extra_count; e++) PetscCall(Register(particles, fields->extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
-  particles->dim             = dim;
-  particles->stress_size     = MpmSymSize(dim);
-  particles->state_size      = fields->state_size;
-  particles->own_size        = fields->own_size;
-  particles->rates           = fields->rates;
-  particles->has_half_length = fields->half_length;
-  particles->has_faces       = fields->faces;
-  particles->has_part        = fields->part;
-  particles->has_increment   = fields->increment;
+  particles->dim              = dim;
+  particles->stress_size      = MpmSymSize(dim);
+  particles->state_size       = fields->state_size;
+  particles->own_size         = fields->own_size;
+  particles->rates            = fields->rates;
+  particles->has_half_length  = fields->half_length;
+  particles->has_faces        = fields->faces;
+  particles->has_part         = fields->part;
+  particles->has_increment    = fields->increment;
+  particles->has_velocity     = fields->velocity;
+  particles->has_affine       = fields->affine;
+  particles->has_acceleration = fields->acceleration;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,6 +117,10 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
   if (particles->rates)
     PetscCall(DMSwarmGetField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));
+  if (particles->has_velocity) PetscCall(DMSwarmGetField(swarm, "velocity", NULL, NULL, (void **)&points->velocity));
+  if (particles->has_affine) PetscCall(DMSwarmGetField(swarm, "affine", NULL, NULL, (void **)&points->affine));
+  if (particles->has_acceleration)
+    PetscCall(DMSwarmGetField(swarm, "acceleration", NULL, NULL, (void **)&points->acceleration));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,6 +150,11 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
   if (particles->rates)
     PetscCall(DMSwarmRestoreField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));
+  if (particles->has_velocity)
+    PetscCall(DMSwarmRestoreField(swarm, "velocity", NULL, NULL, (void **)&points->velocity));
+  if (particles->has_affine) PetscCall(DMSwarmRestoreField(swarm, "affine", NULL, NULL, (void **)&points->affine));
+  if (particles->has_acceleration)
+    PetscCall(DMSwarmRestoreField(swarm, "acceleration", NULL, NULL, (void **)&points->acceleration));
   PetscCall(PetscMemzero(points, sizeof(*points)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

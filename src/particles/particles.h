@@ -18,7 +18,7 @@ typedef struct MpmParticles {
   PetscInt       field_count;
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
-  PetscBool      has_half_length, has_increment, has_faces, has_part;
+  PetscBool      has_half_length, has_increment, has_faces, has_part, has_velocity, has_affine, has_acceleration;
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
   PetscReal      imbalance; /* points on the fullest rank over their mean, the most so far */
@@ -36,7 +36,7 @@ typedef struct MpmParked {
 /* What fields the points have beside those that all have. */
 typedef struct {
   PetscInt           state_size, own_size, rates;
-  PetscBool          half_length, increment, faces, part;
+  PetscBool          half_length, increment, faces, part, velocity, affine, acceleration;
   PetscInt           extra_count; /* fields of one number a point, by name */
   const char *const *extra;
 } MpmParticleFields;

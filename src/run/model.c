@@ -17,9 +17,11 @@
 #include "terms/load.h"
 #include "terms/body_contact.h"
 #include "terms/body_surface.h"
+#include "terms/inertia.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
 #include "terms/water_table.h"
+#include "time/dynamics.h"
 #include "time/integrator.h"
 #include "time/time.h"
 #include "time/water_state.h"
@@ -194,6 +196,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->state.walls.at));
   PetscCall(PetscFree(model->state.placements));
   PetscCall(MpmSdirkDestroy(&model->state.scheme.sdirk));
+  PetscCall(MpmDynamicsDestroy(&model->state.scheme.dynamics));
   PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
   PetscCall(PetscFree(model->scene.materials));
@@ -593,8 +596,18 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(model->disc.grid,
-                               &(MpmParticleFields){state_size, model->disc.layout->own_size, model->disc.layout->rates,
-                                                    half_length, model->state.predict, faces, parts, extra, fields},
+                               &(MpmParticleFields){.state_size   = state_size,
+                                                    .own_size     = model->disc.layout->own_size,
+                                                    .rates        = model->disc.layout->rates,
+                                                    .half_length  = half_length,
+                                                    .increment    = model->state.predict,
+                                                    .faces        = faces,
+                                                    .part         = parts,
+                                                    .velocity     = model->disc.inertia->dynamic,
+                                                    .affine       = MpmStagesAreAffine(model),
+                                                    .acceleration = model->disc.inertia->dynamic,
+                                                    .extra_count  = extra,
+                                                    .extra        = fields},
                                model->state.particles));
   PetscCall(PetscFree(fields));
   /* a run that goes on needs the bodies only where later stages bring or change them */
@@ -660,6 +673,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(ReadConditions(model, options));
   PetscCall(MpmMovingGridRead(model, options));
   PetscCall(MpmStagesRead(model, options));
+  PetscCall(MpmDynamicsRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));

@@ -6,6 +6,7 @@
 #include "grid/shape.h"
 #include "particles/particles.h"
 #include "particles/points.h"
+#include "terms/inertia.h"
 #include "run/run.h"
 
 /* One field: what the functions below need to make it. */
@@ -174,7 +175,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
     {.name = "half_length", .components = dim, .real = points ? points->half_length : NULL},
   };
   const size_t known    = PETSC_STATIC_ARRAY_LENGTH(always) - (MpmShapeHasDomain(model->scene.shape) ? 0 : 1);
-  PetscInt     capacity = (PetscInt)known + model->disc.layout->rates + model->scene.physics.state_count;
+  PetscInt     capacity = (PetscInt)known + 1 + model->disc.layout->rates + model->scene.physics.state_count;
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
@@ -182,6 +183,9 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
   fields->count = 0;
   PetscCall(PetscMalloc2(capacity, &fields->set, capacity, &fields->source));
   for (size_t k = 0; k < known; k++) Add(fields, &always[k], &source);
+  if (model->disc.inertia->dynamic)
+    Add(fields, &(MpmDataset){.name = "velocity", .components = dim, .real = points ? points->velocity : NULL},
+        &source);
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     for (size_t v = 0; v < model->scene.materials->at[m].info.state_count; v++) {
       const MpmStateVariable *variable = &model->scene.materials->at[m].info.states[v];

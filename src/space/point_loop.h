@@ -183,7 +183,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->gravity           = MpmSumGravity(sum, p);
   point->info              = &material->info;
   point->stage             = sum->first ? &sum->first[p] : NULL;
-  point->volume0           = points->volume0[p];
+  point->volume0           = sum->part * points->volume0[p];
   point->dt                = sum->dt;
   point->traits            = material->info.traits;
   point->law               = material->law;

@@ -12,6 +12,7 @@
 #include "terms/body_contact.h"
 #include "terms/body_surface.h"
 #include "terms/contact.h"
+#include "terms/inertia.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
@@ -26,9 +27,10 @@ PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *
   PetscCall(PetscNew(&disc->contacts));
   PetscCall(PetscNew(&disc->pairs));
   PetscCall(PetscNew(&disc->surfaces));
+  PetscCall(PetscNew(&disc->inertia));
   PetscCall(PetscNew(&disc->trial));
   PetscCall(PetscNew(&disc->sum));
-  *disc->sum = (MpmSum){.grid = grid, .space = disc->space, .layout = layout, .points = disc->points};
+  *disc->sum = (MpmSum){.grid = grid, .space = disc->space, .layout = layout, .points = disc->points, .part = 1.};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -61,6 +63,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
+  if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,6 +117,8 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(PetscFree(disc->contacts));
   PetscCall(PetscFree(disc->pairs));
   PetscCall(PetscFree(disc->surfaces));
+  PetscCall(MpmInertiaReset(disc->inertia));
+  PetscCall(PetscFree(disc->inertia));
   PetscCall(PetscFree(disc->trial));
   PetscCall(PetscFree(disc->sum));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,6 +25,7 @@ typedef struct MpmDiscretization {
   MpmContacts     *contacts;
   MpmPairContacts *pairs;    /* of bodies */
   MpmSurfaceFaces *surfaces; /* of bodies */
+  MpmInertia      *inertia;
   MpmTerms        *terms;
   MpmTrial        *trial;
   MpmSections     *sections; /* NULL: none */

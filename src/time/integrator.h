@@ -28,3 +28,4 @@ struct MpmIntegrator {
 };
 extern const MpmIntegrator MpmIntegratorQuasistatic; /* quasistatic.c */
 extern const MpmIntegrator MpmIntegratorSdirk;       /* sdirk.c: two stages */
+extern const MpmIntegrator MpmIntegratorImplicit;    /* dynamics.c: with inertia */

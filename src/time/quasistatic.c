@@ -228,6 +228,14 @@ static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
+static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
+{
+  const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
+
+  return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
+}
+
 /* Conditions and loads at the step's end. */
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
 {
@@ -236,7 +244,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    model->disc.surfaces->factor[k]   = MpmModelLoadFactor(model, model->scene.loads->count + k, time);
+    model->disc.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
   model->disc.surfaces->still = model->state.scheme.water_held;
@@ -248,7 +256,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad  *load   = &model->scene.loads->at[l];
-    const PetscReal factor = MpmModelLoadFactor(model, l, time);
+    const PetscReal factor = StepLoadFactor(model, l, time);
 
     PetscCall(MpmLoadApply(load, factor, rules, model->disc.sum, model->state.particles, model->disc.force));
     for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)

@@ -5,15 +5,34 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "grid/shape.h"
+#include "space/momentum.h"
 #include "talus/talus.h"
+
+typedef enum {
+  MPM_QUASISTATIC,
+  MPM_BACKWARD_EULER,
+  MPM_NEWMARK,
+  MPM_GENERALIZED_ALPHA,
+  MPM_EXPLICIT
+} MpmIntegratorType;
+
+/* How inertia takes part (dynamics.c). */
+typedef struct {
+  MpmIntegratorType type;
+  PetscReal         rho_inf;     /* of the generalised-alpha method: what is left of the fastest oscillation a step */
+  PetscReal         beta, gamma; /* Newmark's */
+  PetscBool         consistent;  /* mass, in implicit steps */
+  MpmTransfer       transfer;
+} MpmMotionControl;
 
 /* How time is cut into steps. */
 typedef struct {
-  PetscReal end, step, step_min, step_max, growth;
-  PetscBool adaptive;
-  PetscReal limit;  /* the step_max that is given; 0: none */
-  PetscBool second; /* steps of two stages (sdirk.c) */
-  PetscReal error;  /* largest error in time of a step, relative; 0: it is not looked at */
+  PetscReal        end, step, step_min, step_max, growth;
+  PetscBool        adaptive;
+  PetscReal        limit;  /* the step_max that is given; 0: none */
+  PetscBool        second; /* steps of two stages (sdirk.c) */
+  PetscReal        error;  /* largest error in time of a step, relative; 0: it is not looked at */
+  MpmMotionControl motion;
 } MpmTimeControl;
 
 typedef enum { MPM_GEOSTATIC_NONE, MPM_GEOSTATIC_GRAVITY, MPM_GEOSTATIC_K0 } MpmGeostaticMethod;

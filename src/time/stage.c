@@ -29,6 +29,7 @@
 #include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
+#include "time/dynamics.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/stage_lists.h"
@@ -53,33 +54,6 @@ static PetscErrorCode CheckSteps(const MpmOptions *block, PetscReal end, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How steps are taken, and what their error in time may be, which lets them grow. */
-static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *control)
-{
-  static const char *const schemes[] = {"euler", "second", NULL};
-  PetscInt                 scheme;
-  PetscBool                controlled;
-
-  PetscFunctionBeginUser;
-  PetscCall(
-    MpmOptionsReal(block, "error", "-",
-                   "largest error in time of a step, relative to the largest change since the stage's start: it "
-                   "chooses the steps, up to step_max; needs scheme second",
-                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->error, &controlled));
-  if (controlled) control->adaptive = control->second = PETSC_TRUE;
-  scheme = control->second ? 1 : 0;
-  PetscCall(MpmOptionsWord(block, "scheme",
-                           "how fields with a rate go on in time: euler, of order 1; second, of order 2, two solutions "
-                           "a step. The default is second where error is given, otherwise euler",
-                           schemes, MPM_OPTIONAL, &scheme, NULL));
-  control->second = (PetscBool)(scheme == 1);
-  if (!control->second && !controlled) control->error = 0.;
-  MpmCheckInput(control->second || !(control->error > 0.) || MpmOptionsHelp(),
-                "-%sscheme euler: -%serror %g needs -%sscheme second", block->prefix, block->prefix,
-                (double)control->error, block->prefix);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* `control` holds the defaults on entry; a step of 0 is none. */
 static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *prefix, MpmTimeControl *control)
 {
@@ -94,7 +68,7 @@ static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *pre
     MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
   PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, need, &control->step, NULL));
   control->step_min = ratio * control->step;
-  PetscCall(ReadScheme(&block, control));
+  PetscCall(MpmIntegratorRead(&block, control));
   PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
                            MPM_OPTIONAL, &longest, &given));
   if (given) control->limit = longest;
@@ -128,6 +102,7 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
 
   PetscFunctionBeginUser;
   *control = (MpmTimeControl){.end = 1., .growth = 2.};
+  MpmMotionDefaults(&control->motion);
   PetscCall(MpmOptionsHeading(&block, "Time"));
   PetscCall(MpmOptionsHas(&block, "step", &given));
   if (given || !model->scene.stages[0].name || MpmOptionsHelp())
@@ -135,7 +110,7 @@ static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, M
   else {
     PetscCall(
       MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
-    PetscCall(ReadScheme(&block, control));
+    PetscCall(MpmIntegratorRead(&block, control));
   }
   /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
   model->state.predict = PETSC_TRUE;
@@ -722,9 +697,12 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.growth     = control->growth;
   model->state.adaptive   = control->adaptive;
 
-  model->state.scheme.integrator = &MpmIntegratorQuasistatic;
-  model->state.scheme.error      = 0.;
-  if (!control->second || model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
+  model->state.scheme.integrator    = &MpmIntegratorQuasistatic;
+  model->state.scheme.error         = 0.;
+  model->state.scheme.load_at_start = 0.;
+  if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
+  if (control->motion.type != MPM_QUASISTATIC) model->state.scheme.integrator = &MpmIntegratorImplicit;
+  if (!control->second) return;
   model->state.scheme.integrator = &MpmIntegratorSdirk;
   model->state.scheme.error      = control->error;
 }
@@ -751,6 +729,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;
   PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   PetscCall(MpmTimeErrorBegin(model));
+  PetscCall(MpmDynamicsBegin(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -35,10 +35,12 @@ typedef struct {
 /* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
+  MpmDynamics         *dynamics; /* velocities at the nodes; NULL before the first dynamic step */
   MpmSdirk            *sdirk;    /* what the integrator of two stages keeps of the first; NULL before its first step */
   PetscReal            error;    /* largest that is accepted, relative; 0: any */
   PetscReal            estimate; /* of the last step that has converged */
   PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
+  PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
   PetscReal largest;             /* what errors are relative to: the largest change since the stage's start */
 } MpmScheme;

@@ -1,0 +1,45 @@
+#pragma once
+/*
+  Mass and momentum between points and nodes: what dynamics carries from step to step (momentum.c).
+
+  A point has a velocity and, with APIC, an affine part of it. Both ways momentum is kept to rounding; angular momentum is,
+  too, with APIC and splines of degree 2 and more. FLIP hands back only what a step has changed:
+
+    v_p <- (1 - pic) (v_p + sum_i w_i (v_i^{n+1} - v_i^n)) + pic sum_i w_i v_i^{n+1}
+
+  Source: Jiang, Schroeder, Teran (2017), J. Comput. Phys. 338, 137-164, doi:10.1016/j.jcp.2017.02.050 (APIC); Brackbill,
+  Ruppel (1986), J. Comput. Phys. 65, 314-343, doi:10.1016/0021-9991(86)90211-1 (FLIP).
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/* How velocities go between points and nodes. */
+typedef enum { MPM_TRANSFER_APIC, MPM_TRANSFER_FLIP } MpmTransferType;
+extern const char *const MpmTransferTypes[];
+typedef struct {
+  MpmTransferType type;
+  PetscReal       pic;    /* the share of PIC in FLIP, in [0, 1] */
+  PetscInt        degree; /* of the shape's spline */
+} MpmTransfer;
+
+/*
+  Mass (kg), and velocity (m/s) and acceleration (m/s2) weighted by it, at all local nodes, ghosts included; `velocity` and
+  `acceleration`, dim values a node, may be NULL. Nodes without mass are at rest.
+*/
+PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
+                                  PetscReal velocity[], PetscReal acceleration[]);
+/*
+  The points' velocities from those at the local nodes at the step's start and end, and their accelerations where `a_new` is
+  not NULL. Before the points are moved: the weights are those of the step's start.
+*/
+PetscErrorCode MpmMomentumToPoints(const MpmSum *sum, const MpmTransfer *transfer, const PetscReal v_old[],
+                                   const PetscReal v_new[], const PetscReal a_new[]);
+
+/* Sums over this rank's points. */
+typedef struct {
+  PetscReal mass, kinetic;         /* kg, J: with the affine part */
+  PetscReal momentum[MPM_MAX_DIM]; /* kg m/s */
+  PetscReal angular[3];            /* about the origin, kg m2/s, with the affine part; 2D: the third */
+} MpmMotionSums;
+/* The space may be another one than that of the points' places: it is not used but where transfer->degree >= 2. */
+PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmMotionSums *sums);

@@ -1,0 +1,267 @@
+/*
+  Implicit steps with inertia: backward Euler, Newmark's method and the generalised-alpha method.
+
+  With the displacement u of the step as unknown,
+
+    a_new = (u - dt v)/(beta dt^2) - (1/(2 beta) - 1) a ,     v_new = v + dt ((1 - gamma) a + gamma a_new)
+
+  and the balance
+
+    M ((1 - alpha_m) a_new + alpha_m a) + (1 - alpha_f) f(u) + alpha_f f(0) = (1 - alpha_f) f_ext + alpha_f f_ext,n
+
+  where f(0) are the points' forces in the stress of the step's start. Newmark has alpha_m = alpha_f = 0; generalised alpha
+
+    alpha_m = (2 rho - 1)/(rho + 1) ,   alpha_f = rho/(rho + 1) ,   gamma = 1/2 - alpha_m + alpha_f ,
+    beta = (1 - alpha_m + alpha_f)^2/4 ;
+
+  backward Euler v_new = u/dt, a_new = (v_new - v)/dt. Boundaries and bodies in contact, whose forces a step begins anew, take part
+  as they are at its end; surfaces of bodies, too, by the mean of the load's factors.
+
+  Velocities and accelerations at the step's start are the points', weighted by mass. At the end the points take them by the
+  weights of the step's start, and then move with u.
+
+  Sources: Newmark (1959), J. Eng. Mech. Div. ASCE 85, 67-94; Chung, Hulbert (1993), J. Appl. Mech. 60, 371-375,
+  doi:10.1115/1.2900803; Guilkey, Weiss (2003), Int. J. Numer. Meth. Eng. 57, 1323-1338, doi:10.1002/nme.729 (implicit
+  dynamics with material points).
+*/
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "point/layout.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "terms/inertia.h"
+#include "terms/terms.h"
+#include "time/dynamics.h"
+#include "time/integrator.h"
+#include "time/model.h"
+#include "time/step.h"
+#include "time/time.h"
+
+const MpmMotionControl *MpmModelMotion(const MpmModel model)
+{
+  return &model->scene.stages[model->state.stage].time.motion;
+}
+
+static PetscErrorCode Reset(MpmDynamics *dynamics)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree7(dynamics->v_old, dynamics->v_start, dynamics->a_start, dynamics->a_rest, dynamics->v_rest,
+                       dynamics->v_new, dynamics->a_new));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics)
+{
+  PetscFunctionBeginUser;
+  if (!*dynamics) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Reset(*dynamics));
+  PetscCall(PetscFree(*dynamics));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDynamicsBegin(MpmModel model)
+{
+  const PetscInt dim  = model->disc.dim;
+  const PetscInt last = model->state.stage - 1;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  model->disc.inertia->active = PETSC_FALSE;
+  model->disc.sum->part       = 1.;
+  if (!MpmStagesAreDynamic(model) || last < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscArrayzero(points.velocity, points.count * dim));
+  PetscCall(PetscArrayzero(points.acceleration, points.count * dim));
+  if (points.affine) PetscCall(PetscArrayzero(points.affine, points.count * dim * dim));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a step ---- */
+
+/* Room for the nodes of the step's space, and what they are at its start. */
+static PetscErrorCode Project(MpmModel model)
+{
+  const PetscInt count = model->disc.space->local * model->disc.dim;
+  MpmDynamics   *dynamics;
+
+  PetscFunctionBeginUser;
+  if (!model->state.scheme.dynamics) PetscCall(PetscNew(&model->state.scheme.dynamics));
+  dynamics = model->state.scheme.dynamics;
+  PetscCall(Reset(dynamics));
+  PetscCall(PetscMalloc7(count, &dynamics->v_old, count, &dynamics->v_start, count, &dynamics->a_start, count,
+                         &dynamics->a_rest, count, &dynamics->v_rest, count, &dynamics->v_new, count,
+                         &dynamics->a_new));
+  dynamics->local = model->disc.space->local;
+  PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
+  PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
+                               dynamics->v_old, dynamics->a_start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prescribed unknowns move at the velocity that takes them to their place. */
+static void StartConstrained(MpmModel model, PetscReal dt)
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  MpmDynamics          *dynamics    = model->state.scheme.dynamics;
+  const PetscInt        dim = model->disc.dim, local = dynamics->local;
+
+  MpmFramesToUnknowns(constraints, dim, local, dynamics->v_start);
+  MpmFramesToUnknowns(constraints, dim, local, dynamics->a_start);
+  for (PetscInt k = 0; k < local * dim; k++) {
+    if (MpmConstraintsFree(constraints, k)) continue;
+    dynamics->v_start[k] = constraints->value[k] / dt;
+    dynamics->a_start[k] = 0.;
+  }
+  MpmFramesToAxes(constraints, dim, local, dynamics->v_start);
+  MpmFramesToAxes(constraints, dim, local, dynamics->a_start);
+}
+
+/* Coefficients of the stage's method. */
+typedef struct {
+  PetscReal beta, gamma, alpha_m, alpha_f;
+} Method;
+
+static Method MethodOf(const MpmMotionControl *motion)
+{
+  Method method = {.beta = motion->beta, .gamma = motion->gamma};
+
+  if (motion->type == MPM_GENERALIZED_ALPHA) {
+    const PetscReal rho = motion->rho_inf;
+
+    method.alpha_m = (2. * rho - 1.) / (rho + 1.);
+    method.alpha_f = rho / (rho + 1.);
+    method.gamma   = 0.5 - method.alpha_m + method.alpha_f;
+    method.beta    = 0.25 * PetscSqr(1. - method.alpha_m + method.alpha_f);
+  }
+  return method;
+}
+
+/* What velocity and acceleration are by the displacement, and the inertia that follows. */
+static void SetInertia(MpmModel model, const Method *method, PetscReal dt)
+{
+  MpmDynamics    *dynamics = model->state.scheme.dynamics;
+  MpmInertia     *inertia  = model->disc.inertia;
+  const PetscBool euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
+  const PetscReal beta = method->beta, gamma = method->gamma;
+
+  dynamics->a_factor = euler ? 1. / (dt * dt) : 1. / (beta * dt * dt);
+  dynamics->v_factor = euler ? 1. / dt : gamma / (beta * dt);
+  for (PetscInt k = 0; k < dynamics->local * model->disc.dim; k++) {
+    const PetscReal v = dynamics->v_start[k], a = dynamics->a_start[k];
+
+    dynamics->a_rest[k] = euler ? -v / dt : -v / (beta * dt) - (0.5 / beta - 1.) * a;
+    dynamics->v_rest[k] = euler ? 0. : v + dt * ((1. - gamma) * a + gamma * dynamics->a_rest[k]);
+    inertia->at_rest[k] = (1. - method->alpha_m) * dynamics->a_rest[k] + method->alpha_m * a;
+  }
+  inertia->factor     = (1. - method->alpha_m) * dynamics->a_factor;
+  inertia->consistent = MpmModelMotion(model)->consistent;
+  inertia->active     = PETSC_TRUE;
+}
+
+/* The part of the points' forces that is the step's start's stands among the loads. */
+static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f)
+{
+  const MpmTerm *points = model->disc.terms->term[0];
+  const PetscInt count  = model->disc.space->local * model->disc.block;
+  PetscInt       failed = 0;
+  PetscReal     *still, *force;
+
+  PetscFunctionBeginUser;
+  model->disc.sum->part = 1. - alpha_f;
+  if (!(alpha_f > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc2(count, &still, count, &force));
+  model->disc.sum->part  = 1.;
+  model->disc.sum->rest  = (PetscBool)!model->disc.layout->means;
+  model->disc.sum->trial = NULL;
+  PetscCall(points->residual(model->disc.terms->ctx[0], model->disc.sum, still, force, &failed));
+  model->disc.sum->rest = PETSC_FALSE;
+  model->disc.sum->part = 1. - alpha_f;
+  for (PetscInt k = 0; k < count; k++) model->disc.force[k] -= alpha_f * force[k];
+  PetscCall(PetscFree2(still, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  const Method method = MethodOf(MpmModelMotion(model));
+
+  PetscFunctionBeginUser;
+  model->disc.inertia->active       = PETSC_FALSE;
+  model->state.scheme.load_at_start = method.alpha_f;
+  PetscCall(MpmStepPrepare(model, time, dt, again, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Project(model));
+  PetscCall(PetscArraycpy(model->state.scheme.dynamics->v_start, model->state.scheme.dynamics->v_old,
+                          model->disc.space->local * model->disc.dim));
+  if (model->disc.constraints->any) StartConstrained(model, dt);
+  SetInertia(model, &method, dt);
+  PetscCall(AddStart(model, method.alpha_f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Newton starts where velocity and acceleration lead. */
+static PetscErrorCode Predict(MpmModel model)
+{
+  const MpmDynamics *dynamics = model->state.scheme.dynamics;
+  const PetscInt     n        = model->disc.space->owned * model->disc.dim;
+  const PetscReal    dt       = model->disc.sum->dt;
+  PetscScalar       *x;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepFindReference(model));
+  model->solver.cache.predicted = PETSC_TRUE;
+  PetscCall(VecGetArray(model->solver.x, &x));
+  for (PetscInt k = 0; k < n; k++)
+    x[k] = model->disc.inertia->mass[k / model->disc.dim] > 0.
+             ? dt * dynamics->v_start[k] + 0.5 * dt * dt * dynamics->a_start[k]
+             : 0.;
+  MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
+  MpmUnitsOver(model->disc.constraints, n, x);
+  MpmConstraintsPrescribe(model->disc.constraints, n, x);
+  PetscCall(VecRestoreArray(model->solver.x, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryable)
+{
+  return MpmIntegratorQuasistatic.solve(model, why, retryable);
+}
+
+/* Points take velocity and acceleration before they move. */
+static PetscErrorCode Accept(MpmModel model)
+{
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *u        = model->disc.u;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepFindTrial(model));
+  for (PetscInt k = 0; k < dynamics->local * model->disc.dim; k++) {
+    dynamics->v_new[k] = dynamics->v_factor * u[k] + dynamics->v_rest[k];
+    dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
+  }
+  PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
+                                dynamics->a_new));
+  PetscCall(MpmIntegratorQuasistatic.accept(model));
+  model->disc.inertia->active = PETSC_FALSE;
+  model->disc.sum->part       = 1.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RollBack(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->disc.inertia->active = PETSC_FALSE;
+  model->disc.sum->part       = 1.;
+  PetscCall(MpmIntegratorQuasistatic.roll_back(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmIntegrator MpmIntegratorImplicit = {.name      = "implicit dynamics",
+                                             .begin     = Begin,
+                                             .predict   = Predict,
+                                             .solve     = Solve,
+                                             .accept    = Accept,
+                                             .roll_back = RollBack};

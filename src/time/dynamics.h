@@ -1,0 +1,38 @@
+#pragma once
+/*
+  Dynamics: what the integrators with inertia share (dynamics.c) and their options (integrator_read.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "space/momentum.h"
+#include "talus/talus.h"
+#include "time/scene.h"
+
+/*
+  Velocities and accelerations at the local nodes in the step that is tried, dim values a node; the masses are
+  disc.inertia's. `old`: of the points, weighted by mass; `start`: the same as the formulae of the integrator take them,
+  where prescribed unknowns move as they are told to.
+
+    a_new = a_factor u + a_rest ,     v_new = v_factor u + v_rest
+*/
+struct MpmDynamics {
+  PetscInt   local;
+  PetscReal  a_factor, v_factor;
+  PetscReal  alpha_f; /* what of the points' forces and the loads is the step's start's */
+  PetscReal *v_old, *v_start, *a_start, *a_rest, *v_rest, *v_new, *a_new;
+};
+
+extern const char *const MpmIntegratorTypes[];
+/* A stage's integrator, and how steps of fields with a rate go on; `control` holds the defaults on entry. */
+PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *control);
+void           MpmMotionDefaults(MpmMotionControl *motion);
+/* After the stages have been read: what bodies and materials say for dynamics. */
+PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options);
+/* Does any stage of the scene have inertia, and do its points carry affine velocities? */
+PetscBool MpmStagesAreDynamic(const MpmModel model);
+PetscBool MpmStagesAreAffine(const MpmModel model);
+/* As a stage begins: points that come to it from one without inertia are at rest. */
+PetscErrorCode MpmDynamicsBegin(MpmModel model);
+PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics);
+/* Of the stage under way. */
+const MpmMotionControl *MpmModelMotion(const MpmModel model);

@@ -1,0 +1,138 @@
+/*
+  Options of the integrators: how a stage's steps are taken.
+*/
+#include "options/options.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/shape.h"
+#include "particles/body.h"
+#include "terms/inertia.h"
+#include "time/dynamics.h"
+#include "time/model.h"
+#include "time/time.h"
+
+const char *const MpmIntegratorTypes[] = {"quasistatic", "backward_euler", "newmark", "generalized_alpha", NULL};
+
+/* How steps are taken, and what their error in time may be, which lets them grow. */
+static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *control)
+{
+  static const char *const schemes[] = {"euler", "second", NULL};
+  PetscInt                 scheme;
+  PetscBool                controlled;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsReal(block, "error", "-",
+                   "largest error in time of a step, relative to the largest change since the stage's start: it "
+                   "chooses the steps, up to step_max; needs scheme second",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->error, &controlled));
+  if (controlled) control->adaptive = control->second = PETSC_TRUE;
+  scheme = control->second ? 1 : 0;
+  PetscCall(MpmOptionsWord(block, "scheme",
+                           "how fields with a rate go on in time: euler, of order 1; second, of order 2, two solutions "
+                           "a step. The default is second where error is given, otherwise euler",
+                           schemes, MPM_OPTIONAL, &scheme, NULL));
+  control->second = (PetscBool)(scheme == 1);
+  if (!control->second && !controlled) control->error = 0.;
+  MpmCheckInput(control->second || !(control->error > 0.) || MpmOptionsHelp(),
+                "-%sscheme euler: -%serror %g needs -%sscheme second", block->prefix, block->prefix,
+                (double)control->error, block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What dynamic stages say beside. */
+static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *motion)
+{
+  static const char *const masses[] = {"lumped", "consistent", NULL};
+  PetscInt                 type = (PetscInt)motion->type, transfer = (PetscInt)motion->transfer.type;
+  PetscInt                 mass = motion->consistent ? 1 : 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(block, "integrator",
+                           "how a step is taken: quasistatic, without inertia, or implicit dynamics by one of these",
+                           MpmIntegratorTypes, MPM_OPTIONAL, &type, NULL));
+  motion->type = (MpmIntegratorType)type;
+  if (type == MPM_QUASISTATIC && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (type == MPM_GENERALIZED_ALPHA || MpmOptionsHelp())
+    PetscCall(MpmOptionsReal(block, "rho_inf", "-",
+                             "of generalized_alpha: what a step leaves of the fastest oscillations, 1: all, 0: nothing",
+                             ((MpmRange){0., 1., PETSC_FALSE}), MPM_OPTIONAL, &motion->rho_inf, NULL));
+  if (type == MPM_NEWMARK || MpmOptionsHelp()) {
+    PetscCall(MpmOptionsReal(block, "beta", "-", "Newmark's, for displacement; 0.25: the trapezoidal rule",
+                             ((MpmRange){0., 0.5, PETSC_TRUE}), MPM_OPTIONAL, &motion->beta, NULL));
+    PetscCall(MpmOptionsReal(block, "gamma", "-", "Newmark's, for velocity; above 0.5 it damps, of order 1",
+                             ((MpmRange){0.5, 1., PETSC_FALSE}), MPM_OPTIONAL, &motion->gamma, NULL));
+    MpmCheckInput(2. * motion->beta >= motion->gamma || MpmOptionsHelp(),
+                  "-%sbeta %g: must be at least half of -%sgamma, %g: otherwise long steps are unstable", block->prefix,
+                  (double)motion->beta, block->prefix, (double)motion->gamma);
+  }
+  PetscCall(MpmOptionsWord(block, "mass", "of the nodes, in implicit dynamics", masses, MPM_OPTIONAL, &mass, NULL));
+  motion->consistent = (PetscBool)(mass == 1);
+  PetscCall(MpmOptionsWord(block, "transfer",
+                           "of velocities between points and nodes: apic keeps angular momentum, flip the most energy",
+                           MpmTransferTypes, MPM_OPTIONAL, &transfer, NULL));
+  motion->transfer.type = (MpmTransferType)transfer;
+  if (transfer == MPM_TRANSFER_FLIP || MpmOptionsHelp())
+    PetscCall(MpmOptionsReal(block, "pic", "-", "share of PIC in flip, which damps what the nodes do not see",
+                             ((MpmRange){0., 1., PETSC_FALSE}), MPM_OPTIONAL, &motion->transfer.pic, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *control)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ReadMotion(block, &control->motion));
+  PetscCall(ReadScheme(block, control));
+  MpmCheckInput(control->motion.type == MPM_QUASISTATIC || !control->second || MpmOptionsHelp(),
+                "-%sscheme second: is of fields with a rate, and the integrator %s has none", block->prefix,
+                MpmIntegratorTypes[control->motion.type]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmMotionDefaults(MpmMotionControl *motion)
+{
+  *motion = (MpmMotionControl){.rho_inf = 0.9, .beta = 0.25, .gamma = 0.5};
+}
+
+PetscBool MpmStagesAreDynamic(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].time.motion.type != MPM_QUASISTATIC) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Do points carry what a transfer needs? */
+PetscBool MpmStagesAreAffine(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    const MpmMotionControl *motion = &model->scene.stages[k].time.motion;
+
+    if (motion->type != MPM_QUASISTATIC && motion->transfer.type == MPM_TRANSFER_APIC) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
+{
+  const PetscBool dynamic = MpmStagesAreDynamic(model);
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    model->scene.stages[k].time.motion.transfer.degree = MpmShapeDegree(model->scene.shape);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscBool given;
+
+    PetscCall(MpmBodyReadVelocity(options, model->scene.bodies->names[b], model->scene.bodies->at[b], &given));
+    MpmCheckInput(dynamic || !given || MpmOptionsHelp(),
+                  "-mpm_body_%s_velocity: no stage has inertia; -mpm_time_integrator names one",
+                  model->scene.bodies->names[b]);
+  }
+  model->disc.inertia->dynamic = dynamic;
+  if (!dynamic || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(model->disc.layout->solid, "-mpm_time_integrator: physics %s has no inertia; solid has",
+                model->scene.physics.name);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    MpmCheckInput(model->scene.materials->at[m].density > 0.,
+                  "-mpm_material_%s_density: must be > 0, kg/m3, in dynamics", model->scene.materials->names[m]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
