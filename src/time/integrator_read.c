@@ -13,20 +13,24 @@
 
 const char *const MpmIntegratorTypes[] = {"quasistatic", "backward_euler", "newmark", "generalized_alpha", NULL};
 
-/* How steps are taken, and what their error in time may be, which lets them grow. */
+/* The error in time that lets steps grow and shrink; and how fields with a rate go on. */
 static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *control)
 {
   static const char *const schemes[] = {"euler", "second", NULL};
+  const PetscBool          dynamic   = (PetscBool)(control->motion.type != MPM_QUASISTATIC);
   PetscInt                 scheme;
   PetscBool                controlled;
 
   PetscFunctionBeginUser;
   PetscCall(
     MpmOptionsReal(block, "error", "-",
-                   "largest error in time of a step, relative to the largest change since the stage's start: it "
-                   "chooses the steps, up to step_max; needs scheme second",
+                   "largest error in time of a step, relative to the largest change since the stage's start, in "
+                   "dynamics per length of the step to the largest velocity: it chooses the steps, up to "
+                   "step_max; without inertia it needs scheme second",
                    MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->error, &controlled));
-  if (controlled) control->adaptive = control->second = PETSC_TRUE;
+  if (controlled) control->adaptive = PETSC_TRUE;
+  if (controlled && !dynamic) control->second = PETSC_TRUE;
+  if (dynamic && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   scheme = control->second ? 1 : 0;
   PetscCall(MpmOptionsWord(block, "scheme",
                            "how fields with a rate go on in time: euler, of order 1; second, of order 2, two solutions "
@@ -82,10 +86,8 @@ PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *contro
 {
   PetscFunctionBeginUser;
   PetscCall(ReadMotion(block, &control->motion));
+  if (control->motion.type != MPM_QUASISTATIC) control->second = PETSC_FALSE;
   PetscCall(ReadScheme(block, control));
-  MpmCheckInput(control->motion.type == MPM_QUASISTATIC || !control->second || MpmOptionsHelp(),
-                "-%sscheme second: is of fields with a rate, and the integrator %s has none", block->prefix,
-                MpmIntegratorTypes[control->motion.type]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -263,8 +263,10 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
       model->disc.sum->gravity[a] += factor * load->value[a];
   }
   if (model->scene.body_force) {
-    PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, time, model->disc.sum,
-                                model->disc.force));
+    const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
+
+    PetscCall(
+      MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, at, model->disc.sum, model->disc.force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -701,10 +701,15 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.scheme.error         = 0.;
   model->state.scheme.load_at_start = 0.;
   if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
-  if (control->motion.type != MPM_QUASISTATIC) model->state.scheme.integrator = &MpmIntegratorImplicit;
+  model->state.scheme.error = control->error;
+  if (control->motion.type != MPM_QUASISTATIC) {
+    model->state.scheme.integrator = &MpmIntegratorImplicit;
+    model->state.scheme.order      = control->motion.type == MPM_BACKWARD_EULER ? 1. : 2.;
+    return;
+  }
   if (!control->second) return;
+  model->state.scheme.order      = 3.;
   model->state.scheme.integrator = &MpmIntegratorSdirk;
-  model->state.scheme.error      = control->error;
 }
 
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)

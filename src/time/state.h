@@ -42,6 +42,8 @@ typedef struct {
   PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
   PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
+  PetscReal order;               /* the power of a step's length that the estimate goes with */
+  PetscReal trial;               /* what `largest` will be, should the step be accepted */
   PetscReal largest;             /* what errors are relative to: the largest change since the stage's start */
 } MpmScheme;
 
