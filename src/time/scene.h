@@ -16,18 +16,23 @@ typedef enum {
   MPM_EXPLICIT
 } MpmIntegratorType;
 
-/* How inertia takes part (dynamics.c). */
+/* When explicit steps update the stress (explicit.c). */
+typedef enum { MPM_UPDATE_MUSL, MPM_UPDATE_USL, MPM_UPDATE_USF } MpmStressUpdate;
+
+/* How inertia takes part (dynamics.c, explicit.c). */
 typedef struct {
   MpmIntegratorType type;
   PetscReal         rho_inf;     /* of the generalised-alpha method: what is left of the fastest oscillation a step */
   PetscReal         beta, gamma; /* Newmark's */
   PetscBool         consistent;  /* mass, in implicit steps */
   MpmTransfer       transfer;
+  PetscReal         cfl; /* of explicit steps: in parts of the time that a wave takes through a cell */
+  MpmStressUpdate   update;
 } MpmMotionControl;
 
 /* How time is cut into steps. */
 typedef struct {
-  PetscReal        end, step, step_min, step_max, growth;
+  PetscReal        end, step, step_min, step_max, growth; /* step 0: explicit steps as long as they may be */
   PetscBool        adaptive;
   PetscReal        limit;  /* the step_max that is given; 0: none */
   PetscBool        second; /* steps of two stages (sdirk.c) */

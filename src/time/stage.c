@@ -54,21 +54,42 @@ static PetscErrorCode CheckSteps(const MpmOptions *block, PetscReal end, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The length of a step, which explicit stages need not have: they do not take that of a stage which solves, either. `ratio` is the
+  shortest over it.
+*/
+static PetscErrorCode ReadStep(const MpmOptions *block, PetscBool solved, MpmTimeControl *control, PetscReal ratio)
+{
+  const PetscBool explicit = (PetscBool)(control->motion.type == MPM_EXPLICIT);
+
+  PetscFunctionBeginUser;
+  if (explicit && solved) control->step = 0.;
+  PetscCall(MpmOptionsReal(block, "step", "s", "length of a step; explicit: by default as long as cfl allows",
+                           MPM_RANGE_POSITIVE, explicit || control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED,
+                           &control->step, NULL));
+  control->step_min = ratio * control->step;
+  if (explicit) control->adaptive = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* `control` holds the defaults on entry; a step of 0 is none. */
 static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *prefix, MpmTimeControl *control)
 {
   const MpmOptions block   = {options->comm, prefix, options->record};
   const PetscReal  ratio   = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
-  const MpmNeed    need    = control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED;
+  const PetscBool  solved  = (PetscBool)(control->motion.type != MPM_EXPLICIT);
   PetscReal        longest = 0.;
   PetscBool        given;
 
   PetscFunctionBeginUser;
   PetscCall(
     MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
-  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, need, &control->step, NULL));
-  control->step_min = ratio * control->step;
   PetscCall(MpmIntegratorRead(&block, control));
+  PetscCall(ReadStep(&block, solved, control, ratio));
+  if (control->motion.type == MPM_EXPLICIT && !MpmOptionsHelp()) {
+    if (control->step > 0.) PetscCall(CheckSteps(&block, control->end, control->step, control->step_min));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
                            MPM_OPTIONAL, &longest, &given));
   if (given) control->limit = longest;
@@ -377,6 +398,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
                            MPM_OPTIONAL, &type, NULL));
   if (type || MpmOptionsHelp()) PetscCall(ReadGeostatic(model, options, stage->name, &stage->geostatic));
   stage->time = *scene;
+  if (type) stage->time.motion.type = MPM_QUASISTATIC;
   if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
   PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
   PetscCall(MpmStageMarkList(&block, "remove", "bodies that are taken away", bodies, &stage->removed, &given));
@@ -701,7 +723,13 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.scheme.error         = 0.;
   model->state.scheme.load_at_start = 0.;
   if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
-  if (control->motion.type != MPM_QUASISTATIC) model->state.scheme.integrator = &MpmIntegratorImplicit;
+  if (control->motion.type == MPM_EXPLICIT) {
+    model->state.scheme.integrator = &MpmIntegratorExplicit;
+    if (!(control->step > 0.)) { /* each step is as long as it may be */
+      model->state.dt_nominal = model->state.dt_max = control->end;
+      model->state.adaptive                         = PETSC_TRUE;
+    }
+  } else if (control->motion.type != MPM_QUASISTATIC) model->state.scheme.integrator = &MpmIntegratorImplicit;
   if (!control->second) return;
   model->state.scheme.integrator = &MpmIntegratorSdirk;
   model->state.scheme.error      = control->error;

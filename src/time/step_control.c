@@ -136,6 +136,7 @@ static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
 
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
+  const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
   PetscReal      next;
   PetscBool      retryable, again = PETSC_FALSE;
   PetscLogDouble since;
@@ -148,6 +149,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.cuts = 0;
+  if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (;;) {
     next = MpmNextTime(model, model->state.dt_wanted, dt);
     PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
@@ -176,6 +179,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.time = next;
   model->state.step++;
   PetscCall(MpmReductionObserve(model));
+  if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->state.rescue.dilation) {
     PetscCall(HasStruggled(model, &again));
     if (again) PetscCall(AverageDilation(model, "a short step was hard, too"));
