@@ -31,6 +31,7 @@
 #include "time/dynamics.h"
 #include "time/integrator.h"
 #include "time/model.h"
+#include "time/relaxation.h"
 #include "time/step.h"
 #include "time/time.h"
 
@@ -209,6 +210,7 @@ static PetscErrorCode MoveNodes(MpmModel model, const char **why)
   for (PetscInt k = 0; k < count; k++) force[k] = model->disc.force[k] - force[k];
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.block, force));
   PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.block, force));
+  if (MpmModelRelaxes(model)) PetscCall(MpmRelaxationDamp(model, model->disc.force, force));
   Accelerate(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -246,6 +248,11 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
                                 model->disc.points->acceleration ? dynamics->a_new : NULL));
+  if (MpmModelRelaxes(model)) {
+    PetscCall(MpmRelaxationObserve(model));
+    Displace(model, dynamics->v_new, model->disc.u);
+    PetscCall(MpmRelaxationFinish(model, model->disc.force));
+  }
   PetscCall(UpdateStress(model, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -52,6 +52,14 @@ typedef struct {
   PetscInt           iterations;
 } MpmGeostatic;
 
+/* Explicit steps that come to rest (relaxation.c). */
+typedef enum { MPM_DAMPING_KINETIC, MPM_DAMPING_VISCOUS, MPM_DAMPING_LOCAL } MpmDamping;
+typedef struct {
+  PetscBool  on;
+  MpmDamping damping;
+  PetscReal  tolerance, xi, factor; /* xi in 1/s, of viscous damping; factor: of local */
+} MpmRelaxation;
+
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
 typedef struct {
   MpmRamp   ramp;
@@ -71,6 +79,7 @@ typedef struct MpmStage {
   PetscBool      reset;                            /* displacements start at zero again */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
+  MpmRelaxation  relaxation;
 } MpmStage;
 
 typedef enum { MPM_FOLLOW_NOTHING, MPM_FOLLOW_MOTION, MPM_FOLLOW_BOUNDARY, MPM_FOLLOW_BODY } MpmFollowed;

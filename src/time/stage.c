@@ -32,6 +32,7 @@
 #include "time/dynamics.h"
 #include "time/integrator.h"
 #include "time/model.h"
+#include "time/relaxation.h"
 #include "time/stage_lists.h"
 #include "time/time.h"
 #include "time/water_state.h"
@@ -382,9 +383,27 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A relaxation takes explicit steps; by default velocities keep all that the nodes do not change. */
+static PetscErrorCode ReadRelaxation(const MpmOptions *options, MpmStage *stage, PetscBool on)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_relaxation_", stage->name));
+  PetscCall(MpmRelaxationRead(&block, stage));
+  stage->relaxation.on = on;
+  if (!on) PetscFunctionReturn(PETSC_SUCCESS);
+  if (stage->time.motion.type != MPM_EXPLICIT) stage->time.step = 0.;
+  stage->time.motion.type          = MPM_EXPLICIT;
+  stage->time.motion.transfer.type = MPM_TRANSFER_FLIP;
+  stage->time.motion.transfer.pic  = 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const MpmTimeControl *scene, MpmStage *stage)
 {
-  static const char *const types[] = {"load", "geostatic", NULL};
+  static const char *const types[] = {"load", "geostatic", "relaxation", NULL};
   char                     prefix[256], time_prefix[256];
   const MpmOptions         block  = {options->comm, prefix, options->record};
   PetscInt                 type   = 0;
@@ -394,13 +413,19 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
   PetscCall(PetscSNPrintf(time_prefix, sizeof(time_prefix), "mpm_stage_%s_time_", stage->name));
-  PetscCall(MpmOptionsWord(&block, "type", "load: steps in time; geostatic: a state of stress in equilibrium", types,
-                           MPM_OPTIONAL, &type, NULL));
-  if (type || MpmOptionsHelp()) PetscCall(ReadGeostatic(model, options, stage->name, &stage->geostatic));
+  PetscCall(MpmOptionsWord(&block, "type",
+                           "load: steps in time; geostatic: a state of stress in equilibrium; relaxation: explicit "
+                           "steps, damped until all is at rest",
+                           types, MPM_OPTIONAL, &type, NULL));
+  if (type == 1 || MpmOptionsHelp()) PetscCall(ReadGeostatic(model, options, stage->name, &stage->geostatic));
   stage->time = *scene;
-  if (type) stage->time.motion.type = MPM_QUASISTATIC;
-  if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
+  if (type == 1) stage->time.motion.type = MPM_QUASISTATIC;
+  if (type == 1 && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
+  if (type == 2 || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, stage, (PetscBool)(type == 2)));
   PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
+  MpmCheckInput(type != 2 || stage->time.motion.type == MPM_EXPLICIT || MpmOptionsHelp(),
+                "-%sintegrator %s: a stage of type relaxation takes explicit steps", time_prefix,
+                MpmIntegratorTypes[stage->time.motion.type]);
   PetscCall(MpmStageMarkList(&block, "remove", "bodies that are taken away", bodies, &stage->removed, &given));
   PetscCall(MpmStageMarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds,
                              &given));
@@ -483,6 +508,8 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   PetscFunctionBeginUser;
   PetscCall(ReadSceneTime(model, options, &scene));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
+  PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.ended));
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.ended[k] = -1.;
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     MpmStage *stage = &model->scene.stages[k];
 
@@ -522,6 +549,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(model->state.parked[b].data));
   PetscCall(PetscFree(model->scene.stages));
   PetscCall(PetscFree(model->state.parked));
+  PetscCall(PetscFree(model->state.ended));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -713,6 +741,7 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.load_scale = 1.;
   model->state.time_start = model->state.time;
   model->state.time_end   = model->state.time + control->end;
+  if (model->state.ended[k] >= 0.) model->state.time_end = model->state.ended[k];
   model->state.dt_nominal = control->step;
   model->state.dt_min     = control->step_min;
   model->state.dt_max     = control->step_max;
@@ -758,6 +787,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   PetscCall(MpmTimeErrorBegin(model));
   PetscCall(MpmDynamicsBegin(model));
+  MpmRelaxationBegin(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

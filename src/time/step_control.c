@@ -5,6 +5,7 @@
 #include "space/rules.h"
 #include "time/integrator.h"
 #include "time/model.h"
+#include "time/relaxation.h"
 #include "time/time.h"
 
 /* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
@@ -179,6 +180,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.time = next;
   model->state.step++;
   PetscCall(MpmReductionObserve(model));
+  if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->state.rescue.dilation) {
     PetscCall(HasStruggled(model, &again));
