@@ -55,6 +55,7 @@ static const struct {
   MODEL("reduction_last", REAL, state.safety.reduced),
   MODEL("relaxation_energy", REAL, state.relaxing.kinetic),
   MODEL("relaxation_work", REAL, state.relaxing.work),
+  MODEL("relaxation_held", REAL, state.relaxing.held),
   MODEL("relaxation_resets", INT, state.relaxing.resets),
   MODEL("grid_known", BOOL, state.grid.known),
   MODEL("grid_start_x", REAL, state.grid.start[0]),

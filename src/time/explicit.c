@@ -199,13 +199,12 @@ static PetscErrorCode MoveNodes(MpmModel model, const char **why)
   const PetscBool first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArraycpy(dynamics->v_start, dynamics->v_old, count));
-  Prescribe(model, dynamics->v_start);
-  if (first) Displace(model, dynamics->v_start, model->disc.trial->u);
+  Prescribe(model, dynamics->v_old); /* what they move at does not come from the points */
+  if (first) Displace(model, dynamics->v_old, model->disc.trial->u);
   else PetscCall(PetscArrayzero(model->disc.trial->u, count));
   PetscCall(PointForces(model, model->disc.trial->u, (PetscBool)!first, first, force, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  Displace(model, dynamics->v_start, model->disc.u);
+  Displace(model, dynamics->v_old, model->disc.u);
   PetscCall(OtherForces(model, model->disc.u, force));
   for (PetscInt k = 0; k < count; k++) force[k] = model->disc.force[k] - force[k];
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.block, force));

@@ -45,6 +45,8 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                    "the stage ends where the largest force out of balance over the largest load, and the kinetic "
                    "energy over the work of the loads, are below",
                    ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &relaxation->tolerance, NULL));
+  PetscCall(MpmOptionsReal(block, "hold", "s", "for so long without a break: with 0 it ends where they hold first",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &relaxation->hold, NULL));
   if (damping == MPM_DAMPING_VISCOUS || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "xi", "1/s",
                              "of viscous damping; fastest near the angular frequency of the slowest mode",
@@ -170,9 +172,10 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model)
 
 PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
 {
-  const PetscReal tolerance = model->scene.stages[model->state.stage].relaxation.tolerance;
-  MpmRelaxing    *relaxing  = &model->state.relaxing;
-  PetscReal       work      = 0., most;
+  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+  MpmRelaxing         *relaxing   = &model->state.relaxing;
+  PetscReal            work       = 0., most;
+  PetscBool            holds;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < model->disc.space->owned * model->disc.dim; k++) work += load[k] * model->disc.u[k];
@@ -180,7 +183,9 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
   relaxing->work += work;
   most             = PetscAbsReal(relaxing->work);
   relaxing->energy = most > 0. ? relaxing->kinetic / most : (relaxing->kinetic > 0. ? PETSC_MAX_REAL : 0.);
-  relaxing->rests  = (PetscBool)(relaxing->force < tolerance && relaxing->energy < tolerance);
+  holds            = (PetscBool)(relaxing->force < relaxation->tolerance && relaxing->energy < relaxation->tolerance);
+  relaxing->held   = holds ? relaxing->held + model->disc.sum->dt : 0.;
+  relaxing->rests  = (PetscBool)(holds && relaxing->held >= relaxation->hold);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -57,7 +57,8 @@ typedef enum { MPM_DAMPING_KINETIC, MPM_DAMPING_VISCOUS, MPM_DAMPING_LOCAL } Mpm
 typedef struct {
   PetscBool  on;
   MpmDamping damping;
-  PetscReal  tolerance, xi, factor; /* xi in 1/s, of viscous damping; factor: of local */
+  PetscReal  tolerance, hold; /* the criteria hold below it, for so long, s */
+  PetscReal  xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
 } MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */

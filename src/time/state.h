@@ -17,6 +17,7 @@ typedef struct {
 typedef struct {
   PetscReal force, energy; /* out of balance over the loads; kinetic over their work */
   PetscReal kinetic, work; /* J; of the points after the last step, and of the loads since the stage began */
+  PetscReal held;          /* s, for which the criteria have held without a break */
   PetscInt  resets;        /* of all velocities to zero */
   PetscBool rests;         /* the criteria hold */
 } MpmRelaxing;
