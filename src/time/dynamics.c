@@ -73,7 +73,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
   if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscArrayzero(points.velocity, points.count * dim));
-  PetscCall(PetscArrayzero(points.acceleration, points.count * dim));
+  if (points.acceleration) PetscCall(PetscArrayzero(points.acceleration, points.count * dim));
   if (points.affine) PetscCall(PetscArrayzero(points.affine, points.count * dim * dim));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -81,21 +81,33 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
 
 /* ---- a step ---- */
 
-/* Room for the nodes of the step's space, and what they are at its start. */
-static PetscErrorCode Project(MpmModel model)
+PetscErrorCode MpmDynamicsResize(MpmModel model)
 {
   const PetscInt count = model->disc.space->local * model->disc.dim;
   MpmDynamics   *dynamics;
 
   PetscFunctionBeginUser;
   if (!model->state.scheme.dynamics) PetscCall(PetscNew(&model->state.scheme.dynamics));
-  dynamics = model->state.scheme.dynamics;
+  dynamics        = model->state.scheme.dynamics;
+  dynamics->local = model->disc.space->local;
+  PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
+  if (dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(dynamics));
   PetscCall(PetscMalloc7(count, &dynamics->v_old, count, &dynamics->v_start, count, &dynamics->a_start, count,
                          &dynamics->a_rest, count, &dynamics->v_rest, count, &dynamics->v_new, count,
                          &dynamics->a_new));
-  dynamics->local = model->disc.space->local;
-  PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
+  dynamics->capacity = dynamics->local;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the nodes are at the step's start. */
+static PetscErrorCode Project(MpmModel model)
+{
+  MpmDynamics *dynamics;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmDynamicsResize(model));
+  dynamics = model->state.scheme.dynamics;
   PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
                                dynamics->v_old, dynamics->a_start));
   PetscFunctionReturn(PETSC_SUCCESS);
