@@ -15,6 +15,7 @@
 #include "terms/rigid_body.h"
 #include "time/time.h"
 #include "run/laboratory.h"
+#include "run/motion_columns.h"
 #include "run/run.h"
 
 static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[], size_t size)
@@ -84,7 +85,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
                       model->scene.boundaries->count * (3 * dim + 4) + model->scene.pairs->count * dim +
                       model->scene.motions->count * dim + model->scene.surfaces->count + MpmLinesColumnCount(model) +
-                      2 * dim + 2;
+                      2 * dim + 2 + MpmMotionColumnCount(model);
   char name[512];
 
   PetscFunctionBeginUser;
@@ -143,6 +144,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   }
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
+  PetscCall(MpmMotionAddColumns(model, *names, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -223,7 +225,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
     row[k++] = model->disc.grid->upper[a];
   }
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
-  if (MpmStagesReduce(model)) row[k] = MpmReductionFactor(model, model->state.time);
+  if (MpmStagesReduce(model)) row[k++] = MpmReductionFactor(model, model->state.time);
+  PetscCall(MpmMotionAddValues(model, row, &k));
   PetscCall(MpmHistoryAppend(model->results->history, row));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);

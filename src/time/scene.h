@@ -16,12 +16,19 @@ typedef enum {
   MPM_EXPLICIT
 } MpmIntegratorType;
 
+/* What takes motion from the material (damping.c). */
+typedef struct {
+  PetscReal mass, stiffness;   /* Rayleigh's, 1/s and s */
+  PetscReal linear, quadratic; /* coefficients of the bulk viscosity */
+} MpmDampingControl;
+
 /* How inertia takes part (dynamics.c). */
 typedef struct {
   MpmIntegratorType type;
   PetscReal         rho_inf;     /* of the generalised-alpha method: what is left of the fastest oscillation a step */
   PetscReal         beta, gamma; /* Newmark's */
   PetscBool         consistent;  /* mass, in implicit steps */
+  MpmDampingControl damping;
   MpmTransfer       transfer;
 } MpmMotionControl;
 
