@@ -388,8 +388,22 @@ static double MpmMaterialShearModulus_modified_cam_clay(const double *parameter,
   return parameter[SHEAR];
 }
 
+/* kappa p, that of volume, 0 at no pressure of the logarithmic law, with the part of the linear one; and that of shear */
+static double MpmMaterialEnergy_modified_cam_clay(const double *parameter, const MpmLawTable *table, const double *tau,
+                                                  const double *F)
+{
+  const double minimum = parameter[PRESSURE_MIN];
+  double       p, energy = ElasticShearEnergy(tau, parameter[SHEAR], &p);
+
+  (void)table, (void)F;
+  energy += parameter[KAPPA] * p;
+  if (p < minimum) energy += 0.5 * parameter[KAPPA] * minimum * (1. - p / minimum) * (1. - p / minimum);
+  return energy;
+}
+
 MPM_LAW_DEFINE(modified_cam_clay, parameters, states, MpmMaterialEvaluate_modified_cam_clay,
                .summary = "Modified Cam-Clay with logarithmic elasticity", .traits = MPM_LAW_PLASTIC,
                .check = MpmMaterialCheck_modified_cam_clay, .stiffness = MpmMaterialStiffness_modified_cam_clay,
                .shear_modulus = MpmMaterialShearModulus_modified_cam_clay,
-               .history = MpmMaterialHistory_modified_cam_clay, .k0 = MpmMaterialK0_modified_cam_clay)
+               .history = MpmMaterialHistory_modified_cam_clay, .k0 = MpmMaterialK0_modified_cam_clay,
+               .energy = MpmMaterialEnergy_modified_cam_clay)

@@ -108,6 +108,22 @@ static double MpmMaterialShearModulus_neo_hookean(const double *parameter, const
   return mean * RealValue(LameFromValues(parameter).mu);
 }
 
+/* psi */
+static double MpmMaterialEnergy_neo_hookean(const double *parameter, const MpmLawTable *table, const double *tau,
+                                            const double *F)
+{
+  const Lame   lame = LameFromValues(parameter);
+  const double J = MpmDeterminant(MPM_DIM, F), lambda = RealValue(lame.lambda), mu = RealValue(lame.mu), ln = log(J);
+  const double U     = parameter[VOLUMETRIC] > 0.5 ? 0.25 * (J * J - 1. - 2. * ln) : 0.5 * ln * ln;
+  double       trace = MPM_DIM == 2 ? 1. : 0.; /* of b */
+
+  (void)table, (void)tau;
+  for (int i = 0; i < MPM_DIM * MPM_DIM; i++) trace += F[i] * F[i];
+  if (parameter[SHEAR] > 0.5) return 0.5 * mu * (trace / pow(J, 2. / 3.) - 3.) + (lambda + 2. / 3. * mu) * U;
+  return 0.5 * mu * (trace - 3. - 2. * ln) + lambda * U;
+}
+
 MPM_LAW_DEFINE(neo_hookean, parameters, states, MpmMaterialEvaluate_neo_hookean,
                .summary = "compressible neo-Hookean elasticity", .traits = MPM_LAW_SYMMETRIC,
-               .stiffness = MpmMaterialStiffness_neo_hookean, .shear_modulus = MpmMaterialShearModulus_neo_hookean)
+               .stiffness = MpmMaterialStiffness_neo_hookean, .shear_modulus = MpmMaterialShearModulus_neo_hookean,
+               .energy = MpmMaterialEnergy_neo_hookean)

@@ -652,8 +652,19 @@ static double MpmMaterialShearModulus_nor_sand(const double *parameter, const Mp
   return parameter[SHEAR];
 }
 
+/* -kappa p, and that of shear */
+static double MpmMaterialEnergy_nor_sand(const double *parameter, const MpmLawTable *table, const double *tau,
+                                         const double *F)
+{
+  double       pressure;
+  const double shear = ElasticShearEnergy(tau, parameter[SHEAR], &pressure);
+
+  (void)table, (void)F;
+  return shear + parameter[KAPPA] * pressure;
+}
+
 MPM_LAW_DEFINE(nor_sand, parameters, states, MpmMaterialEvaluate_nor_sand,
                .summary = "Nor-Sand, critical state plasticity of sand", .traits = MPM_LAW_PLASTIC,
                .check = MpmMaterialCheck_nor_sand, .stiffness = MpmMaterialStiffness_nor_sand,
                .shear_modulus = MpmMaterialShearModulus_nor_sand, .history = MpmMaterialHistory_nor_sand,
-               .k0 = MpmMaterialK0_nor_sand)
+               .k0 = MpmMaterialK0_nor_sand, .energy = MpmMaterialEnergy_nor_sand)

@@ -156,7 +156,23 @@ static int MpmMaterialCheck_ogden(const double *parameter, const MpmLawTable *ta
   return given ? nu == NU_LEFT_OUT : nu > -1. && nu < NU_LEFT_OUT;
 }
 
+/* psi */
+static double MpmMaterialEnergy_ogden(const double *parameter, const MpmLawTable *table, const double *tau,
+                                      const double *F)
+{
+  const MpmLawPoint point = {.table = table};
+  const double      bulk  = RealValue(BulkModulus(parameter[BULK_MODULUS], parameter[NU], ShearModulus(&point)));
+  const double      J = MpmDeterminant(MPM_DIM, F), *row = table[TERMS].value;
+  double            energy = 0.25 * bulk * (J * J - 1. - 2. * log(J)), w[3];
+
+  (void)tau;
+  SquaredStretches(F, w);
+  for (long i = 0; i < table[TERMS].count; i++, row += 2)
+    for (int a = 0; a < 3; a++) energy += row[1] / row[0] * expm1(0.5 * row[0] * (log(w[a]) - 2. / 3. * log(J)));
+  return energy;
+}
+
 MPM_LAW_DEFINE(ogden, parameters, states, MpmMaterialEvaluate_ogden,
                .summary = "compressible elasticity in powers of the principal stretches", .traits = MPM_LAW_SYMMETRIC,
                .check = MpmMaterialCheck_ogden, .stiffness = MpmMaterialStiffness_ogden,
-               .shear_modulus = MpmMaterialShearModulus_ogden)
+               .shear_modulus = MpmMaterialShearModulus_ogden, .energy = MpmMaterialEnergy_ogden)

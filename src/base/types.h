@@ -42,6 +42,7 @@ typedef struct MpmBodySurfaces   MpmBodySurfaces;
 typedef struct MpmBoundaries     MpmBoundaries;
 typedef struct MpmContacts       MpmContacts;
 typedef struct MpmDiscretization MpmDiscretization;
+typedef struct MpmDamping        MpmDamping;
 typedef struct MpmInertia        MpmInertia;
 typedef struct MpmLoads          MpmLoads;
 typedef struct MpmLoadActing     MpmLoadActing;

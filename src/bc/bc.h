@@ -8,16 +8,22 @@
 
 /* ---- dirichlet.c, node_frames.c ---- */
 
+/* What the value of a condition is: a displacement, or its first or second derivative by time. */
+typedef enum { MPM_DISPLACEMENT, MPM_VELOCITY, MPM_ACCELERATION } MpmQuantity;
+
 /* A Dirichlet condition on nodes: on components of their unknowns, or on the displacement along a normal. */
 typedef struct {
-  char     *name;
-  MpmRegion region;
-  PetscBool inclined;            /* it has a normal: value[0] is along it, components are those of the reaction */
-  PetscReal normal[MPM_MAX_DIM]; /* of length 1 */
-  PetscInt  component_count;
-  PetscInt  component[MPM_MAX_BLOCK];
-  PetscReal value[MPM_MAX_BLOCK];
-  MpmRamp   ramp;
+  char       *name;
+  MpmRegion   region;
+  PetscBool   inclined;            /* it has a normal: value[0] is along it, components are those of the reaction */
+  PetscReal   normal[MPM_MAX_DIM]; /* of length 1 */
+  PetscInt    component_count;
+  PetscInt    component[MPM_MAX_BLOCK];
+  PetscReal   value[MPM_MAX_BLOCK];
+  MpmRamp     ramp;
+  MpmQuantity quantity;
+  PetscBool   absorbing; /* it prescribes nothing: its nodes have dashpots, and value is a wave that comes in */
+  PetscInt    across;    /* the axis across the plane of such a one */
 } MpmCondition;
 
 /* Conditions, with the names of their blocks. */
@@ -42,6 +48,7 @@ typedef struct {
   const MpmActing      *acting;
   MpmParticles         *particles;
   PetscReal             time_n, time;
+  PetscInt              rate;     /* 0: what the step adds; 1, 2: velocities and accelerations at its end instead */
   PetscReal             diagonal; /* a typical stiffness of a node, N/m */
 } MpmPrescription;
 

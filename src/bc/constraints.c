@@ -27,14 +27,17 @@ PetscReal MpmStepFactor(const MpmPrescription *step, PetscInt b, PetscBool incre
   const PetscInt  count  = step->conditions->count;
   const MpmRamp   ramp   = b < count ? step->conditions->at[b].ramp : step->motions->at[b - count].ramp;
   const PetscReal start  = step->acting[b].start;
-  const PetscReal before = increment && step->time_n > start ? MpmRampEvaluate(ramp, step->time_n - start) : 0.;
+  const PetscInt  order  = b < count ? (PetscInt)step->conditions->at[b].quantity : 0;
+  const PetscReal before = increment && step->time_n > start ? MpmRampIntegral(ramp, step->time_n - start, order) : 0.;
 
-  return MpmRampEvaluate(ramp, step->time - start) - before;
+  if (step->rate) return MpmRampIntegral(ramp, step->time - start, order - step->rate);
+  return MpmRampIntegral(ramp, step->time - start, order) - before;
 }
 
 PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const PetscReal x[])
 {
-  return (PetscBool)(step->acting[b].active && MpmRegionContains(step->conditions->at[b].region, x));
+  return (PetscBool)(step->acting[b].active && !step->conditions->at[b].absorbing &&
+                     MpmRegionContains(step->conditions->at[b].region, x));
 }
 
 /* By which regions select a node: conditions go with the grid. */

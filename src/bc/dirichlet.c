@@ -104,6 +104,80 @@ static PetscErrorCode ReadNormal(const MpmOptions *block, PetscInt dim, MpmCondi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The axis along which the region has the least extent: dashpots stand on a plane across it. */
+static PetscErrorCode ReadAbsorbing(const MpmOptions *block, const MpmGrid *grid, MpmCondition *bc)
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], thinnest = PETSC_INFINITY;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsBool(block, "absorbing",
+                           "prescribes nothing: the nodes, on a plane where the material ends, have dashpots that take "
+                           "waves out; value is then the velocity of a wave that comes in through them",
+                           &bc->absorbing, NULL));
+  if (!bc->absorbing || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  PetscCall(MpmRegionGetBounds(bc->region, lower, upper));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    if ((upper[a] - lower[a]) / grid->h[a] >= thinnest) continue;
+    thinnest   = (upper[a] - lower[a]) / grid->h[a];
+    bc->across = a;
+  }
+  MpmCheckInput(thinnest < 1., "-%sabsorbing: the region must be a plane of nodes, and is %g cells thick",
+                block->prefix, (double)thinnest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Components of an absorbing condition: all directions where none is named. */
+static PetscErrorCode ReadDirections(const MpmOptions *block, const MpmLayout *layout, MpmCondition *bc)
+{
+  PetscBool given;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, "components", &given));
+  if (given) {
+    PetscCall(ReadComponents(block, layout, bc));
+    for (PetscInt k = 0; k < bc->component_count; k++)
+      MpmCheckInput(bc->component[k] < layout->dim, "-%sabsorbing: its components must be directions, x, y or z",
+                    block->prefix);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  bc->component_count = layout->dim;
+  for (PetscInt a = 0; a < layout->dim; a++) bc->component[a] = a;
+  PetscCall(MpmOptionsReals(block, "value", "m/s", "velocity of the wave that comes in, one a direction", MPM_RANGE_ANY,
+                            MPM_OPTIONAL, layout->dim, bc->value, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the values are, and how they go on in time. */
+static PetscErrorCode ReadTime(const MpmOptions *block, const MpmLayout *layout, MpmCondition *bc)
+{
+  static const char *const quantities[] = {"displacement", "velocity", "acceleration", NULL};
+  PetscInt                 quantity     = bc->absorbing ? MPM_VELOCITY : MPM_DISPLACEMENT;
+  PetscBool                ramp, value;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(block, "quantity",
+                           "what value times ramp is of the prescribed displacement, or of the wave that comes in: "
+                           "itself, m; velocity, m/s, or acceleration, m/s2, in stages with inertia",
+                           quantities, MPM_OPTIONAL, &quantity, NULL));
+  bc->quantity = (MpmQuantity)quantity;
+  for (PetscInt k = 0; k < bc->component_count && quantity && !MpmOptionsHelp(); k++)
+    MpmCheckInput(bc->component[k] < layout->dim, "-%squantity %s: its components must be directions, x, y or z",
+                  block->prefix, quantities[quantity]);
+  PetscCall(MpmOptionsHas(block, "ramp", &ramp));
+  PetscCall(MpmRampReadTable(block, "table", (PetscBool)(quantity > 0), &bc->ramp));
+  MpmCheckInput(!bc->ramp || !ramp || MpmOptionsHelp(),
+                "-%sramp: must not be given beside -%stable, which has the factor by time", block->prefix,
+                block->prefix);
+  PetscCall(MpmOptionsHas(block, "value", &value));
+  for (PetscInt k = 0; bc->ramp && !value && k < bc->component_count; k++) bc->value[k] = 1.;
+  if (!bc->ramp) PetscCall(MpmRampCreate(block, "ramp", "0:1", &bc->ramp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                   const MpmLayout *layout, MpmCondition *bc)
 {
@@ -119,9 +193,13 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
   PetscCall(MpmOptionsHeading(&block, "Condition"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &bc->region));
   if (!MpmOptionsHelp()) PetscCall(CheckRegion(&block, grid, bc->region));
+  PetscCall(ReadAbsorbing(&block, grid, bc));
   PetscCall(ReadNormal(&block, grid->dim, bc));
-  if (!bc->inclined) PetscCall(ReadComponents(&block, layout, bc));
-  PetscCall(MpmRampCreate(&block, "ramp", "0:1", &bc->ramp));
+  MpmCheckInput(!bc->inclined || !bc->absorbing, "-%snormal and -%sabsorbing: give one of them, not both", prefix,
+                prefix);
+  if (bc->absorbing && !MpmOptionsHelp()) PetscCall(ReadDirections(&block, layout, bc));
+  else if (!bc->inclined) PetscCall(ReadComponents(&block, layout, bc));
+  PetscCall(ReadTime(&block, layout, bc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,6 +218,10 @@ static PetscBool MotionAlong(const MpmCondition *bc, PetscInt axis, PetscReal *l
   PetscReal value = 0., low, high;
   PetscBool held  = PETSC_FALSE;
 
+  if (bc->absorbing) { /* the material ends on its plane */
+    *least = *most = 0.;
+    return (PetscBool)(axis == bc->across);
+  }
   if (bc->inclined) { /* only where the normal is the axis does it hold the material back */
     held  = (PetscBool)(PetscAbsReal(bc->normal[axis]) == 1.);
     value = bc->value[0] * bc->normal[axis];
@@ -150,7 +232,12 @@ static PetscBool MotionAlong(const MpmCondition *bc, PetscInt axis, PetscReal *l
       value = bc->value[k];
     }
   }
-  MpmRampBounds(bc->ramp, &low, &high);
+  if (bc->quantity == MPM_DISPLACEMENT) MpmRampBounds(bc->ramp, &low, &high);
+  else {
+    low  = PETSC_NINFINITY;
+    high = PETSC_INFINITY;
+    if (value == 0.) low = high = 0.;
+  }
   *least = PetscMin(0., PetscMin(value * low, value * high));
   *most  = PetscMax(0., PetscMax(value * low, value * high));
   return held;

@@ -54,6 +54,16 @@ PetscErrorCode MpmPolygonRead(const MpmOptions *options, PetscInt *count, PetscR
 PetscErrorCode MpmRampCreate(const MpmOptions *options, const char *name, const char *fallback, MpmRamp *ramp);
 PetscErrorCode MpmRampDestroy(MpmRamp *ramp);
 PetscReal      MpmRampEvaluate(MpmRamp ramp, PetscReal time);
+/*
+  The factor integrated `order` times, 1 or 2, from time 0 on, exactly; of order -1 and -2 its first and second derivative, from
+  the left, which a jump does not count in.
+*/
+PetscReal MpmRampIntegral(MpmRamp ramp, PetscReal time, PetscInt order);
+/*
+  Reads -<prefix><name>, a CSV file with the columns time (s) and value, which grow in time; NULL where it is absent. A
+  `record` is a signal sampled evenly, and 0 before its first and after its last row.
+*/
+PetscErrorCode MpmRampReadTable(const MpmOptions *options, const char *name, PetscBool record, MpmRamp *ramp);
 /* The least and the largest factor of all times. */
 void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most);
 

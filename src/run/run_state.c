@@ -64,6 +64,12 @@ static const struct {
   MODEL("grid_moved_x", REAL, state.grid.moved[0]),
   MODEL("grid_moved_y", REAL, state.grid.moved[1]),
   MODEL("grid_moved_z", REAL, state.grid.moved[2]),
+  MODEL("energy_known", BOOL, state.scheme.energy.known),
+  MODEL("energy_internal", REAL, state.scheme.energy.internal),
+  MODEL("energy_external", REAL, state.scheme.energy.external),
+  MODEL("energy_dissipated", REAL, state.scheme.energy.dissipated),
+  MODEL("energy_start", REAL, state.scheme.energy.start),
+  MODEL("energy_elastic", REAL, state.scheme.energy.elastic),
 #undef MODEL
 #undef RESULTS
 };

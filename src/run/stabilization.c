@@ -95,7 +95,7 @@ static PetscBool Prescribes(const MpmModel model, PetscInt b, PetscInt component
   const MpmCondition *bc  = &model->scene.bcs->at[b];
   PetscBool           has = PETSC_FALSE;
 
-  for (PetscInt k = 0; k < bc->component_count && !bc->inclined; k++)
+  for (PetscInt k = 0; k < bc->component_count && !bc->inclined && !bc->absorbing; k++)
     has = (PetscBool)(has || bc->component[k] == component);
   for (PetscInt k = 0; k < model->scene.stage_count; k++) has = (PetscBool)(has && model->scene.stages[k].bcs[b]);
   return (PetscBool)(has && MpmRegionGetType(bc->region) <= MPM_REGION_BOX && MpmRegionContains(bc->region, lower) &&

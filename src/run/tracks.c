@@ -48,26 +48,42 @@ PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[])
+/* The mean over the points of `field`, less `base` unless that is NULL. */
+static PetscErrorCode Mean(const MpmTrack *track, MpmParticles *particles, const char *field, const char *base,
+                           PetscReal mean[])
 {
   const PetscInt dim = particles->dim;
-  PetscReal     *share, *x, *x0;
+  PetscReal     *share, *x, *x0 = NULL;
   PetscInt       count;
 
   PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < dim; a++) displacement[a] = 0.;
+  for (PetscInt a = 0; a < dim; a++) mean[a] = 0.;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
-  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
-  PetscCall(DMSwarmGetField(particles->swarm, "position0", NULL, NULL, (void **)&x0));
+  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&x));
+  if (base) PetscCall(DMSwarmGetField(particles->swarm, base, NULL, NULL, (void **)&x0));
   for (PetscInt p = 0; p < count; p++) {
     if (share[p] == 0.) continue;
-    for (PetscInt a = 0; a < dim; a++) displacement[a] += share[p] * (x[p * dim + a] - x0[p * dim + a]);
+    for (PetscInt a = 0; a < dim; a++) mean[a] += share[p] * (x0 ? x[p * dim + a] - x0[p * dim + a] : x[p * dim + a]);
   }
-  PetscCall(DMSwarmRestoreField(particles->swarm, "position0", NULL, NULL, (void **)&x0));
-  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  if (base) PetscCall(DMSwarmRestoreField(particles->swarm, base, NULL, NULL, (void **)&x0));
+  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&x));
   PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, displacement, (PetscMPIInt)dim, MPIU_REAL, MPIU_SUM,
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, mean, (PetscMPIInt)dim, MPIU_REAL, MPIU_SUM,
                            PetscObjectComm((PetscObject)particles->swarm)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(Mean(track, particles, "position", "position0", displacement));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackVelocity(const MpmTrack *track, MpmParticles *particles, PetscReal velocity[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(Mean(track, particles, "velocity", NULL, velocity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

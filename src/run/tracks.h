@@ -17,6 +17,9 @@ PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
 PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[]);
 
+/* Their mean velocity, in scenes with a dynamic stage. Collective, like Evaluate. */
+PetscErrorCode MpmTrackVelocity(const MpmTrack *track, MpmParticles *particles, PetscReal velocity[]);
+
 /* Sets of points that are followed, with the names of their blocks. */
 typedef struct {
   PetscInt  count;

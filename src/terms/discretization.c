@@ -12,6 +12,7 @@
 #include "terms/body_contact.h"
 #include "terms/body_surface.h"
 #include "terms/contact.h"
+#include "terms/damping.h"
 #include "terms/inertia.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
@@ -28,6 +29,7 @@ PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *
   PetscCall(PetscNew(&disc->pairs));
   PetscCall(PetscNew(&disc->surfaces));
   PetscCall(PetscNew(&disc->inertia));
+  PetscCall(PetscNew(&disc->damping));
   PetscCall(PetscNew(&disc->trial));
   PetscCall(PetscNew(&disc->sum));
   *disc->sum = (MpmSum){.grid = grid, .space = disc->space, .layout = layout, .points = disc->points, .part = 1.};
@@ -64,6 +66,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));
+  if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermDamping, disc->damping));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,6 +122,8 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(PetscFree(disc->surfaces));
   PetscCall(MpmInertiaReset(disc->inertia));
   PetscCall(PetscFree(disc->inertia));
+  PetscCall(MpmDampingReset(disc->damping));
+  PetscCall(PetscFree(disc->damping));
   PetscCall(PetscFree(disc->trial));
   PetscCall(PetscFree(disc->sum));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -26,6 +26,7 @@ typedef struct MpmDiscretization {
   MpmPairContacts *pairs;    /* of bodies */
   MpmSurfaceFaces *surfaces; /* of bodies */
   MpmInertia      *inertia;
+  MpmDamping      *damping;
   MpmTerms        *terms;
   MpmTrial        *trial;
   MpmSections     *sections; /* NULL: none */

@@ -70,6 +70,38 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *material,
+                               PetscReal *boundary)
+{
+  const PetscInt dim = sum->space->dim;
+  MpmPatchWork   work;
+
+  PetscFunctionBeginUser;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch  = &contacts->patch[k];
+    const MpmPose  *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
+    MpmPatchAnswer  answer;
+
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    Evaluate(contacts, patch, sum, u, &work, &answer);
+    for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
+      const MpmFacet *facet = &contacts->facet[f];
+      PetscReal       force[MPM_MAX_DIM], moved[MPM_MAX_DIM];
+
+      MpmFacetForce(contacts, patch, f, &work, &answer, force);
+      MpmPoseCarry(dim, before, after, facet->place, moved);
+      for (PetscInt a = 0; a < dim; a++) {
+        *material += force[a] * work.value[f - patch->begin][a];
+        *boundary += force[a] * (moved[a] - facet->place[a]);
+      }
+    }
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* How gap and slip change with du. */
 static void Change(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal du[],
                    const MpmPatchWork *work, PetscReal *gap, PetscReal slip[])

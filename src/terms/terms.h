@@ -48,6 +48,7 @@ extern const MpmTerm MpmTermWaterWeight; /* of what points take up, where the ph
 extern const MpmTerm MpmTermGhost;       /* the ghost penalty (ghost_penalty.c) */
 extern const MpmTerm MpmTermContact;     /* rigid surfaces (rigid_contact.c); ctx: MpmContacts */
 extern const MpmTerm MpmTermInertia;     /* of the points' mass (inertia.c); ctx: MpmInertia */
+extern const MpmTerm MpmTermDamping;     /* of what moves (damping.c); ctx: MpmDamping */
 extern const MpmTerm MpmTermRigidBodies; /* those whose place is solved for (rigid_body.c); ctx: MpmContacts */
 
 /* The terms of a problem; the first one is that of the points. */

@@ -30,9 +30,11 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "terms/damping.h"
 #include "terms/inertia.h"
 #include "terms/terms.h"
 #include "time/dynamics.h"
+#include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/step.h"
@@ -46,6 +48,7 @@ const MpmMotionControl *MpmModelMotion(const MpmModel model)
 static PetscErrorCode Reset(MpmDynamics *dynamics)
 {
   PetscFunctionBeginUser;
+  PetscCall(PetscFree(dynamics->loads));
   PetscCall(PetscFree7(dynamics->v_old, dynamics->v_start, dynamics->a_start, dynamics->a_rest, dynamics->v_rest,
                        dynamics->v_new, dynamics->a_new));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -60,6 +63,21 @@ PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmDynamicsSetStage(MpmModel model)
+{
+  const MpmMotionControl *motion  = MpmModelMotion(model);
+  const PetscBool         moves   = (PetscBool)(motion->type != MPM_QUASISTATIC);
+  MpmDamping             *damping = model->disc.damping;
+
+  damping->active     = PETSC_FALSE;
+  damping->mass       = moves ? motion->damping.mass : 0.;
+  damping->stiffness  = moves ? motion->damping.stiffness : 0.;
+  damping->linear     = moves ? motion->damping.linear : 0.;
+  damping->quadratic  = moves ? motion->damping.quadratic : 0.;
+  damping->conditions = moves ? model->scene.bcs : NULL;
+  damping->acting     = model->state.bcs;
+}
+
 PetscErrorCode MpmDynamicsBegin(MpmModel model)
 {
   const PetscInt dim  = model->disc.dim;
@@ -67,10 +85,12 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  model->disc.inertia->active = PETSC_FALSE;
-  model->disc.sum->part       = 1.;
+  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
+  model->disc.sum->part                                     = 1.;
   if (!MpmStagesAreDynamic(model) || last < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC &&
+      model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscArrayzero(points.velocity, points.count * dim));
   if (points.acceleration) PetscCall(PetscArrayzero(points.acceleration, points.count * dim));
@@ -96,6 +116,7 @@ PetscErrorCode MpmDynamicsResize(MpmModel model)
   PetscCall(PetscMalloc7(count, &dynamics->v_old, count, &dynamics->v_start, count, &dynamics->a_start, count,
                          &dynamics->a_rest, count, &dynamics->v_rest, count, &dynamics->v_new, count,
                          &dynamics->a_new));
+  PetscCall(PetscMalloc1(count, &dynamics->loads));
   dynamics->capacity = dynamics->local;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -113,22 +134,50 @@ static PetscErrorCode Project(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prescribed unknowns move at the velocity that takes them to their place. */
-static void StartConstrained(MpmModel model, PetscReal dt)
+/* Of one of the integrator's arrays, prescribed unknowns become `values` plus `factor` times their displacement. */
+static void SetConstrained(MpmModel model, const PetscReal values[], PetscReal factor, PetscReal array[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
-  MpmDynamics          *dynamics    = model->state.scheme.dynamics;
-  const PetscInt        dim = model->disc.dim, local = dynamics->local;
+  const PetscInt        dim = model->disc.dim, local = model->state.scheme.dynamics->local;
 
-  MpmFramesToUnknowns(constraints, dim, local, dynamics->v_start);
-  MpmFramesToUnknowns(constraints, dim, local, dynamics->a_start);
-  for (PetscInt k = 0; k < local * dim; k++) {
-    if (MpmConstraintsFree(constraints, k)) continue;
-    dynamics->v_start[k] = constraints->value[k] / dt;
-    dynamics->a_start[k] = 0.;
-  }
-  MpmFramesToAxes(constraints, dim, local, dynamics->v_start);
-  MpmFramesToAxes(constraints, dim, local, dynamics->a_start);
+  MpmFramesToUnknowns(constraints, dim, local, array);
+  for (PetscInt k = 0; k < local * dim; k++)
+    if (!MpmConstraintsFree(constraints, k)) array[k] = values[k] + factor * constraints->value[k];
+  MpmFramesToAxes(constraints, dim, local, array);
+}
+
+/* Prescribed unknowns have the velocities and accelerations that they are told to have, at the step's start */
+static PetscErrorCode StartConstrained(MpmModel model)
+{
+  MpmDynamics *dynamics = model->state.scheme.dynamics;
+  PetscReal   *values;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((dynamics->local * model->disc.dim), &values));
+  PetscCall(MpmStepPrescribedRate(model, model->state.time, 1, values));
+  SetConstrained(model, values, 0., dynamics->v_start);
+  PetscCall(MpmStepPrescribedRate(model, model->state.time, 2, values));
+  SetConstrained(model, values, 0., dynamics->a_start);
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* and at its end, whatever the method makes of their displacement. */
+static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
+{
+  MpmDynamics *dynamics = model->state.scheme.dynamics;
+  PetscReal   *values;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((dynamics->local * model->disc.dim), &values));
+  PetscCall(MpmStepPrescribedRate(model, time, 1, values));
+  SetConstrained(model, values, -dynamics->v_factor, dynamics->v_rest);
+  PetscCall(MpmStepPrescribedRate(model, time, 2, values));
+  SetConstrained(model, values, -dynamics->a_factor, dynamics->a_rest);
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Coefficients of the stage's method. */
@@ -151,11 +200,10 @@ static Method MethodOf(const MpmMotionControl *motion)
   return method;
 }
 
-/* What velocity and acceleration are by the displacement, and the inertia that follows. */
-static void SetInertia(MpmModel model, const Method *method, PetscReal dt)
+/* What velocity and acceleration are by the displacement. */
+static void SetRates(MpmModel model, const Method *method, PetscReal dt)
 {
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
-  MpmInertia     *inertia  = model->disc.inertia;
   const PetscBool euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
   const PetscReal beta = method->beta, gamma = method->gamma;
 
@@ -166,11 +214,29 @@ static void SetInertia(MpmModel model, const Method *method, PetscReal dt)
 
     dynamics->a_rest[k] = euler ? -v / dt : -v / (beta * dt) - (0.5 / beta - 1.) * a;
     dynamics->v_rest[k] = euler ? 0. : v + dt * ((1. - gamma) * a + gamma * dynamics->a_rest[k]);
-    inertia->at_rest[k] = (1. - method->alpha_m) * dynamics->a_rest[k] + method->alpha_m * a;
   }
+}
+
+/* The inertia and the damping that follow. */
+static PetscErrorCode SetForces(MpmModel model, const Method *method)
+{
+  MpmDynamics    *dynamics = model->state.scheme.dynamics;
+  MpmInertia     *inertia  = model->disc.inertia;
+  const PetscInt  count    = dynamics->local * model->disc.dim;
+  const PetscReal end      = 1. - method->alpha_f;
+  PetscReal      *rest;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++)
+    inertia->at_rest[k] = (1. - method->alpha_m) * dynamics->a_rest[k] + method->alpha_m * dynamics->a_start[k];
   inertia->factor     = (1. - method->alpha_m) * dynamics->a_factor;
   inertia->consistent = MpmModelMotion(model)->consistent;
   inertia->active     = PETSC_TRUE;
+  PetscCall(PetscMalloc1(count, &rest));
+  for (PetscInt k = 0; k < count; k++) rest[k] = end * dynamics->v_rest[k] + method->alpha_f * dynamics->v_start[k];
+  PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, inertia->mass, end * dynamics->v_factor, rest));
+  PetscCall(PetscFree(rest));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The part of the points' forces that is the step's start's stands among the loads. */
@@ -226,6 +292,17 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* For the account of energy. */
+static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_f)
+{
+  MpmDynamics *dynamics = model->state.scheme.dynamics;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(dynamics->loads, model->disc.force, dynamics->local * model->disc.dim));
+  PetscCall(MpmStepMeanLoads(model, time, alpha_f, dynamics->loads));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
   const Method    method = MethodOf(MpmModelMotion(model));
@@ -247,8 +324,11 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   }
   PetscCall(PetscArraycpy(model->state.scheme.dynamics->v_start, model->state.scheme.dynamics->v_old,
                           model->disc.space->local * model->disc.dim));
-  if (model->disc.constraints->any) StartConstrained(model, dt);
-  SetInertia(model, &method, dt);
+  PetscCall(StartConstrained(model));
+  SetRates(model, &method, dt);
+  PetscCall(EndConstrained(model, time));
+  PetscCall(SetForces(model, &method));
+  PetscCall(KeepLoads(model, time, method.alpha_f));
   PetscCall(AddStart(model, method.alpha_f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -322,20 +402,21 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->v_new[k] = dynamics->v_factor * u[k] + dynamics->v_rest[k];
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, dynamics->loads, model->disc.residual}));
   PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
                                 dynamics->a_new));
   PetscCall(MpmIntegratorQuasistatic.accept(model));
   if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.trial;
-  model->disc.inertia->active = PETSC_FALSE;
-  model->disc.sum->part       = 1.;
+  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
+  model->disc.sum->part                                     = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RollBack(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.inertia->active = PETSC_FALSE;
-  model->disc.sum->part       = 1.;
+  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
+  model->disc.sum->part                                     = 1.;
   PetscCall(MpmIntegratorQuasistatic.roll_back(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

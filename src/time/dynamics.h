@@ -20,6 +20,7 @@ struct MpmDynamics {
   PetscReal  a_factor, v_factor;
   PetscReal  alpha_f; /* what of the points' forces and the loads is the step's start's */
   PetscReal *v_old, *v_start, *a_start, *a_rest, *v_rest, *v_new, *a_new;
+  PetscReal *loads; /* the mean of the loads over the step, N */
 };
 
 extern const char *const MpmIntegratorTypes[];
@@ -34,6 +35,8 @@ PetscBool MpmStagesAreImplicit(const MpmModel model);
 /* Does any stage of the scene have inertia, and do its points carry affine velocities? */
 PetscBool MpmStagesAreDynamic(const MpmModel model);
 PetscBool MpmStagesAreAffine(const MpmModel model);
+/* What the stage under way takes from motion; SetTime() of a stage calls it. */
+void MpmDynamicsSetStage(MpmModel model);
 /* As a stage begins: points that come to it from one without inertia are at rest. */
 PetscErrorCode MpmDynamicsBegin(MpmModel model);
 /* Room for the nodes of the step's space, in model->state.scheme.dynamics and in the inertia's arrays. */

@@ -19,6 +19,7 @@
 #include "particles/points.h"
 #include "space/rules.h"
 #include "terms/body_contact.h"
+#include "time/energy.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -262,6 +263,7 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmEnergyMark(model));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(RestCreate(model, &points, &rest));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
@@ -280,5 +282,6 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
     model->state.step++;
   }
   PetscCall(RestDestroy(&rest));
+  PetscCall(MpmEnergyRebase(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,7 @@
 #include "point/material.h"
 #include "grid/shape.h"
 #include "particles/body.h"
+#include "bc/bc.h"
 #include "terms/inertia.h"
 #include "time/dynamics.h"
 #include "time/model.h"
@@ -67,6 +68,24 @@ static PetscErrorCode ReadExplicit(const MpmOptions *block, MpmMotionControl *mo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What takes motion away. */
+static PetscErrorCode ReadDamping(const MpmOptions *block, MpmDampingControl *damping)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsReal(block, "damping_mass", "1/s", "Rayleigh's damping by mass", MPM_RANGE_NON_NEGATIVE,
+                           MPM_OPTIONAL, &damping->mass, NULL));
+  PetscCall(MpmOptionsReal(block, "damping_stiffness", "s", "Rayleigh's damping by the law's elastic stiffness",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &damping->stiffness, NULL));
+  PetscCall(MpmOptionsReal(block, "viscosity_linear", "-",
+                           "coefficient of the bulk viscosity that goes with the rate of compression; 0.06 is usual in "
+                           "shocks",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &damping->linear, NULL));
+  PetscCall(MpmOptionsReal(block, "viscosity_quadratic", "-",
+                           "coefficient of the bulk viscosity that goes with its square; 1.2 to 2 in shocks",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &damping->quadratic, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What dynamic stages say beside. */
 static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *motion)
 {
@@ -105,6 +124,7 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
   if (transfer == MPM_TRANSFER_FLIP || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "pic", "-", "share of PIC in flip, which damps what the nodes do not see",
                              ((MpmRange){0., 1., PETSC_FALSE}), MPM_OPTIONAL, &motion->transfer.pic, NULL));
+  PetscCall(ReadDamping(block, &motion->damping));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -179,6 +199,34 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Velocities and accelerations, and waves, need inertia in every stage in which their conditions act. */
+static PetscErrorCode CheckConditions(const MpmModel model)
+{
+  static const char *const quantities[] = {"displacement", "velocity", "acceleration"};
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    const MpmCondition *bc   = &model->scene.bcs->at[b];
+    const char         *name = model->scene.bcs->names[b];
+    PetscBool           any  = PETSC_FALSE;
+
+    for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+      const MpmStage *stage = &model->scene.stages[k];
+      const PetscBool moves = (PetscBool)(stage->time.motion.type != MPM_QUASISTATIC);
+
+      any = (PetscBool)(any || (moves && stage->bcs[b]));
+      MpmCheckInput(moves || !stage->bcs[b] || bc->absorbing || bc->quantity == MPM_DISPLACEMENT,
+                    "-mpm_bc_%s_quantity %s: must be displacement %s%s, which is quasi-static; -mpm_time_integrator "
+                    "names one with inertia",
+                    name, quantities[bc->quantity], stage->name ? "in stage " : "in this scene",
+                    stage->name ? stage->name : "");
+    }
+    MpmCheckInput(!bc->absorbing || any,
+                  "-mpm_bc_%s_absorbing: acts in no stage with inertia; -mpm_time_integrator names one", name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
 {
   const PetscBool dynamic = MpmStagesAreDynamic(model);
@@ -196,6 +244,7 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   }
   model->disc.inertia->dynamic = dynamic;
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
+  if (!MpmOptionsHelp()) PetscCall(CheckConditions(model));
   if (!dynamic || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(model->disc.layout->solid, "-mpm_time_integrator: physics %s has no inertia; solid has",
                 model->scene.physics.name);

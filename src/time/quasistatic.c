@@ -13,11 +13,14 @@
 #include "bc/body_motion.h"
 #include "terms/body_contact.h"
 #include "terms/body_surface.h"
+#include "terms/damping.h"
+#include "terms/inertia.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
 #include "terms/section.h"
 #include "terms/terms.h"
+#include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/step.h"
@@ -207,6 +210,31 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **wh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Does any condition that acts prescribe a displacement other than 0? */
+static PetscBool AnyMoves(const MpmModel model)
+{
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+    if (model->state.bcs[b].active && MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim)) return PETSC_TRUE;
+  return (PetscBool)(model->scene.motions->count > 0);
+}
+
+PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[])
+{
+  MpmPrescription step        = Prescription(model, time);
+  MpmConstraints  constraints = {0};
+  PetscInt        contradicts;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(values, model->disc.space->local * model->disc.block));
+  if (!AnyMoves(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  step.rate = rate;
+  PetscCall(
+    MpmConstraintsSetUp(&constraints, &step, model->disc.grid, model->disc.layout, model->disc.space, &contradicts));
+  PetscCall(PetscArraycpy(values, constraints.value, model->disc.space->local * model->disc.block));
+  PetscCall(MpmConstraintsReset(&constraints));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Conditions that move what they no longer hold. */
 static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const char **why)
 {
@@ -239,6 +267,35 @@ static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal t
   return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
 }
 
+/* Waves that come in through absorbing conditions in a step to `time`, like other loads. */
+static PetscErrorCode AddIncoming(MpmModel model, PetscReal time, PetscReal end, PetscReal start, PetscReal force[])
+{
+  const MpmDamping *damping = model->disc.damping;
+
+  PetscFunctionBeginUser;
+  if (!damping->conditions) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmAbsorbingLoad(damping, model->disc.sum, time, end, force));
+  if (start != 0.) PetscCall(MpmAbsorbingLoad(damping, model->disc.sum, model->state.time, start, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[])
+{
+  const MpmRules  rules = Rules(model, time);
+  const PetscReal start = 0.5 - part;
+
+  PetscFunctionBeginUser;
+  if (start == 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const PetscReal change = MpmModelLoadFactor(model, l, model->state.time) - MpmModelLoadFactor(model, l, time);
+
+    PetscCall(
+      MpmLoadApply(&model->scene.loads->at[l], start * change, &rules, model->disc.sum, model->state.particles, force));
+  }
+  PetscCall(AddIncoming(model, time, -start, start, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Conditions and loads at the step's end. */
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
 {
@@ -265,6 +322,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
       model->disc.sum->gravity[a] += factor * load->value[a];
   }
+  PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
+                        model->disc.force));
   if (model->scene.body_force) {
     const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
 
@@ -583,9 +642,29 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *ret
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The work of a step without inertia, in scenes that keep account of it. */
+static PetscErrorCode AddWork(MpmModel model)
+{
+  const PetscInt count = model->disc.space->local * model->disc.block;
+  PetscReal     *loads;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.inertia->dynamic || model->state.scheme.integrator != &MpmIntegratorQuasistatic)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepFindTrial(model));
+  PetscCall(PetscMalloc1(count, &loads));
+  PetscCall(PetscArraycpy(loads, model->disc.force, count));
+  PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 0., loads));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, loads, model->disc.residual}));
+  PetscCall(PetscFree(loads));
+  model->disc.trial->made = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode AcceptStep(MpmModel model)
 {
   PetscFunctionBeginUser;
+  PetscCall(AddWork(model));
   PetscCall(Commit(model));
   model->disc.put_back   = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last;

@@ -19,12 +19,19 @@ typedef enum {
 /* When explicit steps update the stress (explicit.c). */
 typedef enum { MPM_UPDATE_MUSL, MPM_UPDATE_USL, MPM_UPDATE_USF } MpmStressUpdate;
 
+/* What takes motion from the material (damping.c). */
+typedef struct {
+  PetscReal mass, stiffness;   /* Rayleigh's, 1/s and s */
+  PetscReal linear, quadratic; /* coefficients of the bulk viscosity */
+} MpmDampingControl;
+
 /* How inertia takes part (dynamics.c, explicit.c). */
 typedef struct {
   MpmIntegratorType type;
   PetscReal         rho_inf;     /* of the generalised-alpha method: what is left of the fastest oscillation a step */
   PetscReal         beta, gamma; /* Newmark's */
   PetscBool         consistent;  /* mass, in implicit steps */
+  MpmDampingControl damping;
   MpmTransfer       transfer;
   PetscReal         cfl; /* of explicit steps: in parts of the time that a wave takes through a cell */
   MpmStressUpdate   update;

@@ -30,6 +30,7 @@
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/dynamics.h"
+#include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/relaxation.h"
@@ -306,7 +307,7 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const MpmCondition *bc = &model->scene.bcs->at[b];
 
-    for (PetscInt k = 0; k < bc->component_count; k++)
+    for (PetscInt k = 0; k < bc->component_count && !bc->absorbing; k++)
       MpmCheckInput(!stage->bcs[b] || !model->disc.layout->increment[bc->component[k]] || bc->value[k] == 0.,
                     "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
                     model->scene.bcs->names[b], (double)bc->value[k], stage->name);
@@ -751,6 +752,7 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.scheme.integrator    = &MpmIntegratorQuasistatic;
   model->state.scheme.error         = 0.;
   model->state.scheme.load_at_start = 0.;
+  MpmDynamicsSetStage(model);
   if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
   if (control->motion.type == MPM_EXPLICIT) {
     model->state.scheme.integrator = &MpmIntegratorExplicit;
@@ -776,6 +778,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   const MpmStage *stage = &model->scene.stages[k];
 
   PetscFunctionBeginUser;
+  PetscCall(MpmEnergyMark(model));
   SetTime(model, k);
   model->state.dt_wanted = model->state.dt_nominal;
   model->state.dt_last   = 0.; /* nothing goes on as before */
@@ -795,6 +798,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   PetscCall(MpmTimeErrorBegin(model));
   PetscCall(MpmDynamicsBegin(model));
   MpmRelaxationBegin(model);
+  PetscCall(MpmEnergyRebase(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -41,6 +41,17 @@ typedef struct {
   MpmWall *at;
 } MpmWalls;
 
+/* The account of energy, J, in scenes with a dynamic stage (energy.c); sums over all ranks since the start. */
+typedef struct {
+  PetscBool known;      /* it has begun */
+  PetscReal internal;   /* work of the points' stresses */
+  PetscReal external;   /* work of loads, of prescribed motions and of boundaries that move */
+  PetscReal dissipated; /* by contact and by damping */
+  PetscReal start;      /* kinetic and elastic energy at the start, and what stages have added or taken away */
+  PetscReal elastic;    /* the elastic part of that */
+  PetscReal mark[2];    /* kinetic and elastic energy before what is no step */
+} MpmEnergy;
+
 /* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
@@ -51,9 +62,10 @@ typedef struct {
   PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
   PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
-  PetscReal order;               /* the power of a step's length that the estimate goes with */
-  PetscReal trial;               /* what `largest` will be, should the step be accepted */
-  PetscReal largest;             /* what errors are relative to: the largest change since the stage's start */
+  MpmEnergy energy;
+  PetscReal order;   /* the power of a step's length that the estimate goes with */
+  PetscReal trial;   /* what `largest` will be, should the step be accepted */
+  PetscReal largest; /* what errors are relative to: the largest change since the stage's start */
 } MpmScheme;
 
 /* What moves on: points, time, and how steps go. */

@@ -16,6 +16,13 @@ PetscErrorCode MpmStepFindLost(MpmModel model, const char **why);
 void MpmStepClip(MpmModel model);
 /* The trial and the residual, along the axes, of what Newton has found. */
 PetscErrorCode MpmStepFindTrial(MpmModel model);
+/*
+  Adds the part of the loads that makes those of a step to `time`, which count `part` times as they were at its start, their mean
+  over the step.
+*/
+PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[]);
+/* What prescribed unknowns have at a time: of the first or second derivative by time, at the local unknowns, 0 at others. */
+PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[]);
 /* From that residual, what conditions and motions exert: model->disc.reaction. */
 PetscErrorCode MpmStepFindReactions(MpmModel model);
 /* The residual at the step's start, before any prediction: what Newton's tolerance refers to. */

@@ -58,6 +58,21 @@ MPM_FN double ElasticShearModulus(const double *parameter, const MpmLawTable *ta
   return RealValue(LameFromValues(parameter).mu);
 }
 
+/* s:s/(4 mu), the energy of elastic shear at a Kirchhoff stress with the deviator s; `pressure` becomes -tr(tau)/3 */
+MPM_FN double ElasticShearEnergy(const double *tau, double mu, double *pressure)
+{
+  const double mean = (tau[0] + tau[1] + tau[2]) / 3.;
+  double       sum  = 0.;
+
+  for (int i = 0; i < MPM_SYM; ++i) {
+    const double s = tau[i] - (i < 3 ? mean : 0.);
+
+    sum += (i < 3 ? 1. : 2.) * s * s;
+  }
+  *pressure = -mean;
+  return sum / (4. * mu);
+}
+
 /* lambda tr(e) I + 2 mu e: Hooke's law, or Hencky's where e is the logarithmic strain */
 MPM_FN Sym ElasticStress(Lame lame, const Sym *e)
 {

@@ -122,6 +122,9 @@ typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table
   dilatancy  NULL, or the law's MpmDilatancy, with which F-bar leaves to each point the dilation of its own shear
   shear_strength  NULL, or the largest shear stress, Pa, that the material bears at a state, where no pressure changes it: a
              surface that sticks to the material passes on no more
+  energy     NULL, or the elastic energy stored per initial volume, J/m3, at a Kirchhoff stress, Pa, and a deformation gradient:
+             of laws whose stress is a derivative of it in elastic steps. NULL: that of linear elasticity with the bulk and
+             shear modulus at the state, which is Hencky's and Hooke's
 */
 typedef struct {
   const char             *name;
@@ -138,6 +141,7 @@ typedef struct {
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
   double (*shear_strength)(const double *parameter, const double *state);
+  double (*energy)(const double *parameter, const MpmLawTable *table, const double *tau, const double *F);
   MpmDilatancy dilatancy;
   MpmFunction  law;
 } MpmLawInfo;

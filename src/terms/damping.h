@@ -1,0 +1,40 @@
+#pragma once
+/*
+  What takes motion from the material: Rayleigh's damping, bulk viscosity, and dashpots at nodes (damping.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/*
+  The velocity of a step is v = factor u + rest, u its displacement. Dashpots are those of absorbing conditions (absorbing.c)
+  and, times the nodes' mass, Rayleigh's `mass`.
+*/
+struct MpmDamping {
+  PetscBool            active;            /* in the step */
+  PetscReal            mass, stiffness;   /* Rayleigh's, 1/s and s */
+  PetscReal            linear, quadratic; /* coefficients of the bulk viscosity */
+  const MpmConditions *conditions;        /* of the scene, with what acts of them */
+  const MpmActing     *acting;
+  PetscReal            factor;         /* 1/s */
+  PetscInt             local, count;   /* nodes and points that there is room for */
+  PetscReal           *rest, *dashpot; /* m/s and N s/m, dim values a local node */
+  PetscReal           *viscosity;      /* MPM_VISCOSITIES values a point; NULL: none */
+};
+
+/* Of lambda tr d, of 2 mu d, and of the bulk viscosity's D and D^2, each times a volume. */
+#define MPM_VISCOSITIES 4
+
+PetscErrorCode MpmDampingReset(MpmDamping *damping);
+/* Does anything take motion away? */
+PetscBool MpmDampingAny(const MpmDamping *damping);
+/*
+  The step's velocities at the local nodes, factor u + rest, and the dashpots of the nodes' masses; once the term is prepared.
+  An explicit step has the factor 0.
+*/
+PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const PetscReal mass[], PetscReal factor,
+                             const PetscReal rest[]);
+/* Adds the dashpots of the absorbing conditions that act, at the local nodes (absorbing.c). Collective. */
+PetscErrorCode MpmAbsorbingDashpots(const MpmDamping *damping, const MpmSum *sum, PetscReal dashpot[]);
+/* The forces of waves that come in through them, each rank's part, with velocities of the time `time`, times `scale`. */
+PetscErrorCode MpmAbsorbingLoad(const MpmDamping *damping, const MpmSum *sum, PetscReal time, PetscReal scale,
+                                PetscReal force[]);

@@ -1,0 +1,258 @@
+/*
+  The account of energy, over all points and since the start:
+
+    kinetic + elastic + dissipated - external - (kinetic + elastic at the start) = balance
+
+  kinetic     of the points, with the affine part of their velocities
+  elastic     what the points' elastic strain stores, by the law or by the stress, p^2/(2 K) + s:s/(4 G) a volume
+  dissipated  the work of the points' stresses less what is stored of it, what contact has taken (the depth of a penalty, too,
+              until it lets go), and what damping has taken
+  external    work of loads, of supports that move and of boundaries that move
+
+  The work of a stress in a step is V_0 tau : d, tau the mean of its start and end and d the strain about the middle,
+
+    d = sym((dF - I) ((dF + I)/2)^{-1}) ,
+
+  of second order in the step. The balance is what the integrator and the transfer between points and nodes have lost, and what
+  the ghost penalty has taken: it falls with the step, and with FLIP.
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/momentum.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "terms/body_contact.h"
+#include "terms/body_surface.h"
+#include "terms/contact.h"
+#include "terms/damping.h"
+#include "terms/inertia.h"
+#include "terms/rigid_body.h"
+#include "terms/terms.h"
+#include "time/dynamics.h"
+#include "time/energy.h"
+#include "time/model.h"
+
+/* ---- points ---- */
+
+/* Stored in a point per initial volume, J/m3. */
+static PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscReal stress[], const PetscReal state[],
+                        const PetscReal F[])
+{
+  const MpmLawInfo *info = &material->info;
+  const PetscReal   J    = info->traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F);
+  const PetscInt    size = MpmSymSize(dim);
+  PetscReal         tau[6], bulk, shear, mean, square = 0.;
+
+  for (PetscInt k = 0; k < size; k++) tau[k] = J * stress[k];
+  if (info->energy) return info->energy(material->parameter, material->table, tau, F);
+  if (!info->shear_modulus) return 0.;
+  shear = info->shear_modulus(material->parameter, material->table, state, F);
+  bulk  = MpmMaterialStiffness(material, state, F) - 4. / 3. * shear;
+  mean  = (tau[0] + tau[1] + tau[2]) / 3.;
+  for (PetscInt k = 0; k < size; k++) square += k < 3 ? PetscSqr(tau[k] - mean) : 2. * PetscSqr(tau[k]);
+  if (!(shear > 0.)) return bulk > 0. ? 0.5 * mean * mean / bulk : 0.;
+  return square / (4. * shear) + (bulk > 0. ? 0.5 * mean * mean / bulk : 0.);
+}
+
+/* Of this rank's points. */
+static PetscReal Elastic(const MpmModel model, const MpmPoints *points)
+{
+  const PetscInt dim = model->disc.dim, sym = MpmSymSize(dim), size = model->state.particles->state_size;
+  PetscReal      sum = 0.;
+
+  for (PetscInt p = 0; p < points->count; p++)
+    sum += points->volume0[p] * Stored(&model->scene.materials->at[points->material[p]], dim, &points->stress[p * sym],
+                                       points->state ? &points->state[p * size] : NULL, &points->F[p * dim * dim]);
+  return sum;
+}
+
+/* Without the affine part. */
+static PetscReal Kinetic(const MpmModel model, const MpmPoints *points)
+{
+  const PetscInt dim = model->disc.dim;
+  PetscReal      sum = 0.;
+
+  for (PetscInt k = 0; k < points->count * dim; k++)
+    sum += 0.5 * MpmPointMass(points, model->scene.materials->at, k / dim) * PetscSqr(points->velocity[k]);
+  return sum;
+}
+
+static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  energy[0] = Kinetic(model, &points);
+  energy[1] = Elastic(model, &points);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnergyMark(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->disc.inertia->dynamic && model->state.scheme.energy.known)
+    PetscCall(Measure(model, model->state.scheme.energy.mark));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnergyRebase(MpmModel model)
+{
+  MpmEnergy *energy = &model->state.scheme.energy;
+  PetscReal  now[2];
+
+  PetscFunctionBeginUser;
+  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Measure(model, now));
+  energy->start += now[0] + now[1] - energy->mark[0] - energy->mark[1];
+  energy->elastic += now[1] - energy->mark[1];
+  energy->known = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- work ---- */
+
+/* sym(G) : S of a gradient G and a symmetric S; plane strain has no part along z. */
+static PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
+{
+  PetscReal sum = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) sum += G[a * dim + a] * S[a];
+  sum += (G[1] + G[dim]) * S[3];
+  if (dim == 3) sum += (G[5] + G[7]) * S[4] + (G[2] + G[6]) * S[5];
+  return sum;
+}
+
+/* (B - A) ((A + B)/2)^{-1}: with A = F_n and B = F_{n+1} the strain about the middle. */
+static void MiddleStrain(PetscInt dim, const PetscReal A[], const PetscReal B[], PetscReal d[])
+{
+  PetscReal half[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], det;
+
+  for (PetscInt k = 0; k < dim * dim; k++) half[k] = 0.5 * (A[k] + B[k]);
+  det = MpmCofactors(dim, half, cofactor);
+  for (PetscInt i = 0; i < dim; i++) {
+    for (PetscInt j = 0; j < dim; j++) {
+      d[i * dim + j] = 0.;
+      for (PetscInt k = 0; k < dim; k++)
+        d[i * dim + j] += (B[i * dim + k] - A[i * dim + k]) * cofactor[j * dim + k] / det;
+    }
+  }
+}
+
+/* Of the stresses of this rank's points. */
+static PetscReal Internal(const MpmModel model)
+{
+  const MpmPoints *points = model->disc.points;
+  const MpmTrial  *trial  = model->disc.trial;
+  const PetscInt   dim = model->disc.dim, square = dim * dim, sym = MpmSymSize(dim);
+  PetscReal        work = 0.;
+
+  for (PetscInt p = 0; p < points->count; p++) {
+    const unsigned   traits = model->scene.materials->at[points->material[p]].info.traits;
+    const PetscBool  small  = (PetscBool)(traits & MPM_LAW_SMALL_STRAIN ? 1 : 0);
+    const PetscReal *A = &points->F[p * square], *B = &trial->F[p * square];
+    PetscReal        d[MPM_MAX_DIM * MPM_MAX_DIM], mean[6];
+    const PetscReal  before = 0.5 * (small ? 1. : MpmDeterminant(dim, A)),
+                    after   = 0.5 * (small ? 1. : MpmDeterminant(dim, B));
+
+    for (PetscInt k = 0; k < sym; k++)
+      mean[k] = before * points->stress[p * sym + k] + after * trial->stress[p * sym + k];
+    if (!small) MiddleStrain(dim, A, B, d);
+    for (PetscInt k = 0; small && k < square; k++) d[k] = B[k] - A[k];
+    work += points->volume0[p] * Power(dim, d, mean);
+  }
+  return work;
+}
+
+/* Of the forces of some nodes in the step's displacement: components of the latter alone. */
+static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal force[], const PetscReal u[])
+{
+  const PetscInt dim = model->disc.dim, bs = model->disc.block;
+  PetscReal      work = 0.;
+
+  for (PetscInt k = 0; k < nodes * dim; k++) work += force[k / dim * bs + k % dim] * u[k / dim * bs + k % dim];
+  return work;
+}
+
+/* What a term of the residual takes from the material. */
+static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const PetscReal u[], PetscReal *work)
+{
+  const MpmTerms *terms  = model->disc.terms;
+  const PetscInt  local  = model->disc.space->local;
+  PetscInt        failed = 0;
+  PetscReal      *force;
+
+  PetscFunctionBeginUser;
+  *work = 0.;
+  for (PetscInt k = 0; k < terms->count; k++) {
+    if (terms->term[k] != term) continue;
+    PetscCall(PetscCalloc1((local * model->disc.block), &force));
+    PetscCall(term->residual(terms->ctx[k], model->disc.sum, u, force, &failed));
+    *work += Work(model, local, force, u);
+    PetscCall(PetscFree(force));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
+{
+  const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
+  const PetscInt       local    = model->disc.space->local;
+  MpmEnergy           *energy   = &model->state.scheme.energy;
+  PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0.;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  sum[0] = Internal(model);
+  sum[1] = Work(model, local, work->loads, work->u) + Work(model, model->disc.space->owned, work->supports, work->u);
+  PetscCall(TakenBy(model, &MpmTermSurfaces, work->u, &taken));
+  sum[1] -= taken;
+  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->u, &material, &boundary));
+  sum[1] += boundary;
+  sum[2] += boundary - material;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
+    PetscCall(TakenBy(model, takers[k], work->u, &taken));
+    sum[2] += taken;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));
+  energy->internal += sum[0];
+  energy->external += sum[1];
+  energy->dissipated += sum[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- report ---- */
+
+PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
+{
+  const MpmMotionControl *motion = MpmModelMotion(model);
+  const MpmEnergy        *energy = &model->state.scheme.energy;
+  PetscReal               sum[2 + MPM_MAX_DIM + 3];
+  MpmMotionSums           sums = {.mass = 0.};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
+  if (motion->type != MPM_QUASISTATIC) PetscCall(MpmMotionSum(model->disc.sum, &motion->transfer, &sums));
+  sum[0] = sums.kinetic;
+  sum[1] = Elastic(model, model->disc.points);
+  PetscCall(PetscArraycpy(&sum[2], sums.momentum, MPM_MAX_DIM));
+  PetscCall(PetscArraycpy(&sum[2 + MPM_MAX_DIM], sums.angular, 3));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(sum), MPIU_REAL, MPIU_SUM, model->comm));
+  *report            = (MpmEnergyReport){.kinetic = sum[0], .elastic = sum[1], .external = energy->external};
+  report->dissipated = energy->dissipated + energy->internal - (sum[1] - energy->elastic);
+  report->balance    = report->kinetic + report->elastic + report->dissipated - report->external - energy->start;
+  PetscCall(PetscArraycpy(report->momentum, &sum[2], MPM_MAX_DIM));
+  PetscCall(PetscArraycpy(report->angular, &sum[2 + MPM_MAX_DIM], 3));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,35 @@
+#pragma once
+/*
+  The account of energy in scenes with a dynamic stage (energy.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/*
+  What a step has done, as values at the local nodes, `block` a node, along the axes.
+
+  loads     forces on the material, of which each rank has its part; their mean over the step
+  supports  at the owned nodes, the forces that prescribed unknowns exert; 0 at free ones
+
+  The points, the space and the terms are as the step had them; the forces of contact and of damping are evaluated at u.
+*/
+typedef struct {
+  const PetscReal *u, *loads, *supports;
+} MpmStepWork;
+
+/* Adds a step, once the trial is found and before the points take it. Collective; nothing happens in scenes without inertia. */
+PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work);
+/*
+  Around what changes the points without a step (a stage's bodies and materials, a geostatic state): Mark before it, Rebase
+  after it; the first Rebase opens the account.
+*/
+PetscErrorCode MpmEnergyMark(MpmModel model);
+PetscErrorCode MpmEnergyRebase(MpmModel model);
+
+/* The account as it stands, J, and what moves, kg m/s and kg m2/s about the origin; the same on all ranks. */
+typedef struct {
+  PetscReal kinetic, elastic, dissipated, external, balance;
+  PetscReal momentum[MPM_MAX_DIM], angular[3];
+} MpmEnergyReport;
+PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report);
