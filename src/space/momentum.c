@@ -9,29 +9,17 @@
   D changes with the point's domain. With linear basis functions D goes from 0 to h^2/4 within a cell; there the gradient C
   itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
 */
-#include "grid/grid.h"
 #include "space/momentum.h"
-#include "space/point_loop.h"
+#include "space/stencil.h"
 
 const char *const MpmTransferTypes[] = {"apic", "flip", NULL};
-
-/* A second moment below this part of a cell's square is no base for a quotient: points on an edge of the grid. */
-#define THIN 1e-2
-
-/* One point's weights at its group's nodes, and where these stand from it along each axis. */
-typedef struct {
-  PetscReal *weight;                           /* of all nodes, x fastest */
-  PetscReal  away[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* m */
-  PetscReal  second[MPM_MAX_DIM];              /* D_b, m2 */
-  PetscReal  line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* what takes the weights' place along an axis for the affine part */
-} Stencil;
 
 typedef struct {
   const MpmTransfer *transfer;
   PetscReal         *storage, *sums;
   const PetscReal   *v_old, *v_new, *a_new;
   PetscReal         *gathered; /* [c][i], of v_new - v_old, v_new, a_new */
-  Stencil            at;
+  MpmStencil         at;
 } Work;
 
 static PetscErrorCode WorkCreate(const MpmSum *sum, const MpmTransfer *transfer, Work *work)
@@ -45,75 +33,6 @@ static PetscErrorCode WorkCreate(const MpmSum *sum, const MpmTransfer *transfer,
   work->sums      = work->at.weight + most;
   work->gathered  = work->sums + most * (1 + 2 * dim);
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-MPM_INLINE void EvaluateStencil(const MpmKnown known, const MpmSum *sum, const PetscInt first[], PetscInt p,
-                                Stencil *at)
-{
-  const MpmGrid   *grid = sum->grid;
-  const PetscInt   dim = known.dim, W = sum->space->width;
-  const PetscReal *w = &sum->space->shape[0].weight[p * dim * W], *x = &sum->points->x[p * dim];
-  PetscReal       *weight = at->weight;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal start = grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a];
-
-    at->second[a] = 0.;
-    for (PetscInt k = 0; k < known.count[a]; k++) {
-      at->away[a][k] = start + grid->h[a] * (PetscReal)k;
-      at->second[a] += w[a * W + k] * at->away[a][k] * at->away[a][k];
-    }
-  }
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
-      const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
-
-      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w[k] * row;
-    }
-  }
-}
-
-/* C, by which the point's velocity varies */
-MPM_INLINE void Affine(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
-                       const PetscReal second[], PetscReal C[])
-{
-  const PetscInt   dim = known.dim;
-  const PetscReal *B   = &sum->points->affine[p * dim * dim];
-
-  for (PetscInt b = 0; b < dim; b++) {
-    const PetscReal h2 = PetscSqr(sum->grid->h[b]);
-    const PetscReal by = transfer->degree < 2 ? 1. : 1. / PetscMax(second[b], THIN * h2);
-
-    for (PetscInt a = 0; a < dim; a++) C[a * dim + b] = by * B[a * dim + b];
-  }
-}
-
-/* sums[c][i] += w_i m (v_c + C_c. (x_i - x_p)) */
-MPM_INLINE void AddMomentum(const MpmKnown known, const PetscReal mass, const PetscReal v[], const PetscReal *C,
-                            const Stencil *at, PetscReal sums[])
-{
-  const PetscInt dim = known.dim;
-
-  for (PetscInt c = 0; c < dim; c++) {
-    PetscReal *restrict to = &sums[c * known.n];
-    const PetscReal *w     = at->weight;
-
-    for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-      for (PetscInt j = 0; j < known.count[1]; j++, w += known.count[0], to += known.count[0]) {
-        PetscReal row = mass * v[c];
-
-        if (C) row += mass * C[c * dim + 1] * at->away[1][j];
-        if (C && dim == 3) row += mass * C[c * dim + 2] * at->away[2][l];
-        if (C) {
-          const PetscReal slope = mass * C[c * dim];
-
-          for (PetscInt k = 0; k < known.count[0]; k++) to[k] += w[k] * (row + slope * at->away[0][k]);
-        } else {
-          for (PetscInt k = 0; k < known.count[0]; k++) to[k] += w[k] * row;
-        }
-      }
-    }
-  }
 }
 
 /* The sums of one group: [c][i], mass first, then momentum, then mass times acceleration. */
@@ -136,12 +55,13 @@ MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const
     MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
     MpmFetch(points->x, ahead, dim);
     MpmFetch(points->velocity, ahead, dim);
-    EvaluateStencil(known, sum, first, p, &work->at);
-    if (affine) Affine(known, sum, work->transfer, p, work->at.second, C);
+    MpmStencilEvaluate(known, sum, first, p, &work->at);
+    if (affine) MpmStencilAffine(known, sum, work->transfer, p, work->at.second, C);
     for (PetscInt i = 0; i < n; i++) work->sums[i] += mass * work->at.weight[i];
-    if (numbers > 1) AddMomentum(known, mass, &points->velocity[p * dim], affine ? C : NULL, &work->at, work->sums + n);
+    if (numbers > 1)
+      MpmStencilAddMomentum(known, mass, &points->velocity[p * dim], affine ? C : NULL, &work->at, work->sums + n);
     if (numbers > 1 + dim)
-      AddMomentum(known, mass, &points->acceleration[p * dim], NULL, &work->at, work->sums + n * (1 + dim));
+      MpmStencilAddMomentum(known, mass, &points->acceleration[p * dim], NULL, &work->at, work->sums + n * (1 + dim));
   }
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt c = 0; c < numbers; c++) nodal[nodes[i] * numbers + c] += work->sums[c * n + i];
@@ -178,48 +98,6 @@ PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer
 
 /* ---- and back ---- */
 
-/* What a pass over the nodes sums along each axis beside the weights: a point's affine velocity. */
-MPM_INLINE void AffineLines(const MpmKnown known, const MpmSum *sum, PetscInt p, PetscInt degree, Stencil *at)
-{
-  const PetscInt dim = known.dim, W = sum->space->width;
-
-  for (PetscInt b = 0; b < dim; b++) {
-    const PetscReal *w    = &sum->space->shape[0].weight[(p * dim + b) * W];
-    const PetscReal *g    = &sum->space->shape[0].gradient[(p * dim + b) * W];
-    const PetscBool  thin = (PetscBool)(degree < 2 && at->second[b] < THIN * PetscSqr(sum->grid->h[b]));
-    const PetscReal  by   = degree < 2 && !thin ? 1. / at->second[b] : 1.;
-
-    for (PetscInt k = 0; k < known.count[b]; k++) at->line[b][k] = thin ? g[k] : by * w[k] * at->away[b][k];
-  }
-}
-
-/* One component of the nodes' values at a point, and its affine part where `affine` is not NULL. */
-MPM_INLINE PetscReal Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p, const Stencil *at,
-                                 const PetscReal values[], PetscReal *affine)
-{
-  const PetscInt   dim = known.dim, W = sum->space->width;
-  const PetscReal *w[MPM_MAX_DIM] = {&sum->space->shape[0].weight[p * dim * W], NULL, NULL};
-  PetscReal        total = 0., by[MPM_MAX_DIM] = {0.};
-
-  w[1] = w[0] + W;
-  w[2] = w[1] + W;
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-    for (PetscInt j = 0; j < known.count[1]; j++, values += known.count[0]) {
-      PetscReal row = 0., moment = 0.;
-
-      for (PetscInt k = 0; k < known.count[0]; k++) row += w[0][k] * values[k];
-      total += (dim == 2 ? w[1][j] : w[1][j] * w[2][l]) * row;
-      if (!affine) continue;
-      for (PetscInt k = 0; k < known.count[0]; k++) moment += at->line[0][k] * values[k];
-      by[0] += (dim == 2 ? w[1][j] : w[1][j] * w[2][l]) * moment;
-      by[1] += (dim == 2 ? at->line[1][j] : at->line[1][j] * w[2][l]) * row;
-      if (dim == 3) by[2] += w[1][j] * at->line[2][l] * row;
-    }
-  }
-  for (PetscInt b = 0; affine && b < dim; b++) affine[b] = by[b];
-  return total;
-}
-
 MPM_INLINE PetscErrorCode ToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, Work *work)
 {
   const MpmPoints *points = sum->points;
@@ -246,17 +124,18 @@ MPM_INLINE PetscErrorCode ToPoints(const MpmKnown known, const MpmSum *sum, cons
 
     MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
     MpmFetch(points->velocity, ahead, dim);
-    EvaluateStencil(known, sum, first, p, &work->at);
-    if (apic) AffineLines(known, sum, p, work->transfer->degree, &work->at);
+    MpmStencilEvaluate(known, sum, first, p, &work->at);
+    if (apic) MpmStencilLines(known, sum, p, work->transfer->degree, &work->at);
     for (PetscInt c = 0; c < dim; c++) {
       PetscReal kept = 0., taken = 0.;
 
-      if (pic < 1.) kept = v[c] + Interpolate(known, sum, p, &work->at, &change[c * n], NULL);
+      if (pic < 1.) kept = v[c] + MpmStencilInterpolate(known, sum, p, &work->at, &change[c * n], NULL);
       if (pic > 0.)
-        taken =
-          Interpolate(known, sum, p, &work->at, &v_new[c * n], apic ? &points->affine[(p * dim + c) * dim] : NULL);
+        taken = MpmStencilInterpolate(known, sum, p, &work->at, &v_new[c * n],
+                                      apic ? &points->affine[(p * dim + c) * dim] : NULL);
       v[c] = (1. - pic) * kept + pic * taken;
-      if (work->a_new) points->acceleration[p * dim + c] = Interpolate(known, sum, p, &work->at, &a_new[c * n], NULL);
+      if (work->a_new)
+        points->acceleration[p * dim + c] = MpmStencilInterpolate(known, sum, p, &work->at, &a_new[c * n], NULL);
     }
   }
   return PETSC_SUCCESS;
@@ -320,8 +199,8 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
       if (affine) {
         const MpmKnown known = KnownGeneral(sum->layout, group);
 
-        EvaluateStencil(known, sum, first, p, &work.at);
-        Affine(known, sum, transfer, p, work.at.second, C);
+        MpmStencilPlace(known, sum, first, p, &work.at);
+        MpmStencilAffine(known, sum, transfer, p, work.at.second, C);
         for (PetscInt k = 0; k < dim * dim; k++) {
           B[k] = C[k] * work.at.second[k % dim];
           sums->kinetic += 0.5 * mass * C[k] * B[k];

@@ -129,11 +129,35 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
+/* F, stress and history become the points'. */
+static PetscErrorCode KeepTrial(const MpmSum *sum)
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = sum->space->dim;
-  MpmWorkspace     work;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
+  PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
+  PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->own_size));
+  for (PetscInt p = 0; sum->state_size && p < points->count; p++)
+    PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],
+                            sum->materials[points->material[p]].state_size));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCommitMoves(const MpmSum *sum, PetscReal dt, const PetscReal moves[])
+{
+  const PetscInt count = sum->points->count * sum->space->dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++) sum->points->x[k] += dt * moves[k];
+  PetscCall(KeepTrial(sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
+{
+  MpmWorkspace work;
 
   PetscFunctionBeginUser;
   PetscCall(MpmWorkspaceCreate(sum, &work));
@@ -143,11 +167,6 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
     MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, work.values, &work);
   }
   PetscCall(PetscFree(work.storage));
-  PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
-  PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
-  PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->own_size));
-  for (PetscInt p = 0; sum->state_size && p < points->count; p++)
-    PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],
-                            sum->materials[points->material[p]].state_size));
+  PetscCall(KeepTrial(sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -61,3 +61,5 @@ PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscRea
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);
+/* The same where the points' own velocities are known, and no field has a rate. */
+PetscErrorCode MpmCommitMoves(const MpmSum *sum, PetscReal dt, const PetscReal moves[]);

@@ -51,6 +51,11 @@ typedef struct MpmContacts {
   PetscBool  weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 
+/*
+  For explicit steps dt: patches become so soft that none pushes further than out of its surface in a step, by the masses of the
+  local nodes (contact_limit.c).
+*/
+void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 /* That whose place is solved for, or NULL. */
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 

@@ -29,6 +29,40 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
   return PETSC_SUCCESS;
 }
 
+/* What one group's points would be at displacements u of the nodes, into the trial: without their forces. */
+MPM_INLINE PetscErrorCode UpdateGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                      const PetscReal u[], MpmWorkspace *work, PetscInt *failed)
+{
+  const PetscBool weights = work->weights;
+
+  MpmSumGather(known, sum, group, u, work->values);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s];
+    MpmKernelPoint point;
+    PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
+
+    MpmSumFetch(known, sum, s);
+    MpmSumBasis(known, sum->space, p, weights, &work->basis);
+    MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
+    MpmSumPoint(sum, p, &point);
+    MpmSumTrial(sum, p, &point);
+    if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmPointsUpdate(const MpmSum *sum, const PetscReal u[], PetscInt *failed)
+{
+  MpmWorkspace work;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmWorkspaceCreate(sum, &work));
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], UpdateGroup, sum, &sum->space->groups[g], u, &work, failed);
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed)
 {

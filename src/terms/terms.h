@@ -75,6 +75,8 @@ PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const P
                                PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                                 PetscInt *failed);
+/* What the points would be at displacements u, into the sum's trial, without their forces; a physics without means. */
+PetscErrorCode MpmPointsUpdate(const MpmSum *sum, const PetscReal u[], PetscInt *failed);
 /* The tangents of all but the points, for forms of the Jacobian that take the points in a way of their own. */
 PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                                    PetscInt *failed);

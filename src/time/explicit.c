@@ -22,13 +22,21 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "space/motion.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "terms/body_contact.h"
+#include "terms/body_surface.h"
+#include "terms/contact.h"
+#include "terms/damping.h"
 #include "terms/inertia.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
 #include "terms/section.h"
 #include "terms/terms.h"
 #include "time/dynamics.h"
+#include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/relaxation.h"
@@ -93,17 +101,38 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 
 /* ---- a step ---- */
 
+/* Room for the sums of the first pass and the points' velocities. */
+static PetscErrorCode Resize(MpmModel model)
+{
+  const PetscInt sums  = model->disc.space->local * MPM_MOTION(model->disc.dim);
+  const PetscInt moves = model->disc.points->count * model->disc.dim;
+  MpmDynamics   *dynamics;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmDynamicsResize(model));
+  dynamics = model->state.scheme.dynamics;
+  if (sums > dynamics->sums_room) {
+    PetscCall(PetscFree(dynamics->sums));
+    PetscCall(PetscMalloc1(sums, &dynamics->sums));
+    dynamics->sums_room = sums;
+  }
+  if (moves > dynamics->moves_room) {
+    PetscCall(PetscFree(dynamics->moves));
+    PetscCall(PetscMalloc1(moves, &dynamics->moves));
+    dynamics->moves_room = moves;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
   PetscFunctionBeginUser;
   model->disc.inertia->active       = PETSC_FALSE;
+  model->disc.damping->active       = PETSC_FALSE;
   model->disc.sum->part             = 1.;
-  model->state.scheme.load_at_start = 0.;
+  model->state.scheme.load_at_start = 1.; /* velocities stand half a step behind */
   PetscCall(MpmStepBegin(model, time, dt, again, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmDynamicsResize(model));
-  PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
-                               model->state.scheme.dynamics->v_old, NULL));
+  if (!*why) PetscCall(Resize(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -129,21 +158,35 @@ static void Prescribe(const MpmModel model, PetscReal velocity[])
   MpmFramesToAxes(constraints, dim, local, velocity);
 }
 
-/* The points' forces at displacements u of the nodes; with `keep` what the points would be there goes into the trial. */
-static PetscErrorCode PointForces(MpmModel model, const PetscReal u[], PetscBool still, PetscBool keep,
-                                  PetscReal force[], const char **why)
+/* Does the physics take the points one by one, with stresses as a solid has them? */
+static PetscBool IsPlain(const MpmModel model)
 {
-  const MpmTerm *points = model->disc.terms->term[0];
-  MpmSum        *sum    = model->disc.sum;
-  PetscInt       failed = 0;
-  PetscLogDouble since;
+  return (PetscBool)(!model->disc.layout->means && !strcmp(model->scene.physics.name, "solid"));
+}
+
+/*
+  What the points would be at displacements u of the nodes, into the trial; `force`: NULL, or their forces there. `still`: in the
+  stress of the step's start, and the trial stays as it is.
+*/
+static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscBool still, PetscReal *force,
+                                     const char **why)
+{
+  const MpmTerms *terms  = model->disc.terms;
+  MpmSum         *sum    = model->disc.sum;
+  PetscInt        failed = 0;
+  PetscLogDouble  since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_RESIDUAL, &since));
   sum->rest  = (PetscBool)(still && !model->disc.layout->means);
-  sum->trial = keep ? model->disc.trial : NULL;
-  PetscCall(PetscArrayzero(force, model->disc.space->local * model->disc.block));
-  PetscCall(points->residual(model->disc.terms->ctx[0], sum, u, force, &failed));
+  sum->trial = still ? NULL : model->disc.trial;
+  if (!force && !model->disc.layout->means) PetscCall(MpmPointsUpdate(sum, u, &failed));
+  else {
+    PetscReal *to = force ? force : model->state.scheme.dynamics->a_rest;
+
+    PetscCall(PetscArrayzero(to, model->disc.space->local * model->disc.block));
+    PetscCall(terms->term[0]->residual(terms->ctx[0], sum, u, to, &failed));
+  }
   sum->rest  = PETSC_FALSE;
   sum->trial = NULL;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
@@ -158,84 +201,214 @@ static void Displace(const MpmModel model, const PetscReal velocity[], PetscReal
   for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = model->disc.sum->dt * velocity[k];
 }
 
-/* The forces of contact and of whatever else adds to the balance, where the nodes would come without them. */
-static PetscErrorCode OtherForces(MpmModel model, const PetscReal u[], PetscReal force[])
+/*
+  Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.residual: in one pass over the
+  points where their stress is known and the physics is a solid's.
+*/
+static PetscErrorCode SumNodes(MpmModel model, const char **why)
 {
-  const MpmTerms *terms  = model->disc.terms;
-  PetscInt        failed = 0;
+  const MpmTransfer *transfer = &MpmModelMotion(model)->transfer;
+  const PetscBool    first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
+  const PetscInt     dim = model->disc.dim, numbers = MPM_MOTION(dim), local = model->disc.space->local;
+  MpmDynamics       *dynamics = model->state.scheme.dynamics;
+  PetscReal         *sums = dynamics->sums, *force = model->disc.residual, *mass = model->disc.inertia->mass;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 1; k < terms->count; k++)
-    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, u, force, &failed));
+  if (first || !IsPlain(model)) {
+    PetscCall(MpmMomentumToNodes(model->disc.sum, transfer, mass, dynamics->v_old, NULL));
+    Prescribe(model, dynamics->v_old);
+    if (first) Displace(model, dynamics->v_old, model->disc.trial->u);
+    else PetscCall(PetscArrayzero(model->disc.trial->u, local * dim));
+    PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, why));
+    for (PetscInt k = 0; k < local * dim; k++) force[k] = model->disc.force[k] - force[k];
+    PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, force));
+    PetscCall(MpmSpaceToGhosts(model->disc.space, dim, force));
+  } else {
+    PetscCall(PetscArrayzero(sums, local * numbers));
+    PetscCall(MpmMotionToNodes(model->disc.sum, transfer, sums));
+    for (PetscInt k = 0; k < local * dim; k++) sums[k / dim * numbers + 1 + dim + k % dim] += model->disc.force[k];
+    PetscCall(MpmSpaceAddToOwners(model->disc.space, numbers, sums));
+    PetscCall(MpmSpaceToGhosts(model->disc.space, numbers, sums));
+    for (PetscInt i = 0; i < local; i++) {
+      const PetscReal *of = &sums[i * numbers], by = of[0] > 0. ? 1. / of[0] : 0.;
+
+      mass[i] = of[0];
+      for (PetscInt a = 0; a < dim; a++) dynamics->v_old[i * dim + a] = by * of[1 + a];
+      for (PetscInt a = 0; a < dim; a++) force[i * dim + a] = of[1 + dim + a];
+    }
+    Prescribe(model, dynamics->v_old); /* what supports move at does not come from the points */
+  }
+  for (PetscInt k = 0; k < local * dim; k++) force[k] += mass[k / dim] * model->disc.sum->gravity[k % dim];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* v* = v + dt f/m, the accelerations with it, and the residual that supports have to carry. */
-static void Accelerate(MpmModel model)
+/* v_new = v_old + dt f/m; where there is no mass nothing moves */
+static void Accelerate(MpmModel model, const PetscReal force[])
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.inertia->mass;
-  const PetscReal  dt       = model->disc.sum->dt;
-  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
+  const PetscInt   dim = model->disc.dim, local = model->disc.space->local;
 
-  for (PetscInt k = 0; k < count; k++) {
-    const PetscReal m = mass[k / dim];
+  for (PetscInt i = 0; i < local; i++) {
+    const PetscReal by = mass[i] > 0. ? model->disc.sum->dt / mass[i] : 0.;
 
-    dynamics->v_new[k] = dynamics->v_old[k] + (m > 0. ? dt * model->disc.residual[k] / m : 0.);
+    for (PetscInt k = i * dim; k < (i + 1) * dim; k++) dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
   }
   Prescribe(model, dynamics->v_new);
-  for (PetscInt k = 0; k < count; k++) {
-    dynamics->a_new[k]      = (dynamics->v_new[k] - dynamics->v_old[k]) / dt;
-    model->disc.residual[k] = mass[k / dim] * dynamics->a_new[k] - model->disc.residual[k];
+}
+
+/* Do other terms than the points' have forces: contact, pressures on surfaces, damping? */
+static PetscBool HasOthers(const MpmModel model)
+{
+  return (PetscBool)(model->scene.boundaries->count || model->scene.pairs->count || model->scene.surfaces->count ||
+                     MpmDampingAny(model->disc.damping));
+}
+
+/* Their forces, where the step would end without them, are added to `force`. */
+static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
+{
+  const MpmTerms *terms    = model->disc.terms;
+  MpmDynamics    *dynamics = model->state.scheme.dynamics;
+  const PetscInt  count    = model->disc.space->local * model->disc.dim;
+  PetscReal      *other    = dynamics->a_rest;
+  PetscInt        failed   = 0;
+
+  PetscFunctionBeginUser;
+  MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, model->disc.sum->dt);
+  if (MpmDampingAny(model->disc.damping)) {
+    PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
+    PetscCall(MpmAbsorbingDashpots(model->disc.damping, model->disc.sum, model->disc.damping->dashpot));
+    model->disc.damping->active = PETSC_TRUE;
+  }
+  Displace(model, dynamics->v_new, model->disc.u);
+  PetscCall(PetscArrayzero(other, count));
+  for (PetscInt k = 1; k < terms->count; k++)
+    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, model->disc.u, other, &failed));
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, other));
+  PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.dim, other));
+  for (PetscInt k = 0; k < count; k++) force[k] -= other[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What supports bear, into disc.residual, which holds the forces; 0 where nothing is prescribed. */
+static void FindSupports(MpmModel model)
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const MpmDynamics    *dynamics    = model->state.scheme.dynamics;
+  const PetscInt        dim         = model->disc.dim;
+
+  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
+    const PetscReal mass = model->disc.inertia->mass[i] / model->disc.sum->dt;
+    PetscReal      *f    = &model->disc.residual[i * dim];
+    PetscBool       any  = PETSC_FALSE;
+
+    for (PetscInt a = 0; constraints->any && a < dim; a++)
+      any = (PetscBool)(any || !MpmConstraintsFree(constraints, i * dim + a));
+    for (PetscInt a = 0; a < dim; a++)
+      f[a] = any ? mass * (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) - f[a] : 0.;
   }
 }
 
-/* The forces at the nodes, into disc.residual, and the velocities that they make. */
+/* Adds gravity's force to the loads at the local nodes, of which each rank has its part. */
+static void AddGravity(const MpmModel model, const PetscReal gravity[], PetscReal loads[])
+{
+  const PetscInt dim = model->disc.dim;
+
+  for (PetscInt k = 0; k < model->disc.space->owned * dim; k++)
+    loads[k] += model->disc.inertia->mass[k / dim] * gravity[k % dim];
+}
+
+/* Half of what gravity gains in the step: from that of its start to the mean. */
+static void GravityGain(const MpmModel model, PetscReal gain[])
+{
+  const PetscReal end = model->state.time + model->disc.sum->span;
+
+  for (PetscInt a = 0; a < model->disc.dim; a++) gain[a] = 0.;
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const MpmLoad  *load   = &model->scene.loads->at[l];
+    const PetscReal change = MpmModelLoadFactor(model, l, end) - MpmModelLoadFactor(model, l, model->state.time);
+
+    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
+      gain[a] += 0.5 * change * load->value[a];
+  }
+}
+
+/* The forces at the nodes and the velocities that they make. */
 static PetscErrorCode MoveNodes(MpmModel model, const char **why)
 {
-  const PetscInt  count    = model->disc.space->local * model->disc.block;
-  MpmDynamics    *dynamics = model->state.scheme.dynamics;
-  PetscReal      *force    = model->disc.residual;
-  const PetscBool first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
+  PetscReal *force = model->disc.residual;
 
   PetscFunctionBeginUser;
-  Prescribe(model, dynamics->v_old); /* what they move at does not come from the points */
-  if (first) Displace(model, dynamics->v_old, model->disc.trial->u);
-  else PetscCall(PetscArrayzero(model->disc.trial->u, count));
-  PetscCall(PointForces(model, model->disc.trial->u, (PetscBool)!first, first, force, why));
+  PetscCall(SumNodes(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  Displace(model, dynamics->v_old, model->disc.u);
-  PetscCall(OtherForces(model, model->disc.u, force));
-  for (PetscInt k = 0; k < count; k++) force[k] = model->disc.force[k] - force[k];
-  PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.block, force));
-  PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.block, force));
+  if (HasOthers(model)) {
+    Accelerate(model, force);
+    PetscCall(AddOthers(model, force));
+  }
+  AddGravity(model, model->disc.sum->gravity, model->disc.force);
   if (MpmModelRelaxes(model)) PetscCall(MpmRelaxationDamp(model, model->disc.force, force));
-  Accelerate(model);
+  Accelerate(model, force);
+  FindSupports(model);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points' velocities; `again` becomes those at the nodes that follow from them, or is NULL. */
+static PetscErrorCode MovePoints(MpmModel model, PetscReal *again)
+{
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *mass     = model->disc.inertia->mass;
+  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
+  MpmMotionStep    step = {dynamics->v_old, dynamics->v_new, NULL, dynamics->moves, again};
+
+  PetscFunctionBeginUser;
+  if (model->disc.points->acceleration) {
+    for (PetscInt k = 0; k < count; k++)
+      dynamics->a_new[k] = (dynamics->v_new[k] - dynamics->v_old[k]) / model->disc.sum->dt;
+    step.a_new = dynamics->a_new;
+  }
+  if (again) PetscCall(PetscArrayzero(again, count));
+  PetscCall(MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, &step));
+  if (!again) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, again));
+  PetscCall(MpmSpaceToGhosts(model->disc.space, dim, again));
+  for (PetscInt k = 0; k < count; k++) again[k] = mass[k / dim] > 0. ? again[k] / mass[k / dim] : 0.;
+  Prescribe(model, again);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The stress that follows from the nodes' new velocities, or the points', into the trial. */
-static PetscErrorCode UpdateStress(MpmModel model, const char **why)
+static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, const char **why)
 {
-  const MpmMotionControl *motion   = MpmModelMotion(model);
-  MpmDynamics            *dynamics = model->state.scheme.dynamics;
-  PetscReal              *velocity = dynamics->v_new;
+  PetscFunctionBeginUser;
+  if (MpmModelMotion(model)->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
+  Displace(model, again ? again : model->state.scheme.dynamics->v_new, model->disc.trial->u);
+  PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A relaxation stops the points past a peak of their energy, and looks whether they are at rest. */
+static PetscErrorCode Relax(MpmModel model, PetscReal *again)
+{
+  MpmDynamics *dynamics = model->state.scheme.dynamics;
+  PetscBool    stopped;
 
   PetscFunctionBeginUser;
-  if (motion->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
-  if (motion->update == MPM_UPDATE_MUSL) {
-    velocity = dynamics->v_rest;
-    PetscCall(MpmMomentumToNodes(model->disc.sum, &motion->transfer, model->disc.inertia->mass, velocity, NULL));
-    Prescribe(model, velocity);
+  if (!MpmModelRelaxes(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRelaxationObserve(model, &stopped));
+  if (stopped) {
+    PetscCall(PetscArrayzero(dynamics->v_new, model->disc.space->local * model->disc.dim));
+    PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
+    if (again) PetscCall(PetscArrayzero(again, model->disc.space->local * model->disc.dim));
+    Displace(model, dynamics->v_new, model->disc.u);
   }
-  Displace(model, velocity, model->disc.trial->u);
-  PetscCall(PointForces(model, model->disc.trial->u, PETSC_FALSE, PETSC_TRUE, dynamics->a_rest, why));
+  PetscCall(MpmRelaxationFinish(model, model->disc.force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryable)
 {
   MpmDynamics *dynamics = model->state.scheme.dynamics;
+  PetscReal   *again    = MpmModelMotion(model)->update == MPM_UPDATE_MUSL ? dynamics->v_rest : NULL;
 
   PetscFunctionBeginUser;
   *why       = NULL;
@@ -245,18 +418,31 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   Displace(model, dynamics->v_new, model->disc.u);
   PetscCall(MpmStepFindLost(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
-                                model->disc.points->acceleration ? dynamics->a_new : NULL));
-  if (MpmModelRelaxes(model)) {
-    PetscCall(MpmRelaxationObserve(model));
-    Displace(model, dynamics->v_new, model->disc.u);
-    PetscCall(MpmRelaxationFinish(model, model->disc.force));
-  }
-  PetscCall(UpdateStress(model, why));
+  PetscCall(MovePoints(model, again));
+  PetscCall(Relax(model, again));
+  PetscCall(UpdateStress(model, again, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Stress and history become the points', and the points go with v*. */
+/* The account of energy, and the forces in sections. */
+static PetscErrorCode Observe(MpmModel model)
+{
+  const PetscInt count    = model->disc.space->local * model->disc.dim;
+  MpmDynamics   *dynamics = model->state.scheme.dynamics;
+  PetscReal      gain[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  if (model->disc.sections)
+    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.trial->u, model->state.particles));
+  PetscCall(PetscArraycpy(dynamics->loads, model->disc.force, count));
+  PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
+  GravityGain(model, gain);
+  AddGravity(model, gain, dynamics->loads);
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, dynamics->loads, model->disc.residual}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Stress and history become the points', and the points go with the nodes' new velocities. */
 static PetscErrorCode Accept(MpmModel model)
 {
   MpmSum        *sum = model->disc.sum;
@@ -264,16 +450,17 @@ static PetscErrorCode Accept(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
-  if (model->disc.sections)
-    PetscCall(MpmSectionsEvaluate(model->disc.sections, sum, model->disc.trial->u, model->state.particles));
+  PetscCall(Observe(model));
   sum->trial = model->disc.trial;
-  PetscCall(MpmCommitLocal(sum, model->disc.u));
+  if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
+  else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
   sum->trial = NULL;
   PetscCall(MpmTermsCommit(model->disc.terms, sum, model->disc.u, model->state.particles));
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
-  model->disc.put_back   = PETSC_FALSE;
+  model->disc.put_back        = PETSC_FALSE;
+  model->disc.damping->active = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last = 0.;
   model->disc.committed                         = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
@@ -283,7 +470,8 @@ static PetscErrorCode Accept(MpmModel model)
 static PetscErrorCode RollBack(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.trial->made = PETSC_FALSE;
+  model->disc.trial->made     = PETSC_FALSE;
+  model->disc.damping->active = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

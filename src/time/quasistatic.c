@@ -289,6 +289,7 @@ PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, 
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const PetscReal change = MpmModelLoadFactor(model, l, model->state.time) - MpmModelLoadFactor(model, l, time);
 
+    if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && model->state.scheme.integrator->length) continue;
     PetscCall(
       MpmLoadApply(&model->scene.loads->at[l], start * change, &rules, model->disc.sum, model->state.particles, force));
   }
@@ -318,7 +319,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     const MpmLoad  *load   = &model->scene.loads->at[l];
     const PetscReal factor = StepLoadFactor(model, l, time);
 
-    PetscCall(MpmLoadApply(load, factor, rules, model->disc.sum, model->state.particles, model->disc.force));
+    if (load->type != MPM_LOAD_GRAVITY || !model->state.scheme.integrator->length)
+      PetscCall(MpmLoadApply(load, factor, rules, model->disc.sum, model->state.particles, model->disc.force));
     for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
       model->disc.sum->gravity[a] += factor * load->value[a];
   }

@@ -39,7 +39,7 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                            "kinetic: velocities become zero where the kinetic energy passes a peak; viscous: a force "
                            "2 xi m v; local: a part of each force that drives a node, against its velocity",
                            dampings, MPM_OPTIONAL, &damping, NULL));
-  relaxation->damping = (MpmDamping)damping;
+  relaxation->damping = (MpmRelaxationDamping)damping;
   PetscCall(
     MpmOptionsReal(block, "tolerance", "-",
                    "the stage ends where the largest force out of balance over the largest load, and the kinetic "
@@ -148,23 +148,22 @@ static PetscErrorCode FindKinetic(const MpmModel model, PetscReal *kinetic)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRelaxationObserve(MpmModel model)
+PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
 {
   MpmRelaxing     *relaxing = &model->state.relaxing;
-  MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const MpmPoints *points   = model->disc.points;
   const PetscInt   dim      = model->disc.dim;
   PetscReal        kinetic;
 
   PetscFunctionBeginUser;
   PetscCall(FindKinetic(model, &kinetic));
-  if (model->scene.stages[model->state.stage].relaxation.damping == MPM_DAMPING_KINETIC &&
-      kinetic < relaxing->kinetic) {
+  *stopped = (PetscBool)(model->scene.stages[model->state.stage].relaxation.damping == MPM_DAMPING_KINETIC &&
+                         kinetic < relaxing->kinetic);
+  if (*stopped) {
     kinetic = 0.;
     relaxing->resets++;
     PetscCall(PetscArrayzero(points->velocity, points->count * dim));
     if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
-    PetscCall(PetscArrayzero(dynamics->v_new, dynamics->local * dim));
   }
   relaxing->kinetic = kinetic;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -15,13 +15,12 @@ PetscBool MpmModelRelaxes(const MpmModel model);
 PetscBool MpmStagesRelax(const MpmModel model);
 /*
   Within an explicit step. Damp: the forces at the local nodes are there, `force`, and take up what damps them, once they have
-  been compared with the loads, `load` (this rank's part of them), which comes back whole. Masses: those of the nodes, for the
-  longest stable step in each; the step's own otherwise. Observe: the points have their new velocities; past a peak of their
-  energy they, and the nodes, are stopped. Finish: the loads' work in the displacements model->disc.u; where the criteria
+  been compared with the loads, `load` (this rank's part of them), which comes back whole. Observe: the points have their new
+  velocities; past a peak of their energy they are stopped. Finish: the loads' work in the displacements model->disc.u; where the criteria
   hold the stage ends.
 */
 PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[]);
-PetscErrorCode MpmRelaxationObserve(MpmModel model);
+PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped);
 PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[]);
 /* After a step: NULL, or that the stage's time is over and nothing is at rest. */
 const char *MpmRelaxationOver(MpmModel model);

@@ -7,7 +7,8 @@
 #include "talus/talus.h"
 
 /*
-  Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it.
+  Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it. Where the integrator
+  is explicit it adds gravity's own force, by the masses of the nodes.
 */
 PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
 /* Would the displacement model->disc.u carry a point out of the grid? `why` then names the first one of the lowest rank. */

@@ -1,0 +1,148 @@
+#pragma once
+/*
+  The inner loops between points and nodes that carry mass and momentum: one point's weights, and the affine part of its velocity.
+*/
+#include "grid/grid.h"
+#include "space/momentum.h"
+#include "space/point_loop.h"
+
+/* A second moment below this part of a cell's square is no base for a quotient: points on an edge of the grid. */
+#define MPM_STENCIL_THIN 1e-2
+
+/* One point's weights at its group's nodes, and where these stand from it along each axis. */
+typedef struct {
+  PetscReal *weight;                           /* of all nodes, x fastest */
+  PetscReal  away[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* m */
+  PetscReal  second[MPM_MAX_DIM];              /* D_b, m2 */
+  PetscReal  line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* what takes the weights' place along an axis for the affine part */
+} MpmStencil;
+
+/* Where the nodes of the group stand from the point, and the second moments of its weights. */
+MPM_INLINE void MpmStencilPlace(const MpmKnown known, const MpmSum *sum, const PetscInt first[], PetscInt p,
+                                MpmStencil *at)
+{
+  const MpmGrid   *grid = sum->grid;
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *w = &sum->space->shape[0].weight[p * dim * W], *x = &sum->points->x[p * dim];
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal start = grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a];
+
+    at->second[a] = 0.;
+    for (PetscInt k = 0; k < known.count[a]; k++) {
+      at->away[a][k] = start + grid->h[a] * (PetscReal)k;
+      at->second[a] += w[a * W + k] * at->away[a][k] * at->away[a][k];
+    }
+  }
+}
+
+MPM_INLINE void MpmStencilEvaluate(const MpmKnown known, const MpmSum *sum, const PetscInt first[], PetscInt p,
+                                   MpmStencil *at)
+{
+  const MpmGrid   *grid = sum->grid;
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *w = &sum->space->shape[0].weight[p * dim * W], *x = &sum->points->x[p * dim];
+  PetscReal       *weight = at->weight;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal start = grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a];
+
+    at->second[a] = 0.;
+    for (PetscInt k = 0; k < known.count[a]; k++) {
+      at->away[a][k] = start + grid->h[a] * (PetscReal)k;
+      at->second[a] += w[a * W + k] * at->away[a][k] * at->away[a][k];
+    }
+  }
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
+      const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
+
+      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w[k] * row;
+    }
+  }
+}
+
+/* C, by which the point's velocity varies */
+MPM_INLINE void MpmStencilAffine(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
+                                 const PetscReal second[], PetscReal C[])
+{
+  const PetscInt   dim = known.dim;
+  const PetscReal *B   = &sum->points->affine[p * dim * dim];
+
+  for (PetscInt b = 0; b < dim; b++) {
+    const PetscReal h2 = PetscSqr(sum->grid->h[b]);
+    const PetscReal by = transfer->degree < 2 ? 1. : 1. / PetscMax(second[b], MPM_STENCIL_THIN * h2);
+
+    for (PetscInt a = 0; a < dim; a++) C[a * dim + b] = by * B[a * dim + b];
+  }
+}
+
+/* sums[c][i] += w_i m (v_c + C_c. (x_i - x_p)) */
+MPM_INLINE void MpmStencilAddMomentum(const MpmKnown known, const PetscReal mass, const PetscReal v[],
+                                      const PetscReal *C, const MpmStencil *at, PetscReal sums[])
+{
+  const PetscInt dim = known.dim;
+
+  for (PetscInt c = 0; c < dim; c++) {
+    PetscReal *restrict to = &sums[c * known.n];
+    const PetscReal *w     = at->weight;
+
+    for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+      for (PetscInt j = 0; j < known.count[1]; j++, w += known.count[0], to += known.count[0]) {
+        PetscReal row = mass * v[c];
+
+        if (C) row += mass * C[c * dim + 1] * at->away[1][j];
+        if (C && dim == 3) row += mass * C[c * dim + 2] * at->away[2][l];
+        if (C) {
+          const PetscReal slope = mass * C[c * dim];
+
+          for (PetscInt k = 0; k < known.count[0]; k++) to[k] += w[k] * (row + slope * at->away[0][k]);
+        } else {
+          for (PetscInt k = 0; k < known.count[0]; k++) to[k] += w[k] * row;
+        }
+      }
+    }
+  }
+}
+
+/* What a pass over the nodes sums along each axis beside the weights: a point's affine velocity. */
+MPM_INLINE void MpmStencilLines(const MpmKnown known, const MpmSum *sum, PetscInt p, PetscInt degree, MpmStencil *at)
+{
+  const PetscInt dim = known.dim, W = sum->space->width;
+
+  for (PetscInt b = 0; b < dim; b++) {
+    const PetscReal *w    = &sum->space->shape[0].weight[(p * dim + b) * W];
+    const PetscReal *g    = &sum->space->shape[0].gradient[(p * dim + b) * W];
+    const PetscBool  thin = (PetscBool)(degree < 2 && at->second[b] < MPM_STENCIL_THIN * PetscSqr(sum->grid->h[b]));
+    const PetscReal  by   = degree < 2 && !thin ? 1. / at->second[b] : 1.;
+
+    for (PetscInt k = 0; k < known.count[b]; k++) at->line[b][k] = thin ? g[k] : by * w[k] * at->away[b][k];
+  }
+}
+
+/* One component of the nodes' values at a point, and its affine part where `affine` is not NULL. */
+MPM_INLINE PetscReal MpmStencilInterpolate(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at,
+                                           const PetscReal values[], PetscReal *affine)
+{
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *w[MPM_MAX_DIM] = {&sum->space->shape[0].weight[p * dim * W], NULL, NULL};
+  PetscReal        total = 0., by[MPM_MAX_DIM] = {0.};
+
+  w[1] = w[0] + W;
+  w[2] = w[1] + W;
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, values += known.count[0]) {
+      PetscReal row = 0., moment = 0.;
+
+      for (PetscInt k = 0; k < known.count[0]; k++) row += w[0][k] * values[k];
+      total += (dim == 2 ? w[1][j] : w[1][j] * w[2][l]) * row;
+      if (!affine) continue;
+      for (PetscInt k = 0; k < known.count[0]; k++) moment += at->line[0][k] * values[k];
+      by[0] += (dim == 2 ? w[1][j] : w[1][j] * w[2][l]) * moment;
+      by[1] += (dim == 2 ? at->line[1][j] : at->line[1][j] * w[2][l]) * row;
+      if (dim == 3) by[2] += w[1][j] * at->line[2][l] * row;
+    }
+  }
+  for (PetscInt b = 0; affine && b < dim; b++) affine[b] = by[b];
+  return total;
+}
