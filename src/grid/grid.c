@@ -41,6 +41,9 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   PetscCall(MpmOptionsReal(&block, "balance", "-",
                            "the points are redistributed when the fullest rank holds so many times their mean",
                            ((MpmRange){1., PETSC_INFINITY, PETSC_FALSE}), MPM_OPTIONAL, &grid->balance, NULL));
+  PetscCall(MpmOptionsBool(&block, "outflow",
+                           "points that leave the grid in an explicit step are gone; otherwise they end the run",
+                           &grid->outflow, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a],
                   "-mpm_grid_upper: axis %c ends at %g, must lie above -mpm_grid_lower, %g", "xyz"[a],

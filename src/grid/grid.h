@@ -21,7 +21,8 @@ typedef struct MpmGrid {
   PetscInt    cells[MPM_MAX_DIM];                                                       /* 1 on unused axes */
   PetscInt    nodes[MPM_MAX_DIM];                                                       /* 1 on unused axes */
   PetscReal   start_lower[MPM_MAX_DIM], start_upper[MPM_MAX_DIM], start_h[MPM_MAX_DIM]; /* as they were read */
-  PetscBool   moved;                                                                    /* other than those */
+  PetscBool   outflow; /* in explicit steps points may leave it, and are gone */
+  PetscBool   moved;   /* other than those */
   PetscReal   balance; /* when to look for other splits: points on the fullest rank over their mean */
   MpmSplit   *splits;  /* size - 1 of them; NULL before the first partition */
 } MpmGrid;

@@ -436,6 +436,34 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *count)
+{
+  PetscInt  *index, local;
+  PetscReal *x;
+
+  PetscFunctionBeginUser;
+  *count = 0;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &local));
+  PetscCall(PetscMalloc1(local, &index));
+  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  for (PetscInt p = 0; p < local; p++) {
+    PetscBool outside = PETSC_FALSE;
+
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      const PetscReal at = x[p * grid->dim + a];
+
+      if (!(at >= grid->lower[a] && at <= grid->upper[a])) outside = PETSC_TRUE;
+    }
+    if (outside) index[(*count)++] = p;
+  }
+  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  for (PetscInt k = *count - 1; k >= 0; k--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[k]));
+  PetscCall(PetscFree(index));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 1, MPIU_INT, MPI_SUM, grid->comm));
+  if (*count) PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
 {
   PetscInt first;

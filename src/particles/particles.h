@@ -51,6 +51,8 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
 PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
+/* Takes those out that stand outside of the grid; `count`, over all ranks. The arrays are not lent. */
+PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *count);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 /* Places that DMSwarm keeps free: with none, it reallocates all fields for each point that leaves; it clears them, too. */

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Explicit steps: a bar's period, stable near the limit, no matrix, restarts, ranks, what is refused, points that leave; a heap that
+goes through stages of all kinds.
+
+Quick.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from talus_test import Test, difference  # noqa: E402
+
+BAR, HEAP = HERE / "explicit_bar.yaml", HERE / "explicit_heap.yaml"
+PERIOD, STATIC = 4.0, 5e-3  # s; of the tip, m
+
+
+def vibration(test):
+    """The tip goes from 0 to twice its static displacement and back in a period; each way of updating the stress."""
+    for update in ("musl", "usl", "usf"):
+        run = test.run(BAR, mpm_quiet=None, mpm_time_update=update)
+        tip = run.results.column("track_tip_ux")
+        test.near(f"{update}.most", tip.max(), 2.0 * STATIC, relative=0.03)
+        test.near(f"{update}.time", run.results.column("time")[tip.argmax()], 0.5 * PERIOD, relative=0.03)
+        test.check(f"{update}.back", abs(tip[-1]), None, 0.03 * STATIC)
+        test.check(f"{update}.newton", run.results.column("newton").max(), 0, 0)
+
+
+def stability(test):
+    """With steps near the limit no energy grows, and little is lost."""
+    run = test.run(BAR, mpm_quiet=None, mpm_time_cfl=0.9, mpm_time_end=20 * PERIOD, mpm_time_transfer="apic")
+    energy, time = run.results.column("energy_kinetic") + run.results.column("energy_elastic"), run.results.column("time")
+    test.check("stable.energy", energy[time > 19 * PERIOD].max() / energy[time < PERIOD].max(), 0.95, 1.0)
+
+
+def no_matrix(test):
+    """PETSc makes no matrix, no nonlinear and no linear solver."""
+    run = test.run(BAR, mpm_quiet=None, log_view=":log.txt", mpm_time_end=0.5)
+    made = [line for line in (run.folder / "log.txt").read_text().splitlines()
+            if line.strip().startswith(("Matrix ", "SNES ", "Krylov Solver ", "Preconditioner "))]
+    test.check("objects", len(made), 0, 0)
+    test.check("summary.solver", run.results.summary["solver"] == "none", 1, 1)
+
+
+def going_on(test):
+    """A run that goes on from a checkpoint on two ranks ends as the undisturbed one."""
+    whole = test.run(BAR, mpm_quiet=None, mpm_checkpoint_every=50, mpm_checkpoint_keep=5)
+    rest = test.run(BAR, ranks=2, mpm_quiet=None, mpm_restart=whole.folder / "explicit_bar_checkpoint_000050.h5")
+    several = test.run(BAR, ranks=3, mpm_quiet=None)
+    for name in ("track_tip_ux", "track_tip_vx", "reaction_wall_x", "energy_kinetic"):
+        one = whole.results.column(name)
+        after = rest.results.column(name)
+        test.check(f"restart.{name}", difference(one, np.concatenate((one[: -after.size], after))), None, 1e-12)
+        test.check(f"ranks.{name}", difference(one, several.results.column(name)), None, 1e-11)
+
+
+def refused(test):
+    """Steps above the limit, and points that leave, in one line."""
+    run = test.run(BAR, status=2, mpm_quiet=None, mpm_time_step=0.06)
+    test.check("step.line", len(run.errors.strip().splitlines()), 1, 1)
+    test.check("step.names", "-mpm_time_step 0.06: must not exceed 0.05" in run.errors, 1, 1)
+    thrown = {"mpm_quiet": None, "mpm_body_bar_velocity": "2,0", "mpm_bc_wall_components": "y"}
+    run = test.run(BAR, status=3, **thrown)
+    test.check("left.names", " left the grid at (12." in run.errors, 1, 1)
+    run = test.run(BAR, ranks=2, mpm_grid_outflow=None, mpm_output_every=1000000, mpm_time_end=3, **thrown)
+    left = run.results.state("last")["position"]
+    test.near("outflow.remaining", left.shape[0], 96, absolute=4)
+    test.check("outflow.inside", left[:, 0].max(), None, 12.0)
+
+
+def stages(test):
+    """Geostatic, explicit, relaxation, quasi-static: what comes to rest stays there."""
+    runs = [test.run(HEAP, ranks=ranks, mpm_quiet=None) for ranks in (1, 2)]
+    stage, crest = (runs[0].results.column(name) for name in ("stage", "track_crest_uy"))
+    last = np.flatnonzero(stage == 3)[-1]
+    for name in ("K_F", "K_E"):
+        test.check(f"stages.{name}", runs[0].results.column(name)[last], 0.0, 0.05)
+    test.check("stages.resets", runs[0].results.column("resets")[last], 1)
+    test.check("stages.time", runs[0].results.column("time")[last], 2.0, 21.9)
+    test.check("stages.fall", crest[last], None, -1.0)
+    test.near("stages.rest", crest[-1], crest[last], relative=5e-3)
+    test.check("stages.ranks", abs(crest[-1] - runs[1].results.column("track_crest_uy")[-1]) / abs(crest[-1]), None, 1e-2)
+
+
+def relaxation(test):
+    """Times of a linear bar's relaxation: when both criteria hold first, and since when without a break."""
+    linear = {"mpm_load_pull_value": "1e-6,0", "mpm_stage_rest_relaxation_tolerance": 1e-6, "mpm_quiet": None}
+    for update, damping, end, first, always in (("musl", "kinetic", 30, 16.91, 24.84), ("usl", "kinetic", 30, 20.23, 23.60),
+                                                ("usl", "0.157", 65, 49.03, 60.24)):
+        viscous = {} if damping == "kinetic" else {"mpm_stage_rest_relaxation_damping": "viscous", "mpm_stage_rest_relaxation_xi": damping}
+        run = test.run(HERE.parent.parent / "examples" / "relaxation_bar" / "case.yaml", status=None, mpm_stage_rest_time_end=end,
+                       mpm_stage_rest_time_update=update, **linear, **viscous)
+        time = run.results.column("time")
+        good = (run.results.column("K_F") < 0.01) & (run.results.column("K_E") < 0.01)
+        test.near(f"relaxation.{update}.{damping}.first", time[good][0], first, relative=0.01)
+        test.near(f"relaxation.{update}.{damping}.always", time[~good][-1], always, relative=0.01)
+
+
+with Test() as test:
+    vibration(test)
+    stability(test)
+    no_matrix(test)
+    going_on(test)
+    refused(test)
+    stages(test)
+    relaxation(test)
+    test.check_example("relaxation_bar", test.run(HERE.parent.parent / "examples" / "relaxation_bar" / "case.yaml", mpm_quiet=None,
+                                                  mpm_output_every=1000000), "relaxation_bar")
