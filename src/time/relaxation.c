@@ -39,7 +39,7 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                            "kinetic: velocities become zero where the kinetic energy passes a peak; viscous: a force "
                            "2 xi m v; local: a part of each force that drives a node, against its velocity",
                            dampings, MPM_OPTIONAL, &damping, NULL));
-  relaxation->damping = (MpmDamping)damping;
+  relaxation->damping = (MpmRelaxationDamping)damping;
   PetscCall(
     MpmOptionsReal(block, "tolerance", "-",
                    "the stage ends where the largest force out of balance over the largest load, and the kinetic "
