@@ -14,16 +14,8 @@
   Softening: c, phi and psi go linearly in kappa from their values to the residual ones at kappa = softening_strain, the
   tension strength in proportion to c. All are those of the step's end.
 
-  Return, in principal values of tau and e, C being Hooke's law: t = t_trial - C sum_i dg_i r_i, dg_i >= 0, where the active
-  planes n_i . t = h_i of the list
-
-    13, 13 and 12, 13 and 23, tension 1, 13 and tension 1, tension 1 and 2, and the corners: apex t = c cot phi; with a tension
-    strength below that, (T, T, T), (T, S, S), (T, T, S), S = ((1 + sin phi) T - 2 c cos phi)/(1 - sin phi)
-
-  are the first that leave no plane violated. The regions of trial stress that belong to them are those of the closest
-  point where psi = phi; where psi < phi they still fill the space of trial stress without overlap. With psi = 0 no flow
-  leads to the apex: it is a tension cut-off. Each region's return is linear, so it is exact but for the strengths of
-  the step's end, which are one equation for the growth of kappa.
+  Return: that of coulomb.h to planes, edges and corners, in principal values of tau, exact but for the strengths of the
+  step's end, which are one equation for the growth of kappa.
 
   On planes the tangent is not symmetric unless dilation = friction and nothing softens. At a corner the point has no
   stiffness.
@@ -35,7 +27,7 @@
   Source: de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, sections 8.2 and 14.4; Koiter (1953),
   Quarterly of Applied Mathematics 11, 350-354, for edges.
 */
-#include "talus/point/elasticity.h"
+#include "talus/point/coulomb.h"
 #include "talus/point/implicit.h"
 
 enum {
@@ -74,13 +66,6 @@ static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STAT
 
 /* ---- strength ---- */
 
-typedef struct {
-  Dual sin_phi;
-  Dual shear;   /* 2 c cos phi */
-  Dual tension; /* used where `cut` */
-  int  cut;
-} Strength;
-
 /* How much of the way to the residual strength an equivalent plastic strain has gone */
 MPM_FN Dual SoftPart(const Real *parameter, Dual kappa)
 {
@@ -99,208 +84,40 @@ MPM_FN Dual SoftAngle(const Real *parameter, int peak, int residual, Dual part)
   return DualScale(3.14159265358979323846 / 180., Soften(parameter, peak, residual, part));
 }
 
-MPM_FN Strength StrengthAt(const Real *parameter, Dual part)
+MPM_FN CoulombStrength StrengthAt(const Real *parameter, Dual part)
 {
-  const Dual c   = Soften(parameter, COHESION, COHESION_RESIDUAL, part);
-  const Dual phi = SoftAngle(parameter, FRICTION, FRICTION_RESIDUAL, part);
-  Strength   strength;
+  const Dual      c        = Soften(parameter, COHESION, COHESION_RESIDUAL, part);
+  CoulombStrength strength = CoulombStrengthCreate(c, SoftAngle(parameter, FRICTION, FRICTION_RESIDUAL, part));
 
-  strength.sin_phi = DualSin(phi);
-  strength.shear   = DualScale(2., DualMul(c, DualCos(phi)));
-  strength.cut     = RealValue(parameter[TENSION]) <= DBL_MAX;
-  strength.tension = DualConstant(0.);
+  strength.cut = RealValue(parameter[TENSION]) <= DBL_MAX;
   if (strength.cut && RealValue(parameter[COHESION]) > 0.)
     strength.tension = DualScale(parameter[TENSION] / parameter[COHESION], c);
   else if (strength.cut) strength.tension = DualConstant(parameter[TENSION]);
   return strength;
 }
 
-/* By how much principal values, largest first, exceed the strength; negative inside */
-MPM_FN double Excess(const Strength *strength, double t1, double t3)
+MPM_FN CoulombFlow FlowAt(const Real *parameter, const CoulombStrength *strength, Dual part)
 {
-  const double f = t1 - t3 + (t1 + t3) * DualValue(strength->sin_phi) - DualValue(strength->shear);
-
-  return strength->cut ? fmax(f, t1 - DualValue(strength->tension)) : f;
+  return CoulombFlowCreate(LameFromParameters(parameter), strength,
+                           DualSin(SoftAngle(parameter, DILATION, DILATION_RESIDUAL, part)));
 }
 
 /* ---- elastic or not ---- */
 
-/* Excess that rounding alone explains */
-MPM_FN double Noise(Lame lame)
+/* Whether the stress of strain e is surely elastic, without principal axes: by its invariants, then by its principal values, less
+   what these may be off in 3D */
+MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym *e)
 {
-  return ELASTIC_STRAIN_NOISE * RealValue(lame.lambda + 2. * lame.mu);
-}
-
-/*
-  Whether the stress of strain e is surely elastic, without principal axes. First by its invariants: t1 - t3 = 2 sqrt(J2)
-  cos(theta), t1 + t3 = 2 p - (2/sqrt 3) sqrt(J2) sin(theta) with Lode's angle theta make f at most 2 (p sin phi + sqrt(J2)
-  sqrt(1 + sin^2(phi)/3)) - 2 c cos phi. Then by its principal values, less what these may be off in 3D.
-*/
-MPM_FN int IsSurelyElastic(const Strength *strength, Lame lame, const Sym *e)
-{
-  const double lambda = RealValue(lame.lambda), mu = RealValue(lame.mu), sine = DualValue(strength->sin_phi);
+  const double lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
   const Sym    dev   = SymDev(e);
   const double trace = ScalarValue(SymTrace(e)), p = (lambda + 2. / 3. * mu) * trace;
   const double root = sqrt(2.) * mu * SymNormValue(&dev), off = MPM_DIM == 3 ? 1e-6 * root : 0.;
   double       w[3];
 
-  if (2. * (p * sine + root * sqrt(1. + sine * sine / 3.)) <= DualValue(strength->shear) &&
-      (!strength->cut || p + 2. / sqrt(3.) * root <= DualValue(strength->tension)))
-    return 1;
+  if (CoulombIsSurelyInside(strength, p, root)) return 1;
   SymPrincipalValues(e, w);
-  return Excess(strength, lambda * trace + 2. * mu * w[0], lambda * trace + 2. * mu * w[2]) + off <= Noise(lame);
-}
-
-/* ---- return in principal stresses ---- */
-
-/*
-  The planes: of Mohr-Coulomb between principal values i > j, n = (1 + sin phi) e_i - (1 - sin phi) e_j, and of tension,
-  n = e_i. What flow takes from the stress, C r: along i, along j, and along the third.
-*/
-typedef enum { PLANE_13, PLANE_12, PLANE_23, TENSION_1, TENSION_2, NO_PLANE } Plane;
-
-typedef struct {
-  Lame lame;
-  Dual plus, minus;                /* 1 + sin phi, 1 - sin phi */
-  Dual sin_psi, at_i, at_j, third; /* of C r */
-} Flow;
-
-MPM_FN Flow FlowCreate(const Real *parameter, const Strength *strength, Dual part)
-{
-  Flow flow;
-
-  flow.lame    = LameFromParameters(parameter);
-  flow.plus    = DualShift(strength->sin_phi, 1.);
-  flow.minus   = DualNeg(DualShift(strength->sin_phi, -1.));
-  flow.sin_psi = DualSin(SoftAngle(parameter, DILATION, DILATION_RESIDUAL, part));
-  flow.third   = DualScale(2. * flow.lame.lambda, flow.sin_psi);
-  flow.at_i    = DualAdd(flow.third, DualScale(2. * flow.lame.mu, DualShift(flow.sin_psi, 1.)));
-  flow.at_j    = DualAdd(flow.third, DualScale(2. * flow.lame.mu, DualShift(flow.sin_psi, -1.)));
-  return flow;
-}
-
-MPM_FN int PlaneMajor(Plane plane)
-{
-  return plane == PLANE_23 || plane == TENSION_2 ? 1 : 0;
-}
-
-MPM_FN int PlaneMinor(Plane plane)
-{
-  return plane == PLANE_12 ? 1 : 2;
-}
-
-/* n . v */
-MPM_FN Dual PlaneNormal(const Flow *flow, Plane plane, const Dual v[3])
-{
-  if (plane >= TENSION_1) return v[PlaneMajor(plane)];
-  return DualSub(DualMul(flow->plus, v[PlaneMajor(plane)]), DualMul(flow->minus, v[PlaneMinor(plane)]));
-}
-
-/* C r */
-MPM_FN void PlaneFlow(const Flow *flow, Plane plane, Dual v[3])
-{
-  const int  i = PlaneMajor(plane), j = PlaneMinor(plane);
-  const Real lambda = flow->lame.lambda, mu = flow->lame.mu;
-
-  for (int k = 0; k < 3; ++k) {
-    if (plane >= TENSION_1) v[k] = DualConstant(k == i ? lambda + 2. * mu : lambda);
-    else v[k] = k == i ? flow->at_i : k == j ? flow->at_j : flow->third;
-  }
-}
-
-/* C^-1 t in principal values */
-MPM_FN void PrincipalStrain(Lame lame, const Dual t[3], Dual v[3])
-{
-  const Real factor = lame.lambda / (3. * lame.lambda + 2. * lame.mu);
-  const Dual mean   = DualScale(factor, DualAdd(DualAdd(t[0], t[1]), t[2]));
-
-  for (int a = 0; a < 3; ++a) v[a] = DualScale(0.5 / lame.mu, DualSub(t[a], mean));
-}
-
-/* Takes t to one plane, or to two, along their flow. Returns the lesser multiplier, times 2 mu. */
-MPM_FN double ReturnToPlanes(const Strength *strength, const Flow *flow, const Plane plane[2], Dual t[3])
-{
-  const int count = plane[1] == NO_PLANE ? 1 : 2;
-  Dual      lost[2][3], a[2][2], f[2], dg[2];
-  double    least = HUGE_VAL;
-
-  for (int i = 0; i < count; ++i) {
-    PlaneFlow(flow, plane[i], lost[i]);
-    f[i] = DualSub(PlaneNormal(flow, plane[i], t), plane[i] >= TENSION_1 ? strength->tension : strength->shear);
-  }
-  for (int i = 0; i < count; ++i)
-    for (int j = 0; j < count; ++j) a[i][j] = PlaneNormal(flow, plane[i], lost[j]);
-  if (count == 1) {
-    dg[0] = DualDiv(f[0], a[0][0]);
-  } else {
-    const Dual det = DualSub(DualMul(a[0][0], a[1][1]), DualMul(a[0][1], a[1][0]));
-
-    dg[0] = DualDiv(DualSub(DualMul(a[1][1], f[0]), DualMul(a[0][1], f[1])), det);
-    dg[1] = DualDiv(DualSub(DualMul(a[0][0], f[1]), DualMul(a[1][0], f[0])), det);
-  }
-  for (int i = 0; i < count; ++i) {
-    least = fmin(least, 2. * RealValue(flow->lame.mu) * DualValue(dg[i]));
-    for (int k = 0; k < 3; ++k) t[k] = DualSub(t[k], DualMul(dg[i], lost[i][k]));
-  }
-  return least;
-}
-
-/* The corner to which no other region leads. Non-zero where there is none: without friction. */
-MPM_FN int ReturnToCorner(const Strength *strength, const Flow *flow, Dual t[3])
-{
-  const Dual   T  = strength->tension;
-  const double up = 1. + DualValue(flow->sin_psi), down = 1. - DualValue(flow->sin_psi);
-  Dual         S, out[3], v[3];
-
-  if (!strength->cut) {
-    if (!(DualValue(strength->sin_phi) > 0.)) return 1;
-    t[0] = t[1] = t[2] = DualDiv(DualScale(0.5, strength->shear), strength->sin_phi);
-    return 0;
-  }
-  for (int a = 0; a < 3; ++a) out[a] = DualSub(t[a], T);
-  PrincipalStrain(flow->lame, out, v);
-  t[0] = t[1] = t[2] = T;
-  if (DualValue(v[0]) >= 0. && DualValue(v[1]) >= 0. && DualValue(v[2]) >= 0.) return 0;
-  S = DualDiv(DualSub(DualMul(flow->plus, T), strength->shear), flow->minus);
-  /* multipliers of tension 1, 13 and 12 at (T, S, S) */
-  for (int a = 1; a < 3; ++a) out[a] = DualAdd(out[a], DualSub(T, S));
-  PrincipalStrain(flow->lame, out, v);
-  t[2] = S;
-  if (DualValue(v[1]) <= 0. && DualValue(v[0]) + up / down * (DualValue(v[1]) + DualValue(v[2])) >= 0.) t[1] = S;
-  return 0;
-}
-
-/* Takes principal stresses t, largest first, to the yield surface, of which they are outside. */
-MPM_FN int ReturnMap(const Strength *strength, const Flow *flow, Dual t[3])
-{
-  const Plane  list[6][2] = {{PLANE_13, NO_PLANE},  {PLANE_13, PLANE_12},  {PLANE_13, PLANE_23},
-                             {TENSION_1, NO_PLANE}, {PLANE_13, TENSION_1}, {TENSION_1, TENSION_2}};
-  const double size       = fabs(DualValue(t[0])) + fabs(DualValue(t[2])) + DualValue(strength->shear);
-
-  for (int k = 0; k < (strength->cut ? 6 : 3); ++k) {
-    Dual   s[3];
-    double fault;
-
-    for (int a = 0; a < 3; ++a) s[a] = t[a];
-    fault = -ReturnToPlanes(strength, flow, list[k], s);
-    fault = fmax(fault, fmax(DualValue(s[1]) - DualValue(s[0]), DualValue(s[2]) - DualValue(s[1])));
-    fault = fmax(fault, Excess(strength, DualValue(s[0]), DualValue(s[2])));
-    if (!(fault <= 1e-12 * size)) continue; /* one of two neighbours takes what lies between them */
-    for (int a = 0; a < 3; ++a) t[a] = s[a];
-    return 0;
-  }
-  return ReturnToCorner(strength, flow, t);
-}
-
-/* The growth of kappa between two principal stresses */
-MPM_FN Dual PlasticStrain(Lame lame, const Dual trial[3], const Dual t[3])
-{
-  Dual lost[3], v[3], square;
-
-  for (int a = 0; a < 3; ++a) lost[a] = DualSub(trial[a], t[a]);
-  PrincipalStrain(lame, lost, v);
-  square = DualScale(2. / 3., DualAdd(DualAdd(DualSquare(v[0]), DualSquare(v[1])), DualSquare(v[2])));
-  return DualValue(square) > 0. ? DualSqrt(square) : DualConstant(0.);
+  return CoulombExcess(strength, lambda * trace + 2. * mu * w[0], lambda * trace + 2. * mu * w[2]) + off <=
+         CoulombNoise(lame);
 }
 
 /* ---- softening ---- */
@@ -308,13 +125,13 @@ MPM_FN Dual PlasticStrain(Lame lame, const Dual trial[3], const Dual t[3])
 /* Return with the strength at the end of a growth x of kappa; x becomes what the return makes it. */
 MPM_FN int ReturnWith(const MpmLawPoint *point, const Dual trial[3], Dual *x, Dual t[3])
 {
-  const Dual     part     = SoftPart(point->parameter, DualShift(*x, point->state_n[STATE_KAPPA]));
-  const Strength strength = StrengthAt(point->parameter, part);
-  const Flow     flow     = FlowCreate(point->parameter, &strength, part);
+  const Dual            part     = SoftPart(point->parameter, DualShift(*x, point->state_n[STATE_KAPPA]));
+  const CoulombStrength strength = StrengthAt(point->parameter, part);
+  const CoulombFlow     flow     = FlowAt(point->parameter, &strength, part);
 
   for (int a = 0; a < 3; ++a) t[a] = trial[a];
-  if (ReturnMap(&strength, &flow, t)) return 1;
-  *x = PlasticStrain(flow.lame, trial, t);
+  if (CoulombReturn(&strength, &flow, t)) return 1;
+  *x = CoulombPlasticStrain(flow.lame, trial, t);
   return 0;
 }
 
@@ -361,7 +178,7 @@ MPM_FN int Yield(const MpmLawPoint *point, Lame lame, const SymPrincipal *princi
   if (point->state) {
     Sym b;
 
-    PrincipalStrain(lame, t, w);
+    CoulombPrincipalStrain(lame, t, w);
     for (int a = 0; a < 3; ++a) w[a] = DualExp(DualScale(2., w[a]));
     b = SymIsotropic(e, principal, w);
     SymStore(&point->state[STATE_B], &b);
@@ -372,12 +189,12 @@ MPM_FN int Yield(const MpmLawPoint *point, Lame lame, const SymPrincipal *princi
 
 MPM_FN int MpmMaterialEvaluate_mohr_coulomb(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
-  const Lame     lame     = LameFromParameters(point->parameter);
-  const Dual     part     = SoftPart(point->parameter, DualConstant(point->state_n[STATE_KAPPA]));
-  const Strength strength = StrengthAt(point->parameter, part);
-  const Sym      b        = SymPush(dF, &point->state_n[STATE_B]);
-  SymPrincipal   principal;
-  Sym            e;
+  const Lame            lame     = LameFromParameters(point->parameter);
+  const Dual            part     = SoftPart(point->parameter, DualConstant(point->state_n[STATE_KAPPA]));
+  const CoulombStrength strength = StrengthAt(point->parameter, part);
+  const Sym             b        = SymPush(dF, &point->state_n[STATE_B]);
+  SymPrincipal          principal;
+  Sym                   e;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
   if (!IsSurelyElastic(&strength, lame, &e)) {
@@ -385,8 +202,8 @@ MPM_FN int MpmMaterialEvaluate_mohr_coulomb(const MpmLawPoint *point, const Tens
 
     if (SymPrincipalCreate(&e, &principal)) return 1;
     for (int a = 0; a < 3; ++a) mean += RealValue(lame.lambda) * principal.value[a];
-    if (Excess(&strength, mean + 2. * RealValue(lame.mu) * principal.value[0],
-               mean + 2. * RealValue(lame.mu) * principal.value[2]) > Noise(lame))
+    if (CoulombExcess(&strength, mean + 2. * RealValue(lame.mu) * principal.value[0],
+                      mean + 2. * RealValue(lame.mu) * principal.value[2]) > CoulombNoise(lame))
       return Yield(point, lame, &principal, &e, tau);
   }
   *tau = ElasticStress(lame, &e);
@@ -464,7 +281,7 @@ static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const M
   trace = lambda * (e[0] + e[1] + e[2]);
   high  = trace + 2. * mu * fmax(e[0], e[2]);
   low   = trace + 2. * mu * fmin(e[1], e[2]);
-  if (high - low + (high + low) * sin(phi) - 2. * c * cos(phi) < -1e-6 * (high - low) - Noise(lame)) return 0.;
+  if (high - low + (high + low) * sin(phi) - 2. * c * cos(phi) < -1e-6 * (high - low) - CoulombNoise(lame)) return 0.;
   elastic[0] = xx;
   elastic[1] = yy;
   elastic[2] = xy;

@@ -358,6 +358,36 @@ PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal stat
   return material->info.stiffness(material->parameter, material->table, state, F);
 }
 
+/* A bound on the largest principal compression, by the rows of the stress (Gerschgorin); 0 where there is none */
+static PetscReal LargestCompression(PetscInt dim, const PetscReal stress[])
+{
+  const PetscInt shear[3][2] = {{3, 5}, {3, 4}, {4, 5}}; /* components beside each normal one */
+  PetscReal      largest     = 0.;
+
+  for (PetscInt i = 0; i < 3; i++) {
+    PetscReal sum = -stress[i];
+
+    for (PetscInt k = 0; k < 2; k++)
+      if (shear[i][k] < MpmSymSize(dim)) sum += PetscAbsReal(stress[shear[i][k]]);
+    largest = PetscMax(largest, sum);
+  }
+  return largest;
+}
+
+PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, PetscInt dim, const PetscReal state[], const PetscReal F[],
+                               const PetscReal stress[])
+{
+  PetscReal modulus = MpmMaterialStiffness(material, state, F);
+
+  if (stress) modulus += (F ? MpmDeterminant(dim, F) : 1.) * LargestCompression(dim, stress);
+  return PetscSqrtReal(modulus / material->density);
+}
+
+PetscReal MpmMaterialViscosity(const MpmMaterial *material)
+{
+  return material->info.viscosity ? material->info.viscosity(material->parameter, material->table) : 0.;
+}
+
 int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input, const MpmLawInput *direction,
                            const MpmLawOutput *value, const MpmLawOutput *derivative)
 {

@@ -62,6 +62,14 @@ PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const PetscReal 
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
 /*
+  A bound on the speed of elastic waves at a state, m/s, by lengths as they are there; `stress` is the Cauchy stress, in the
+  components of `dim`. Infinite without density. `state`, `F` and `stress` may be NULL: at rest.
+*/
+PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, PetscInt dim, const PetscReal state[], const PetscReal F[],
+                               const PetscReal stress[]);
+/* The law's longitudinal viscosity, Pa s, as MpmLawInfo has it; 0 where it has none. */
+PetscReal MpmMaterialViscosity(const MpmMaterial *material);
+/*
   The law's answer and its derivative in a direction of anything that it depends on; `input` without parameters and
   tables, which are the material's. Non-zero where the law has no answer.
 */

@@ -605,7 +605,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                                                     .part         = parts,
                                                     .velocity     = model->disc.inertia->dynamic,
                                                     .affine       = MpmStagesAreAffine(model),
-                                                    .acceleration = model->disc.inertia->dynamic,
+                                                    .acceleration = MpmStagesAreImplicit(model),
                                                     .extra_count  = extra,
                                                     .extra        = fields},
                                model->state.particles));
@@ -728,7 +728,11 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmSurfacesAdd(model));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
-  PetscCall(MpmSolverChoose(&model->solver, unknowns));
+  if (MpmStagesSolve(model)) PetscCall(MpmSolverChoose(&model->solver, unknowns));
+  else {
+    PetscCall(PetscFree(model->solver.name));
+    PetscCall(PetscStrallocpy("none", &model->solver.name));
+  }
   PetscCall(MpmRestartApply(model));
   model->caller.set_up = PETSC_TRUE;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));

@@ -9,6 +9,7 @@
 #include "particles/particles.h"
 #include "terms/rigid.h"
 #include "run/laboratory.h"
+#include "time/dynamics.h"
 #include "run/run.h"
 
 #define COARSE        3.   /* cells: a boundary with a smaller radius meets too few of them (docs/scene.md) */
@@ -60,6 +61,28 @@ static PetscErrorCode PrintCoarse(const MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The first stage with inertia: how its steps are taken. */
+static PetscErrorCode PrintMotion(const MpmModel model)
+{
+  char text[64] = "";
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    const MpmMotionControl *motion = &model->scene.stages[k].time.motion;
+
+    if (motion->type == MPM_QUASISTATIC) continue;
+    if (motion->type == MPM_GENERALIZED_ALPHA)
+      PetscCall(PetscSNPrintf(text, sizeof(text), " with rho_inf %g", (double)motion->rho_inf));
+    if (motion->type == MPM_NEWMARK && (motion->beta != 0.25 || motion->gamma != 0.5))
+      PetscCall(
+        PetscSNPrintf(text, sizeof(text), " with beta %g, gamma %g", (double)motion->beta, (double)motion->gamma));
+    PetscCall(PetscPrintf(model->comm, "  integrator %s%s, transfer %s, %s mass\n", MpmIntegratorTypes[motion->type],
+                          text, MpmTransferTypes[motion->transfer.type], motion->consistent ? "consistent" : "lumped"));
+    break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTerminalBegin(MpmModel model)
 {
   const MpmGrid *grid = model->disc.grid;
@@ -83,6 +106,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
                         MpmJacobianTypes[model->solver.jacobian_type], model->solver.name,
                         model->solver.why ? " (" : "", model->solver.why ? model->solver.why : "",
                         model->solver.why ? ")" : "", model->size, model->size > 1 ? "s" : ""));
+  PetscCall(PrintMotion(model));
   PetscCall(MpmStabilizationText(model, sizeof(text), text));
   PetscCall(PetscPrintf(model->comm, "  %s\n", text));
   PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " point%s, grid of %" PetscInt_FMT " x %" PetscInt_FMT,

@@ -13,6 +13,7 @@
 #include "terms/body_surface.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
+#include "time/relaxation.h"
 #include "time/time.h"
 #include "run/laboratory.h"
 #include "run/motion_columns.h"
@@ -80,12 +81,13 @@ static const char *ComponentName(const MpmLayout *layout, PetscInt component)
 /* Names the columns; returns how many there are. Names are allocated. */
 static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
 {
-  static const char *const first[] = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
+  static const char *const first[]    = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
+  static const char *const relaxing[] = {"K_F", "K_E", "resets"};
   const PetscInt           dim = model->disc.dim, fixed = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first);
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
                       model->scene.boundaries->count * (3 * dim + 4) + model->scene.pairs->count * dim +
                       model->scene.motions->count * dim + model->scene.surfaces->count + MpmLinesColumnCount(model) +
-                      2 * dim + 2 + MpmMotionColumnCount(model);
+                      2 * dim + 5 + MpmMotionColumnCount(model);
   char name[512];
 
   PetscFunctionBeginUser;
@@ -145,6 +147,8 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
   PetscCall(MpmMotionAddColumns(model, *names, count));
+  for (PetscInt k = 0; MpmStagesRelax(model) && k < 3; k++)
+    PetscCall(PetscStrallocpy(relaxing[k], &(*names)[(*count)++]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -227,6 +231,11 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
   if (MpmStagesReduce(model)) row[k++] = MpmReductionFactor(model, model->state.time);
   PetscCall(MpmMotionAddValues(model, row, &k));
+  if (MpmStagesRelax(model)) {
+    row[k++] = model->state.relaxing.force;
+    row[k++] = model->state.relaxing.energy;
+    row[k++] = (PetscReal)model->state.relaxing.resets;
+  }
   PetscCall(MpmHistoryAppend(model->results->history, row));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);

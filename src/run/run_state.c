@@ -53,6 +53,10 @@ static const struct {
   MODEL("factor_of_safety", REAL, state.safety.factor),
   MODEL("reduction_moved", REAL, state.safety.moved),
   MODEL("reduction_last", REAL, state.safety.reduced),
+  MODEL("relaxation_energy", REAL, state.relaxing.kinetic),
+  MODEL("relaxation_work", REAL, state.relaxing.work),
+  MODEL("relaxation_held", REAL, state.relaxing.held),
+  MODEL("relaxation_resets", INT, state.relaxing.resets),
   MODEL("grid_known", BOOL, state.grid.known),
   MODEL("grid_start_x", REAL, state.grid.start[0]),
   MODEL("grid_start_y", REAL, state.grid.start[1]),
@@ -109,7 +113,7 @@ static PetscInt FreeBoundary(const MpmModel model, PetscInt k, PetscInt *count)
   return found;
 }
 
-typedef enum { PART_TABLE, PART_CONDITIONS, PART_SURFACES, PART_PLACES } Part;
+typedef enum { PART_TABLE, PART_CONDITIONS, PART_SURFACES, PART_PLACES, PART_STAGES } Part;
 
 /* The part in which the number k stands; `of` and `place`: of which condition, surface or boundary it is, and which of its numbers. */
 static Part PartOf(const MpmModel model, PetscInt k, PetscInt *of, PetscInt *place)
@@ -129,7 +133,9 @@ static Part PartOf(const MpmModel model, PetscInt k, PetscInt *of, PetscInt *pla
   if (k < surfaces) return PART_SURFACES;
   *of    = FreeBoundary(model, (k - surfaces) / PLACE, &bodies);
   *place = (k - surfaces) % PLACE;
-  return PART_PLACES;
+  if (k < surfaces + PLACE * bodies) return PART_PLACES;
+  *of = k - surfaces - PLACE * bodies;
+  return PART_STAGES;
 }
 
 static Kind KindOf(const MpmModel model, PetscInt k)
@@ -160,8 +166,10 @@ static void *Member(MpmModel model, PetscInt k)
     return (char *)&model->state.bcs[of] + moving[place].offset;
   case PART_SURFACES:
     return (char *)&model->state.loads[model->scene.loads->count + of] + lasting[place].offset;
-  default:
+  case PART_PLACES:
     return (PetscReal *)&model->state.placements[of] + place;
+  default:
+    return &model->state.ended[of];
   }
 }
 
@@ -182,8 +190,11 @@ static PetscErrorCode NameOf(MpmModel model, PetscInt k, char **name)
   case PART_SURFACES:
     PetscCall(MpmTextAppend(name, "surface_%s_%s", model->scene.surfaces->names[of], lasting[place].name));
     break;
-  default:
+  case PART_PLACES:
     PetscCall(MpmTextAppend(name, "place_%s_%" PetscInt_FMT, model->scene.boundaries->names[of], place));
+    break;
+  default:
+    PetscCall(MpmTextAppend(name, "ended_%" PetscInt_FMT, of));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -194,7 +205,8 @@ PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars)
 
   PetscFunctionBeginUser;
   (void)FreeBoundary(model, 0, &bodies);
-  count          = TABLE + MOVING * model->scene.bcs->count + LASTING * model->scene.surfaces->count + PLACE * bodies;
+  count = TABLE + MOVING * model->scene.bcs->count + LASTING * model->scene.surfaces->count + PLACE * bodies +
+          model->scene.stage_count;
   scalars->count = count;
   PetscCall(PetscCalloc5(count, &scalars->name, count, &scalars->real, count, &scalars->there, count, &scalars->value,
                          count, &scalars->number));

@@ -142,9 +142,12 @@ static PetscErrorCode Run(MpmModel model)
   PetscCall(OpenResults(model));
   PetscCall(MpmCheckpointStep(model, &interrupted));
   while (!interrupted && !model->caller.stop && !AtEnd(model)) {
+    const PetscInt before = model->state.step;
+
     PetscCall(TakeStep(model, &dt));
-    if (model->caller.why) break;
+    if (model->caller.why && model->state.step == before) break;
     PetscCall(Report(model, dt));
+    if (model->caller.why) break;
     PetscCall(MpmCheckpointStep(model, &interrupted));
   }
   if (AtEnd(model)) model->caller.stop = PETSC_FALSE;

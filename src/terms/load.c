@@ -50,8 +50,10 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
 {
   static const char *const types[] = {"force", "gravity", "traction", "flux", NULL};
   char                     prefix[256], field[256];
-  MpmOptions               block = {options->comm, prefix, options->record};
-  PetscInt                 type  = 0;
+  MpmOptions               block    = {options->comm, prefix, options->record};
+  static const char *const places[] = {"point", "face", NULL};
+  PetscInt                 place    = 0;
+  PetscInt                 type     = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(load, sizeof(*load)));
@@ -73,6 +75,12 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
   if (load->type == MPM_LOAD_TRACTION || MpmOptionsHelp()) {
     MpmCheckInput(load->where.region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
     PetscCall(ReadFace(&block, grid, load));
+    PetscCall(
+      MpmOptionsWord(&block, "place",
+                     "where a traction acts with shapes without a domain: point, at the points' own places; face, at "
+                     "the centres of their faces, as it does with the others",
+                     places, MPM_OPTIONAL, &place, NULL));
+    load->at_face = (PetscBool)(place == 1);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -220,16 +228,26 @@ static PetscReal Sign(const MpmLoad *load, const MpmSum *sum)
   return load->type == MPM_LOAD_FLUX ? -sum->dt : 1.;
 }
 
+/* The place next to `wanted` in the cell that holds `xi`, both in cells. */
+static PetscReal WithinCell(PetscReal xi, PetscReal wanted)
+{
+  const PetscReal cell = PetscFloorReal(xi);
+
+  return PetscMin(PetscMax(wanted, cell), cell + 1.);
+}
+
 /*
-  Weights of the face's centre instead of the point's: a traction does its work where it acts. Only shapes with a domain
-  have a face; the others take the point.
+  Weights of the face's centre instead of the point's: a traction does its work where it acts. Shapes without a domain take
+  the point, or the place next to the face's centre between the point's own nodes, which have its mass.
 */
 static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, const MpmSpace *space,
                                   const MpmPoints *points, PetscInt p, const MpmGroup *group, PetscReal weight[])
 {
   const MpmGrid     *grid = rules->grid;
   const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
-  const MpmShapeType at_face = rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
+  const MpmShapeType at_face = !MpmShapeHasDomain(rules->shape)          ? rules->shape
+                               : rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2
+                                                                         : MPM_SHAPE_LINEAR;
   PetscReal    line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
   MpmShapeLine face = {.weight = face_weight, .gradient = unused};
   PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], shift = axis == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0,
@@ -239,7 +257,7 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
     for (PetscInt i = 0; i < group->count[a]; i++)
       line[a][i] = a < dim ? space->shape[0].weight[(p * dim + a) * W + i] : 1.;
-  if (MpmShapeHasDomain(rules->shape)) {
+  if (MpmShapeHasDomain(rules->shape) || load->at_face) {
     PetscCheck(!rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     xi = (points->x[p * dim + axis] - grid->lower[axis] +
@@ -247,6 +265,8 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, co
          grid->h[axis];
     MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
     xi = PetscMin(PetscMax(xi, (PetscReal)lower[axis]), (PetscReal)upper[axis]);
+    if (!MpmShapeHasDomain(rules->shape))
+      xi = WithinCell((points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis], xi);
     MpmShapeEvaluate(at_face, rules->edge, xi, 0., lower[axis], upper[axis], &face);
     for (PetscInt i = 0; i < group->count[axis]; i++) {
       const PetscInt k = group->first[axis] + i - face.first - shift;

@@ -93,7 +93,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscArrayzero(points.velocity, points.count * dim));
-  PetscCall(PetscArrayzero(points.acceleration, points.count * dim));
+  if (points.acceleration) PetscCall(PetscArrayzero(points.acceleration, points.count * dim));
   if (points.affine) PetscCall(PetscArrayzero(points.affine, points.count * dim * dim));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -101,22 +101,34 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
 
 /* ---- a step ---- */
 
-/* Room for the nodes of the step's space, and what they are at its start. */
-static PetscErrorCode Project(MpmModel model)
+PetscErrorCode MpmDynamicsResize(MpmModel model)
 {
   const PetscInt count = model->disc.space->local * model->disc.dim;
   MpmDynamics   *dynamics;
 
   PetscFunctionBeginUser;
   if (!model->state.scheme.dynamics) PetscCall(PetscNew(&model->state.scheme.dynamics));
-  dynamics = model->state.scheme.dynamics;
+  dynamics        = model->state.scheme.dynamics;
+  dynamics->local = model->disc.space->local;
+  PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
+  if (dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(dynamics));
   PetscCall(PetscMalloc7(count, &dynamics->v_old, count, &dynamics->v_start, count, &dynamics->a_start, count,
                          &dynamics->a_rest, count, &dynamics->v_rest, count, &dynamics->v_new, count,
                          &dynamics->a_new));
   PetscCall(PetscMalloc1(count, &dynamics->loads));
-  dynamics->local = model->disc.space->local;
-  PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
+  dynamics->capacity = dynamics->local;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the nodes are at the step's start. */
+static PetscErrorCode Project(MpmModel model)
+{
+  MpmDynamics *dynamics;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmDynamicsResize(model));
+  dynamics = model->state.scheme.dynamics;
   PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
                                dynamics->v_old, dynamics->a_start));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -250,6 +262,36 @@ static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  A stage's first acceleration is that of the forces as they are when it begins; it goes to the nodes by way of the points, for
+  those that have hardly any mass.
+*/
+static PetscErrorCode FindAcceleration(MpmModel model)
+{
+  const MpmTransfer only     = {.type = MPM_TRANSFER_FLIP};
+  MpmDynamics      *dynamics = model->state.scheme.dynamics;
+  const PetscInt    dim = model->disc.dim, count = dynamics->local * dim;
+  PetscInt          failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(model->disc.u, model->disc.space->local * model->disc.block));
+  PetscCall(MpmSumResidual(&model->solver, &failed));
+  model->disc.trial->made = PETSC_FALSE;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  if (failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceToGhosts(model->disc.space, dim, model->disc.residual));
+  MpmFramesToUnknowns(model->disc.constraints, dim, dynamics->local, model->disc.residual);
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal mass = model->disc.inertia->mass[k / dim];
+    const PetscBool free = MpmConstraintsFree(model->disc.constraints, k);
+
+    dynamics->a_new[k] = free && mass > 0. ? -model->disc.residual[k] / mass : 0.;
+  }
+  MpmFramesToAxes(model->disc.constraints, dim, dynamics->local, dynamics->a_new);
+  PetscCall(MpmMomentumToPoints(model->disc.sum, &only, dynamics->v_old, dynamics->v_old, dynamics->a_new));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* For the account of energy. */
 static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_f)
 {
@@ -263,14 +305,23 @@ static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_
 
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
-  const Method method = MethodOf(MpmModelMotion(model));
+  const Method    method = MethodOf(MpmModelMotion(model));
+  const PetscBool first  = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
 
   PetscFunctionBeginUser;
   model->disc.inertia->active       = PETSC_FALSE;
-  model->state.scheme.load_at_start = method.alpha_f;
+  model->disc.sum->part             = 1.;
+  model->state.scheme.load_at_start = first ? 1. : method.alpha_f;
   PetscCall(MpmStepPrepare(model, time, dt, again, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Project(model));
+  if (first) {
+    PetscCall(FindAcceleration(model));
+    model->state.scheme.load_at_start = method.alpha_f;
+    PetscCall(MpmStepPrepare(model, time, dt, PETSC_TRUE, why));
+    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(Project(model));
+  }
   PetscCall(PetscArraycpy(model->state.scheme.dynamics->v_start, model->state.scheme.dynamics->v_old,
                           model->disc.space->local * model->disc.dim));
   PetscCall(StartConstrained(model));
@@ -310,6 +361,35 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   return MpmIntegratorQuasistatic.solve(model, why, retryable);
 }
 
+/*
+  What the step's displacement is off by where the acceleration goes on as it has changed, per length of the step, over the
+  largest velocity of the stage; norms are weighted by mass. Source: Zienkiewicz, Xie (1991), Earthq. Eng. Struct. Dyn. 20,
+  871-887, doi:10.1002/eqe.4290200907.
+*/
+static PetscErrorCode Error(MpmModel model, PetscReal *estimate)
+{
+  const MpmDynamics *dynamics = model->state.scheme.dynamics;
+  const PetscBool    euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
+  const PetscReal    by = euler ? 0.5 : MethodOf(MpmModelMotion(model)).beta - 1. / 6., dt = model->disc.sum->dt;
+  const PetscInt     dim     = model->disc.dim;
+  PetscReal          sums[2] = {0., 0.}, *largest = &model->state.scheme.trial;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->disc.space->owned * dim; k++) {
+    const PetscReal a = dynamics->a_factor * model->disc.u[k] + dynamics->a_rest[k];
+    const PetscReal v = dynamics->v_factor * model->disc.u[k] + dynamics->v_rest[k];
+    const PetscReal e = by * dt * (a - (euler ? 0. : dynamics->a_start[k]));
+
+    if (!MpmConstraintsFree(model->disc.constraints, k)) continue;
+    sums[0] += model->disc.inertia->mass[k / dim] * e * e;
+    sums[1] += model->disc.inertia->mass[k / dim] * v * v;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  *largest  = PetscMax(model->state.scheme.largest, PetscSqrtReal(sums[1]));
+  *estimate = *largest > 0. ? PetscSqrtReal(sums[0]) / *largest : 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Points take velocity and acceleration before they move. */
 static PetscErrorCode Accept(MpmModel model)
 {
@@ -326,6 +406,7 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
                                 dynamics->a_new));
   PetscCall(MpmIntegratorQuasistatic.accept(model));
+  if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.trial;
   model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
   model->disc.sum->part                                     = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -344,5 +425,6 @@ const MpmIntegrator MpmIntegratorImplicit = {.name      = "implicit dynamics",
                                              .begin     = Begin,
                                              .predict   = Predict,
                                              .solve     = Solve,
+                                             .error     = Error,
                                              .accept    = Accept,
                                              .roll_back = RollBack};

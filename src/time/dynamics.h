@@ -16,7 +16,7 @@
     a_new = a_factor u + a_rest ,     v_new = v_factor u + v_rest
 */
 struct MpmDynamics {
-  PetscInt   local;
+  PetscInt   local, capacity;
   PetscReal  a_factor, v_factor;
   PetscReal  alpha_f; /* what of the points' forces and the loads is the step's start's */
   PetscReal *v_old, *v_start, *a_start, *a_rest, *v_rest, *v_new, *a_new;
@@ -29,6 +29,9 @@ PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *contro
 void           MpmMotionDefaults(MpmMotionControl *motion);
 /* After the stages have been read: what bodies and materials say for dynamics. */
 PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options);
+/* Does any stage of the scene solve equations; has any inertia in them? */
+PetscBool MpmStagesSolve(const MpmModel model);
+PetscBool MpmStagesAreImplicit(const MpmModel model);
 /* Does any stage of the scene have inertia, and do its points carry affine velocities? */
 PetscBool MpmStagesAreDynamic(const MpmModel model);
 PetscBool MpmStagesAreAffine(const MpmModel model);
@@ -36,6 +39,8 @@ PetscBool MpmStagesAreAffine(const MpmModel model);
 void MpmDynamicsSetStage(MpmModel model);
 /* As a stage begins: points that come to it from one without inertia are at rest. */
 PetscErrorCode MpmDynamicsBegin(MpmModel model);
+/* Room for the nodes of the step's space, in model->state.scheme.dynamics and in the inertia's arrays. */
+PetscErrorCode MpmDynamicsResize(MpmModel model);
 PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics);
 /* Of the stage under way. */
 const MpmMotionControl *MpmModelMotion(const MpmModel model);

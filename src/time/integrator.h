@@ -16,6 +16,8 @@
   accept     what was found becomes the state
   roll_back
   error      estimate of the step's error in time; NULL where there is none
+  length     before `begin`: how long the step may be, into state.dt_wanted; `why` is NULL, or the reason for which there is no
+             step. NULL: the step control chooses, and cuts what fails
 */
 struct MpmIntegrator {
   const char *name;
@@ -25,7 +27,9 @@ struct MpmIntegrator {
   PetscErrorCode (*accept)(MpmModel model);
   PetscErrorCode (*roll_back)(MpmModel model);
   PetscErrorCode (*error)(MpmModel model, PetscReal *estimate);
+  PetscErrorCode (*length)(MpmModel model, const char **why);
 };
 extern const MpmIntegrator MpmIntegratorQuasistatic; /* quasistatic.c */
 extern const MpmIntegrator MpmIntegratorSdirk;       /* sdirk.c: two stages */
 extern const MpmIntegrator MpmIntegratorImplicit;    /* dynamics.c: with inertia */
+extern const MpmIntegrator MpmIntegratorExplicit;    /* explicit.c: without a matrix */

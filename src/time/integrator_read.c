@@ -12,22 +12,27 @@
 #include "time/model.h"
 #include "time/time.h"
 
-const char *const MpmIntegratorTypes[] = {"quasistatic", "backward_euler", "newmark", "generalized_alpha", NULL};
+const char *const MpmIntegratorTypes[] = {"quasistatic",       "backward_euler", "newmark",
+                                          "generalized_alpha", "explicit",       NULL};
 
-/* How steps are taken, and what their error in time may be, which lets them grow. */
+/* The error in time that lets steps grow and shrink; and how fields with a rate go on. */
 static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *control)
 {
   static const char *const schemes[] = {"euler", "second", NULL};
+  const PetscBool          dynamic   = (PetscBool)(control->motion.type != MPM_QUASISTATIC);
   PetscInt                 scheme;
   PetscBool                controlled;
 
   PetscFunctionBeginUser;
   PetscCall(
     MpmOptionsReal(block, "error", "-",
-                   "largest error in time of a step, relative to the largest change since the stage's start: it "
-                   "chooses the steps, up to step_max; needs scheme second",
+                   "largest error in time of a step, relative to the largest change since the stage's start, in "
+                   "dynamics per length of the step to the largest velocity: it chooses the steps, up to "
+                   "step_max; without inertia it needs scheme second",
                    MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->error, &controlled));
-  if (controlled) control->adaptive = control->second = PETSC_TRUE;
+  if (controlled) control->adaptive = PETSC_TRUE;
+  if (controlled && !dynamic) control->second = PETSC_TRUE;
+  if (dynamic && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   scheme = control->second ? 1 : 0;
   PetscCall(MpmOptionsWord(block, "scheme",
                            "how fields with a rate go on in time: euler, of order 1; second, of order 2, two solutions "
@@ -38,6 +43,28 @@ static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *contro
   MpmCheckInput(control->second || !(control->error > 0.) || MpmOptionsHelp(),
                 "-%sscheme euler: -%serror %g needs -%sscheme second", block->prefix, block->prefix,
                 (double)control->error, block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What explicit stages say. */
+static PetscErrorCode ReadExplicit(const MpmOptions *block, MpmMotionControl *motion)
+{
+  static const char *const updates[] = {"musl", "usl", "usf", NULL};
+  PetscInt                 update    = (PetscInt)motion->update;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsReal(block, "cfl", "-",
+                   "of explicit steps: their length over the time in which a wave, with the material's own speed, "
+                   "crosses a cell; the smallest over all points counts",
+                   ((MpmRange){0., 1., PETSC_FALSE}), MPM_OPTIONAL, &motion->cfl, NULL));
+  MpmCheckInput(motion->cfl > 0. || MpmOptionsHelp(), "-%scfl %g: must lie in (0, 1]", block->prefix,
+                (double)motion->cfl);
+  PetscCall(MpmOptionsWord(block, "update",
+                           "when an explicit step updates the stress: musl, last, by velocities mapped from the points "
+                           "once more; usl, last, by the nodes' own; usf, first",
+                           updates, MPM_OPTIONAL, &update, NULL));
+  motion->update = (MpmStressUpdate)update;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -68,7 +95,8 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsWord(block, "integrator",
-                           "how a step is taken: quasistatic, without inertia, or implicit dynamics by one of these",
+                           "how a step is taken: quasistatic, without inertia; implicit dynamics by one of three "
+                           "methods; or explicit, symplectic Euler",
                            MpmIntegratorTypes, MPM_OPTIONAL, &type, NULL));
   motion->type = (MpmIntegratorType)type;
   if (type == MPM_QUASISTATIC && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -85,7 +113,9 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
                   "-%sbeta %g: must be at least half of -%sgamma, %g: otherwise long steps are unstable", block->prefix,
                   (double)motion->beta, block->prefix, (double)motion->gamma);
   }
-  PetscCall(MpmOptionsWord(block, "mass", "of the nodes, in implicit dynamics", masses, MPM_OPTIONAL, &mass, NULL));
+  if (type == MPM_EXPLICIT || MpmOptionsHelp()) PetscCall(ReadExplicit(block, motion));
+  if (type != MPM_EXPLICIT || MpmOptionsHelp())
+    PetscCall(MpmOptionsWord(block, "mass", "of the nodes, in implicit dynamics", masses, MPM_OPTIONAL, &mass, NULL));
   motion->consistent = (PetscBool)(mass == 1);
   PetscCall(MpmOptionsWord(block, "transfer",
                            "of velocities between points and nodes: apic keeps angular momentum, flip the most energy",
@@ -102,16 +132,31 @@ PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *contro
 {
   PetscFunctionBeginUser;
   PetscCall(ReadMotion(block, &control->motion));
+  if (control->motion.type != MPM_QUASISTATIC) control->second = PETSC_FALSE;
   PetscCall(ReadScheme(block, control));
-  MpmCheckInput(control->motion.type == MPM_QUASISTATIC || !control->second || MpmOptionsHelp(),
-                "-%sscheme second: is of fields with a rate, and the integrator %s has none", block->prefix,
-                MpmIntegratorTypes[control->motion.type]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmMotionDefaults(MpmMotionControl *motion)
 {
-  *motion = (MpmMotionControl){.rho_inf = 0.9, .beta = 0.25, .gamma = 0.5};
+  *motion = (MpmMotionControl){.rho_inf = 0.9, .beta = 0.25, .gamma = 0.5, .cfl = 0.5};
+}
+
+PetscBool MpmStagesSolve(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].time.motion.type != MPM_EXPLICIT) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscBool MpmStagesAreImplicit(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    const MpmIntegratorType type = model->scene.stages[k].time.motion.type;
+
+    if (type != MPM_QUASISTATIC && type != MPM_EXPLICIT) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
 }
 
 PetscBool MpmStagesAreDynamic(const MpmModel model)
@@ -130,6 +175,28 @@ PetscBool MpmStagesAreAffine(const MpmModel model)
     if (motion->type != MPM_QUASISTATIC && motion->transfer.type == MPM_TRANSFER_APIC) return PETSC_TRUE;
   }
   return PETSC_FALSE;
+}
+
+/* An explicit step that is given must not be longer than a wave takes through a cell in material at rest. */
+static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
+{
+  const MpmTimeControl *time = &stage->time;
+  PetscReal             cell = PETSC_MAX_REAL;
+
+  PetscFunctionBeginUser;
+  if (time->motion.type != MPM_EXPLICIT) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < model->disc.dim; a++) cell = PetscMin(cell, model->disc.h[a]);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
+    const PetscReal    crossing = cell / PetscSqrtReal(material->stiffness / material->density);
+
+    MpmCheckInput(
+      time->step <= crossing * (1. + PETSC_SQRT_MACHINE_EPSILON),
+      "-mpm_%s%s%stime_step %g: must not exceed %.6g, s: the time in which a wave in material %s crosses a cell",
+      stage->name ? "stage_" : "", stage->name ? stage->name : "", stage->name ? "_" : "", (double)time->step,
+      (double)crossing, material->name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Velocities and accelerations, and waves, need inertia in every stage in which their conditions act. */
@@ -176,6 +243,7 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
                   model->scene.bodies->names[b]);
   }
   model->disc.inertia->dynamic = dynamic;
+  if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
   if (!MpmOptionsHelp()) PetscCall(CheckConditions(model));
   if (!dynamic || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(model->disc.layout->solid, "-mpm_time_integrator: physics %s has no inertia; solid has",
@@ -183,5 +251,6 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     MpmCheckInput(model->scene.materials->at[m].density > 0.,
                   "-mpm_material_%s_density: must be > 0, kg/m3, in dynamics", model->scene.materials->names[m]);
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) PetscCall(CheckExplicit(model, &model->scene.stages[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -122,8 +122,11 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
+  const PetscBool solves = (PetscBool)!model->state.scheme.integrator->length;
+
   return (MpmRules){.grid       = model->disc.grid,
                     .shape      = model->scene.shape,
                     .edge       = model->scene.edge,
@@ -133,8 +136,8 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .stretch    = model->scene.stretch,
                     .parts      = model->disc.parts,
                     .materials  = model->disc.sum->materials,
-                    .ghost      = model->disc.ghost,
-                    .sparse     = model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                    .ghost      = solves ? model->disc.ghost : 0.,
+                    .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                     .mean       = (PetscBool)(model->disc.layout->means > 0),
                     .put_back   = model->disc.put_back,
                     .time_n     = model->state.time,
@@ -322,8 +325,10 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
                         model->disc.force));
   if (model->scene.body_force) {
-    PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, time, model->disc.sum,
-                                model->disc.force));
+    const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
+
+    PetscCall(
+      MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, at, model->disc.sum, model->disc.force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -353,7 +358,7 @@ static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
   const MpmRules rules = Rules(model, time);
   PetscLogDouble since;
@@ -365,8 +370,19 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   if (!*why) {
     model->disc.sum->dt = model->disc.sum->span = dt;
     PetscCall(PrepareConditions(model, &rules, time, why));
-    if (!*why) PetscCall(PrepareSolver(model, again, why));
   }
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepBegin(model, time, dt, again, why));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
+  if (!*why) PetscCall(PrepareSolver(model, again, why));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSolverSetNearNullSpace(&model->solver));
@@ -408,8 +424,7 @@ static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
   return PETSC_TRUE;
 }
 
-/* Would the converged increment carry a point out of the grid? The reason names the first such point of the lowest rank. */
-static PetscErrorCode FindLost(MpmModel model, const char **why)
+PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
 {
   const PetscInt dim = model->disc.dim, bs = model->disc.block, most = PetscPowInt(model->disc.space->width, dim);
   PetscMPIInt    rank = model->size;
@@ -488,10 +503,18 @@ PetscErrorCode MpmStepFindReactions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmStepClip(MpmModel model)
+{
+  const PetscInt dim = model->disc.dim;
+
+  for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
+    model->disc.points->x[k] =
+      PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
+}
+
 /* The converged step becomes the state. */
 static PetscErrorCode Commit(MpmModel model)
 {
-  const PetscInt dim = model->disc.dim;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
@@ -504,9 +527,7 @@ static PetscErrorCode Commit(MpmModel model)
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
   PetscCall(MpmStepFindReactions(model));
-  for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
-    model->disc.points->x[k] =
-      PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
+  MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -617,7 +638,7 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *ret
   *retryable = PETSC_TRUE;
   if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
     *why = "a free boundary moved by more than its contacts were looked for";
-  else PetscCall(FindLost(model, why));
+  else PetscCall(MpmStepFindLost(model, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

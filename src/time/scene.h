@@ -16,13 +16,16 @@ typedef enum {
   MPM_EXPLICIT
 } MpmIntegratorType;
 
+/* When explicit steps update the stress (explicit.c). */
+typedef enum { MPM_UPDATE_MUSL, MPM_UPDATE_USL, MPM_UPDATE_USF } MpmStressUpdate;
+
 /* What takes motion from the material (damping.c). */
 typedef struct {
   PetscReal mass, stiffness;   /* Rayleigh's, 1/s and s */
   PetscReal linear, quadratic; /* coefficients of the bulk viscosity */
 } MpmDampingControl;
 
-/* How inertia takes part (dynamics.c). */
+/* How inertia takes part (dynamics.c, explicit.c). */
 typedef struct {
   MpmIntegratorType type;
   PetscReal         rho_inf;     /* of the generalised-alpha method: what is left of the fastest oscillation a step */
@@ -30,11 +33,13 @@ typedef struct {
   PetscBool         consistent;  /* mass, in implicit steps */
   MpmDampingControl damping;
   MpmTransfer       transfer;
+  PetscReal         cfl; /* of explicit steps: in parts of the time that a wave takes through a cell */
+  MpmStressUpdate   update;
 } MpmMotionControl;
 
 /* How time is cut into steps. */
 typedef struct {
-  PetscReal        end, step, step_min, step_max, growth;
+  PetscReal        end, step, step_min, step_max, growth; /* step 0: explicit steps as long as they may be */
   PetscBool        adaptive;
   PetscReal        limit;  /* the step_max that is given; 0: none */
   PetscBool        second; /* steps of two stages (sdirk.c) */
@@ -53,6 +58,15 @@ typedef struct {
   PetscReal          tolerance; /* largest displacement that remains, in heights of the material */
   PetscInt           iterations;
 } MpmGeostatic;
+
+/* Explicit steps that come to rest (relaxation.c). */
+typedef enum { MPM_DAMPING_KINETIC, MPM_DAMPING_VISCOUS, MPM_DAMPING_LOCAL } MpmDamping;
+typedef struct {
+  PetscBool  on;
+  MpmDamping damping;
+  PetscReal  tolerance, hold; /* the criteria hold below it, for so long, s */
+  PetscReal  xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
+} MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
 typedef struct {
@@ -73,6 +87,7 @@ typedef struct MpmStage {
   PetscBool      reset;                            /* displacements start at zero again */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
+  MpmRelaxation  relaxation;
 } MpmStage;
 
 typedef enum { MPM_FOLLOW_NOTHING, MPM_FOLLOW_MOTION, MPM_FOLLOW_BOUNDARY, MPM_FOLLOW_BODY } MpmFollowed;

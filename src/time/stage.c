@@ -33,6 +33,7 @@
 #include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
+#include "time/relaxation.h"
 #include "time/stage_lists.h"
 #include "time/time.h"
 #include "time/water_state.h"
@@ -55,21 +56,42 @@ static PetscErrorCode CheckSteps(const MpmOptions *block, PetscReal end, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The length of a step, which explicit stages need not have: they do not take that of a stage which solves, either. `ratio` is the
+  shortest over it.
+*/
+static PetscErrorCode ReadStep(const MpmOptions *block, PetscBool solved, MpmTimeControl *control, PetscReal ratio)
+{
+  const PetscBool explicit = (PetscBool)(control->motion.type == MPM_EXPLICIT);
+
+  PetscFunctionBeginUser;
+  if (explicit && solved) control->step = 0.;
+  PetscCall(MpmOptionsReal(block, "step", "s", "length of a step; explicit: by default as long as cfl allows",
+                           MPM_RANGE_POSITIVE, explicit || control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED,
+                           &control->step, NULL));
+  control->step_min = ratio * control->step;
+  if (explicit) control->adaptive = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* `control` holds the defaults on entry; a step of 0 is none. */
 static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *prefix, MpmTimeControl *control)
 {
   const MpmOptions block   = {options->comm, prefix, options->record};
   const PetscReal  ratio   = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
-  const MpmNeed    need    = control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED;
+  const PetscBool  solved  = (PetscBool)(control->motion.type != MPM_EXPLICIT);
   PetscReal        longest = 0.;
   PetscBool        given;
 
   PetscFunctionBeginUser;
   PetscCall(
     MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
-  PetscCall(MpmOptionsReal(&block, "step", "s", "length of a step", MPM_RANGE_POSITIVE, need, &control->step, NULL));
-  control->step_min = ratio * control->step;
   PetscCall(MpmIntegratorRead(&block, control));
+  PetscCall(ReadStep(&block, solved, control, ratio));
+  if (control->motion.type == MPM_EXPLICIT && !MpmOptionsHelp()) {
+    if (control->step > 0.) PetscCall(CheckSteps(&block, control->end, control->step, control->step_min));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
                            MPM_OPTIONAL, &longest, &given));
   if (given) control->limit = longest;
@@ -362,9 +384,27 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A relaxation takes explicit steps; by default velocities keep all that the nodes do not change. */
+static PetscErrorCode ReadRelaxation(const MpmOptions *options, MpmStage *stage, PetscBool on)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_relaxation_", stage->name));
+  PetscCall(MpmRelaxationRead(&block, stage));
+  stage->relaxation.on = on;
+  if (!on) PetscFunctionReturn(PETSC_SUCCESS);
+  if (stage->time.motion.type != MPM_EXPLICIT) stage->time.step = 0.;
+  stage->time.motion.type          = MPM_EXPLICIT;
+  stage->time.motion.transfer.type = MPM_TRANSFER_FLIP;
+  stage->time.motion.transfer.pic  = 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const MpmTimeControl *scene, MpmStage *stage)
 {
-  static const char *const types[] = {"load", "geostatic", NULL};
+  static const char *const types[] = {"load", "geostatic", "relaxation", NULL};
   char                     prefix[256], time_prefix[256];
   const MpmOptions         block  = {options->comm, prefix, options->record};
   PetscInt                 type   = 0;
@@ -374,12 +414,19 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
   PetscCall(PetscSNPrintf(time_prefix, sizeof(time_prefix), "mpm_stage_%s_time_", stage->name));
-  PetscCall(MpmOptionsWord(&block, "type", "load: steps in time; geostatic: a state of stress in equilibrium", types,
-                           MPM_OPTIONAL, &type, NULL));
-  if (type || MpmOptionsHelp()) PetscCall(ReadGeostatic(model, options, stage->name, &stage->geostatic));
+  PetscCall(MpmOptionsWord(&block, "type",
+                           "load: steps in time; geostatic: a state of stress in equilibrium; relaxation: explicit "
+                           "steps, damped until all is at rest",
+                           types, MPM_OPTIONAL, &type, NULL));
+  if (type == 1 || MpmOptionsHelp()) PetscCall(ReadGeostatic(model, options, stage->name, &stage->geostatic));
   stage->time = *scene;
-  if (type && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
+  if (type == 1) stage->time.motion.type = MPM_QUASISTATIC;
+  if (type == 1 && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
+  if (type == 2 || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, stage, (PetscBool)(type == 2)));
   PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
+  MpmCheckInput(type != 2 || stage->time.motion.type == MPM_EXPLICIT || MpmOptionsHelp(),
+                "-%sintegrator %s: a stage of type relaxation takes explicit steps", time_prefix,
+                MpmIntegratorTypes[stage->time.motion.type]);
   PetscCall(MpmStageMarkList(&block, "remove", "bodies that are taken away", bodies, &stage->removed, &given));
   PetscCall(MpmStageMarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds,
                              &given));
@@ -462,6 +509,8 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   PetscFunctionBeginUser;
   PetscCall(ReadSceneTime(model, options, &scene));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
+  PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.ended));
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.ended[k] = -1.;
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     MpmStage *stage = &model->scene.stages[k];
 
@@ -501,6 +550,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(model->state.parked[b].data));
   PetscCall(PetscFree(model->scene.stages));
   PetscCall(PetscFree(model->state.parked));
+  PetscCall(PetscFree(model->state.ended));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -692,6 +742,7 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.load_scale = 1.;
   model->state.time_start = model->state.time;
   model->state.time_end   = model->state.time + control->end;
+  if (model->state.ended[k] >= 0.) model->state.time_end = model->state.ended[k];
   model->state.dt_nominal = control->step;
   model->state.dt_min     = control->step_min;
   model->state.dt_max     = control->step_max;
@@ -703,10 +754,23 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.scheme.load_at_start = 0.;
   MpmDynamicsSetStage(model);
   if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
-  if (control->motion.type != MPM_QUASISTATIC) model->state.scheme.integrator = &MpmIntegratorImplicit;
+  if (control->motion.type == MPM_EXPLICIT) {
+    model->state.scheme.integrator = &MpmIntegratorExplicit;
+    if (!(control->step > 0.)) { /* each step is as long as it may be */
+      model->state.dt_nominal = model->state.dt_max = control->end;
+      model->state.adaptive                         = PETSC_TRUE;
+    }
+    return;
+  }
+  model->state.scheme.error = control->error;
+  if (control->motion.type != MPM_QUASISTATIC) {
+    model->state.scheme.integrator = &MpmIntegratorImplicit;
+    model->state.scheme.order      = control->motion.type == MPM_BACKWARD_EULER ? 1. : 2.;
+    return;
+  }
   if (!control->second) return;
+  model->state.scheme.order      = 3.;
   model->state.scheme.integrator = &MpmIntegratorSdirk;
-  model->state.scheme.error      = control->error;
 }
 
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
@@ -733,6 +797,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   PetscCall(MpmTimeErrorBegin(model));
   PetscCall(MpmDynamicsBegin(model));
+  MpmRelaxationBegin(model);
   PetscCall(MpmEnergyRebase(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,14 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
+/*
+  Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it.
+*/
+PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+/* Would the displacement model->disc.u carry a point out of the grid? `why` then names the first one of the lowest rank. */
+PetscErrorCode MpmStepFindLost(MpmModel model, const char **why);
+/* Points that rounding has taken over the grid's edges are put onto them. */
+void MpmStepClip(MpmModel model);
 /* The trial and the residual, along the axes, of what Newton has found. */
 PetscErrorCode MpmStepFindTrial(MpmModel model);
 /*

@@ -5,6 +5,7 @@
 #include "space/rules.h"
 #include "time/integrator.h"
 #include "time/model.h"
+#include "time/relaxation.h"
 #include "time/time.h"
 
 /* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
@@ -136,6 +137,7 @@ static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
 
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
+  const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
   PetscReal      next;
   PetscBool      retryable, again = PETSC_FALSE;
   PetscLogDouble since;
@@ -148,6 +150,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.cuts = 0;
+  if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (;;) {
     next = MpmNextTime(model, model->state.dt_wanted, dt);
     PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
@@ -176,6 +180,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.time = next;
   model->state.step++;
   PetscCall(MpmReductionObserve(model));
+  if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
+  if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->state.rescue.dilation) {
     PetscCall(HasStruggled(model, &again));
     if (again) PetscCall(AverageDilation(model, "a short step was hard, too"));

@@ -44,7 +44,7 @@ const char *const MpmTimeErrorField = "value_start";
 PetscBool MpmStagesControlError(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].time.error > 0.) return PETSC_TRUE;
+    if (model->scene.stages[k].time.second && model->scene.stages[k].time.error > 0.) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -173,5 +173,6 @@ PetscReal MpmTimeErrorFactor(const MpmModel model)
   const MpmScheme *scheme = &model->state.scheme;
 
   if (!(scheme->error > 0.)) return PETSC_INFINITY;
-  return PetscMax(SHORTEST, PetscPowReal(SAFETY * scheme->error / PetscMax(scheme->estimate, 1e-30), 1. / ORDER));
+  return PetscMax(SHORTEST,
+                  PetscPowReal(SAFETY * scheme->error / PetscMax(scheme->estimate, 1e-30), 1. / scheme->order));
 }

@@ -12,6 +12,7 @@
 #include "space/space.h"
 #include "bc/bc.h"
 #include "terms/contact.h"
+#include "terms/inertia.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -346,7 +347,7 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
   char    *text  = NULL;
 
   PetscFunctionBeginUser;
-  if (!model->disc.layout->solid) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindPieces(model, &pieces));
   PetscCall(FindCentres(&pieces));
   HoldByConditions(&pieces);

@@ -181,6 +181,21 @@ static void RandomData(const MpmParameter *parameter, double E, double data[MAX_
   }
 }
 
+/* Parameters to which the others leave their default alone take it: friction of a law without strength. */
+static void TakeForcedValues(Point *point, const MpmLawTable *table)
+{
+  const MpmLawInfo *info = &point->law->info[PLAIN];
+  MpmLawFault       fault;
+
+  for (size_t p = 0; info->check && p < info->parameter_count; ++p) {
+    if (info->check(point->parameter, table, &fault) || fault.parameter < 0 || fault.lower != fault.upper) return;
+    if (info->parameters[fault.parameter].same_as || info->parameters[fault.parameter].required ||
+        info->parameters[fault.parameter].fallback != fault.lower)
+      return;
+    point->parameter[fault.parameter] = fault.lower;
+  }
+}
+
 void PointCreate(const Law *law, int degenerate, Point *point)
 {
   const MpmLawInfo *info = &law->info[PLAIN];
@@ -202,6 +217,7 @@ void PointCreate(const Law *law, int degenerate, Point *point)
       } else point->parameter[p] = RandomParameter(&info->parameters[p], E, degenerate);
     }
     PointInput(point, NULL, table);
+    TakeForcedValues(point, table);
   } while (info->check && !info->check(point->parameter, table, &fault));
   PointReset(point);
 }
@@ -340,6 +356,18 @@ void Multiply(const double *A, const double *B, double *C)
       for (int k = 0; k < DIM; ++k) C[i * DIM + j] += A[i * DIM + k] * B[k * DIM + j];
     }
   }
+}
+
+double Determinant(const double *A)
+{
+  double sum = DIM == 2 ? A[0] * A[DIM + 1] - A[1] * A[DIM] : 0.;
+
+  for (int j = 0; j < 3 && DIM == 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+
+    sum += A[j] * (A[DIM + k] * A[2 * DIM + l] - A[DIM + l] * A[2 * DIM + k]);
+  }
+  return sum;
 }
 
 double MaxDifference(int n, const double *a, const double *b)

@@ -408,7 +408,10 @@ TCase *CamClayCase(void);
 TCase *MohrCoulombCase(void);
 TCase *NaccCase(void);
 TCase *PotentialCase(void);
+TCase *WaveCase(void);
 TCase *NorSandCase(void);
+TCase *JaumannCase(void);
+TCase *NewtonianCase(void);
 Suite *LawValuesSuite(void);
 
 Suite *LawValuesSuite(void)
@@ -434,6 +437,9 @@ Suite *LawValuesSuite(void)
   suite_add_tcase(suite, MohrCoulombCase());
   suite_add_tcase(suite, NaccCase());
   suite_add_tcase(suite, PotentialCase());
+  suite_add_tcase(suite, WaveCase());
   suite_add_tcase(suite, NorSandCase());
+  suite_add_tcase(suite, JaumannCase());
+  suite_add_tcase(suite, NewtonianCase());
   return suite;
 }

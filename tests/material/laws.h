@@ -69,6 +69,7 @@ void PointSetPrincipal(Point *point, const double *stress);
 
 void   Identity(double *A);
 void   Multiply(const double *A, const double *B, double *C);
+double Determinant(const double *A);
 double MaxDifference(int n, const double *a, const double *b);
 /* |tau(dF + h V) - tau(dF) - h dtau V|, the largest component; NaN, which passes no comparison, where the law has no answer */
 double TaylorRemainder(const Point *point, const double *dF, const double *V, double h);

@@ -51,6 +51,9 @@ OGDEN = {"mpm_material_soil_type": "ogden", "mpm_material_soil_E": None, "mpm_ma
 J2 = {"mpm_material_soil_type": "j2", "mpm_material_soil_yield_stress": "1e4"}
 PRAGER = {"mpm_material_soil_type": "drucker_prager", "mpm_material_soil_friction": "30",
           "mpm_material_soil_dilation": "0", "mpm_material_soil_cohesion": "1e3"}
+JAUMANN = {**PRAGER, "mpm_material_soil_type": "jaumann_elastic"}
+FLUID = {"mpm_material_soil_type": "newtonian", "mpm_material_soil_E": None, "mpm_material_soil_nu": None,
+         "mpm_material_soil_sound_speed": "50"}
 CLAY = {"mpm_material_soil_type": "modified_cam_clay", "mpm_material_soil_E": None, "mpm_material_soil_nu": None,
         "mpm_material_soil_kappa": "0.02", "mpm_material_soil_lambda": "0.1", "mpm_material_soil_M": "1.2",
         "mpm_material_soil_G": "4e6"}
@@ -137,6 +140,24 @@ CASES = [
      "-mpm_material_soil_friction 90: must lie in [0, 89] degrees"),
     ("dilation above friction", {**COULOMB, "mpm_material_soil_dilation": "31"},
      "-mpm_material_soil_dilation 31: must lie in [0, 30] degrees"),
+    ("friction without cohesion", {**JAUMANN, "mpm_material_soil_cohesion": None},
+     "-mpm_material_soil_friction 30: must lie in [0, 0] degrees: without cohesion, which may be 0, nothing yields"),
+    ("tension without cohesion", {**JAUMANN, "mpm_material_soil_cohesion": None, "mpm_material_soil_tension": "1e3"},
+     "-mpm_material_soil: tension is given without cohesion"),
+    ("neither cohesion nor friction", {**JAUMANN, "mpm_material_soil_cohesion": "0", "mpm_material_soil_friction": "0"},
+     "-mpm_material_soil_cohesion 0: must be > 0 Pa: without friction there must be cohesion"),
+    ("hypoelastic, dilation above friction", {**JAUMANN, "mpm_material_soil_dilation": "31"},
+     "-mpm_material_soil_dilation 31: must lie in [0, 30] degrees"),
+    ("fluid without a stiffness", {**FLUID, "mpm_material_soil_sound_speed": None},
+     "-mpm_material_soil: bulk_modulus or sound_speed must be given"),
+    ("fluid with two stiffnesses", {**FLUID, "mpm_material_soil_bulk_modulus": "2e9"},
+     "-mpm_material_soil: bulk_modulus and sound_speed are given"),
+    ("sound without density", {**FLUID, "mpm_material_soil_density": None, "mpm_loads": "push", "mpm_load_weight_type": None,
+                               "mpm_load_weight_value": None}, "-mpm_material_soil_density 0: must be > 0"),
+    ("exponent of a linear equation", {**FLUID, "mpm_material_soil_equation": "linear", "mpm_material_soil_gamma": "2"},
+     "-mpm_material_soil_gamma 2: must lie in [7, 7]: it is that of equation tait"),
+    ("least pressure above zero", {**FLUID, "mpm_material_soil_pressure_min": "1"}, "-mpm_material_soil_pressure_min 1: must be <= 0"),
+    ("viscosity negative", {**FLUID, "mpm_material_soil_viscosity": "-1"}, "-mpm_material_soil_viscosity -1: must be >= 0"),
     ("tension beyond the apex", {**COULOMB, "mpm_material_soil_tension": "1733"},
      "-mpm_material_soil_tension 1733: must lie in [0, 1732.05"),
     ("residual cohesion above cohesion", {**COULOMB, "mpm_material_soil_cohesion_residual": "1001",

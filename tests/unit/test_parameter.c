@@ -279,6 +279,36 @@ START_TEST(initial_stress_by_history)
 }
 END_TEST
 
+/* Wave speeds at rest, stretched, and under stress, whose compression counts alone; a fluid's viscosity */
+START_TEST(wave_speed)
+{
+  const PetscReal stretched[4] = {2., 0., 0., 1.}, plane[4] = {-2., 5., -1., 3.},
+                  solid[6] = {-1., 2., -1., 1., 3., -4.};
+  MpmMaterial rubber, water;
+
+  UNIT_CALL(PetscOptionsClear(NULL));
+  UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type neo_hookean -mpm_material_a_E 10 "
+                                           "-mpm_material_a_nu 0.25 -mpm_material_a_density 3"));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &rubber));
+  ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, 2, NULL, NULL, NULL), sqrt(12. / 3.), 1e-14);
+  ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, 2, NULL, stretched, NULL), sqrt(36. / 3.), 1e-14);
+  ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, 2, NULL, NULL, plane), sqrt((12. + 2. + 3.) / 3.), 1e-14);
+  ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, 2, NULL, stretched, plane), sqrt((36. + 2. * 5.) / 3.), 1e-14);
+  ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, 3, NULL, NULL, solid), sqrt((12. + 1. + 3. + 4.) / 3.), 1e-14);
+  ck_assert_double_eq(MpmMaterialViscosity(&rubber), 0.);
+  rubber.density = 0.;
+  ck_assert(isinf(MpmMaterialWaveSpeed(&rubber, 2, NULL, NULL, NULL)));
+  UNIT_CALL(MpmMaterialDestroy(&rubber));
+  UNIT_CALL(PetscOptionsClear(NULL));
+  UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type newtonian -mpm_material_a_sound_speed 20 "
+                                           "-mpm_material_a_viscosity 6 -mpm_material_a_density 3"));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &water));
+  ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&water, 2, NULL, NULL, NULL), 20., 1e-13);
+  ck_assert_double_eq_tol(MpmMaterialViscosity(&water), 8., 1e-14);
+  UNIT_CALL(MpmMaterialDestroy(&water));
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
   const TTest *const tests[] = {accepts,
@@ -287,7 +317,8 @@ int main(int argc, char **argv)
                                 law_with_data,
                                 material,
                                 material_symmetric_by_parameters,
-                                initial_stress_by_history};
+                                initial_stress_by_history,
+                                wave_speed};
 
   return UnitRun(&argc, &argv, "parameters of laws", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -70,13 +70,15 @@ typedef struct {
   MPM_LAW_INTERNAL      the engine's own, not offered to scenes
   MPM_LAW_PLASTIC       the law flows: its volume then follows from its shear, and low-order shapes lock without F-bar
   MPM_LAW_LAGGED        strength is that of the step's start: a point may go on flowing though nothing moves
+  MPM_LAW_VISCOUS       stress depends on how fast the step deforms; the viscous part is gone once nothing moves
 */
 typedef enum {
   MPM_LAW_SYMMETRIC    = 1,
   MPM_LAW_SMALL_STRAIN = 2,
   MPM_LAW_INTERNAL     = 4,
   MPM_LAW_PLASTIC      = 8,
-  MPM_LAW_LAGGED       = 16
+  MPM_LAW_LAGGED       = 16,
+  MPM_LAW_VISCOUS      = 32
 } MpmLawTrait;
 
 /*
@@ -104,7 +106,11 @@ typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table
   check      NULL, or 0 where parameters contradict each other, and how they do
   stiffness  constrained modulus at a state, Pa: the stiffest that the Kirchhoff stress is against a uniaxial strain
              from there, elastic unloading included, or a bound on it; what scales penalties, tolerances and time steps.
-             `state` NULL: as the state table has it; `F` NULL: not deformed; either alone is possible
+             `state` NULL: as the state table has it; `F` NULL: not deformed; either alone is possible. With the largest
+             principal compression of the Kirchhoff stress on top it bounds J times the acoustic tensor's principal values, and
+             over the density of the initial volume the square of the wave speed, by lengths as they are at that state
+  viscosity  NULL: none, or the longitudinal viscosity, Pa s: (4/3) mu of a fluid. An explicit step of a viscous stress alone
+             is stable up to density times length^2/(2 viscosity)
   shear_modulus  shear modulus of the elastic part at a state, Pa, > 0: the slope of a Kirchhoff shear stress over its shear
              strain in unloading from there, the mean over all planes where they differ; `state` and `F` as for
              `stiffness`, which bounds it. It scales the stabilization of a pressure field; NULL: a physics with one
@@ -137,6 +143,7 @@ typedef struct {
   int (*check)(const double *parameter, const MpmLawTable *table, MpmLawFault *fault);
   double (*stiffness)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
   double (*shear_modulus)(const double *parameter, const MpmLawTable *table, const double *state, const double *F);
+  double (*viscosity)(const double *parameter, const MpmLawTable *table);
   int (*symmetric)(const double *parameter, const MpmLawTable *table);
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);

@@ -1,0 +1,207 @@
+/*
+  Dynamic relaxation: a state at rest, found by explicit steps whose motion is damped.
+
+    kinetic  no damping until the points' kinetic energy falls; then all velocities become zero, and the points stay where
+             they are in that step
+    viscous  f_i -= 2 xi m_i v_i ; xi is a rate, 1/s, critical for a mode whose angular frequency it is
+    local    f_i -= alpha |f_i| sign(v_i), by component
+
+  The stage ends where both are below the tolerance:
+
+    K_F = max_i |f_ext - f_int|_i / max_i |f_ext|_i ,  without prescribed components: there it is the reaction
+    K_E = sum_p m_p v_p^2/2 / W ,  W += sum_i f_ext,i . u_i  the work of the loads since the stage began
+
+  Sources: Cundall (1976, 1987); Jin, Yin et al., kinetic damping in the material point method, whose criteria these are; Barnes
+  (1999), Int. J. Space Struct. 14, 89-104, doi:10.1260/0266351991494722 (kinetic damping).
+*/
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "terms/inertia.h"
+#include "time/dynamics.h"
+#include "time/model.h"
+#include "time/relaxation.h"
+#include "time/time.h"
+
+/* ---- options ---- */
+
+PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
+{
+  static const char *const dampings[] = {"kinetic", "viscous", "local", NULL};
+  MpmRelaxation           *relaxation = &stage->relaxation;
+  PetscInt                 damping    = 0;
+
+  PetscFunctionBeginUser;
+  relaxation->tolerance = 0.01;
+  relaxation->factor    = 0.8;
+  PetscCall(MpmOptionsWord(block, "damping",
+                           "kinetic: velocities become zero where the kinetic energy passes a peak; viscous: a force "
+                           "2 xi m v; local: a part of each force that drives a node, against its velocity",
+                           dampings, MPM_OPTIONAL, &damping, NULL));
+  relaxation->damping = (MpmDamping)damping;
+  PetscCall(
+    MpmOptionsReal(block, "tolerance", "-",
+                   "the stage ends where the largest force out of balance over the largest load, and the kinetic "
+                   "energy over the work of the loads, are below",
+                   ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &relaxation->tolerance, NULL));
+  PetscCall(MpmOptionsReal(block, "hold", "s", "for so long without a break: with 0 it ends where they hold first",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &relaxation->hold, NULL));
+  if (damping == MPM_DAMPING_VISCOUS || MpmOptionsHelp())
+    PetscCall(MpmOptionsReal(block, "xi", "1/s",
+                             "of viscous damping; fastest near the angular frequency of the slowest mode",
+                             MPM_RANGE_POSITIVE, MPM_REQUIRED, &relaxation->xi, NULL));
+  if (damping == MPM_DAMPING_LOCAL || MpmOptionsHelp())
+    PetscCall(MpmOptionsReal(block, "factor", "-", "of local damping", ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL,
+                             &relaxation->factor, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmModelRelaxes(const MpmModel model)
+{
+  return model->scene.stages[model->state.stage].relaxation.on;
+}
+
+PetscBool MpmStagesRelax(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].relaxation.on) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+void MpmRelaxationBegin(MpmModel model)
+{
+  model->state.relaxing = (MpmRelaxing){0};
+}
+
+/* ---- a step ---- */
+
+/* The square of a node's force, without prescribed components; `force`, by the frame where the node has one. */
+static PetscReal FreeSquare(const MpmModel model, PetscInt node, const PetscReal force[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const MpmFrame       *frame       = constraints->any ? MpmConstraintsFrame(constraints, node) : NULL;
+  const PetscInt        dim         = model->disc.dim;
+  PetscReal             square      = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscReal along = 0.;
+
+    if (constraints->any && !MpmConstraintsFree(constraints, node * dim + a)) continue;
+    for (PetscInt c = 0; frame && c < dim; c++) along += frame->axis[a][c] * force[c];
+    square += PetscSqr(frame ? along : force[a]);
+  }
+  return square;
+}
+
+/* K_F, from the whole forces at the owned nodes. Nodes without mass have nothing to balance. */
+static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const PetscReal force[])
+{
+  const PetscInt dim     = model->disc.dim;
+  PetscReal      most[2] = {0., 0.};
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
+    PetscReal square = 0.;
+
+    if (!(model->disc.inertia->mass[i] > 0.)) continue;
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(load[i * dim + a]);
+    most[0] = PetscMax(most[0], FreeSquare(model, i, &force[i * dim]));
+    most[1] = PetscMax(most[1], square);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, model->comm));
+  model->state.relaxing.force = most[1] > 0. ? PetscSqrtReal(most[0] / most[1]) : (most[0] > 0. ? PETSC_MAX_REAL : 0.);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[])
+{
+  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+  const PetscReal     *mass = model->disc.inertia->mass, *v = model->state.scheme.dynamics->v_old;
+  const PetscInt       dim = model->disc.dim, count = model->disc.space->local * dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, load));
+  PetscCall(Compare(model, load, force));
+  for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_VISCOUS && k < count; k++)
+    force[k] -= 2. * relaxation->xi * mass[k / dim] * v[k];
+  for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_LOCAL && k < count; k++)
+    force[k] -= relaxation->factor * PetscAbsReal(force[k]) * (v[k] > 0. ? 1. : v[k] < 0. ? -1. : 0.);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The kinetic energy of all points, without what their affine velocities add. */
+static PetscErrorCode FindKinetic(const MpmModel model, PetscReal *kinetic)
+{
+  const MpmPoints *points = model->disc.points;
+  const PetscInt   dim    = model->disc.dim;
+
+  PetscFunctionBeginUser;
+  *kinetic = 0.;
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal square = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(points->velocity[p * dim + a]);
+    *kinetic += 0.5 * MpmPointMass(points, model->disc.sum->materials, p) * square;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, kinetic, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRelaxationObserve(MpmModel model)
+{
+  MpmRelaxing     *relaxing = &model->state.relaxing;
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const MpmPoints *points   = model->disc.points;
+  const PetscInt   dim      = model->disc.dim;
+  PetscReal        kinetic;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindKinetic(model, &kinetic));
+  if (model->scene.stages[model->state.stage].relaxation.damping == MPM_DAMPING_KINETIC &&
+      kinetic < relaxing->kinetic) {
+    kinetic = 0.;
+    relaxing->resets++;
+    PetscCall(PetscArrayzero(points->velocity, points->count * dim));
+    if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
+    PetscCall(PetscArrayzero(dynamics->v_new, dynamics->local * dim));
+  }
+  relaxing->kinetic = kinetic;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
+{
+  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+  MpmRelaxing         *relaxing   = &model->state.relaxing;
+  PetscReal            work       = 0., most;
+  PetscBool            holds;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->disc.space->owned * model->disc.dim; k++) work += load[k] * model->disc.u[k];
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &work, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  relaxing->work += work;
+  most             = PetscAbsReal(relaxing->work);
+  relaxing->energy = most > 0. ? relaxing->kinetic / most : (relaxing->kinetic > 0. ? PETSC_MAX_REAL : 0.);
+  holds            = (PetscBool)(relaxing->force < relaxation->tolerance && relaxing->energy < relaxation->tolerance);
+  relaxing->held   = holds ? relaxing->held + model->disc.sum->dt : 0.;
+  relaxing->rests  = (PetscBool)(holds && relaxing->held >= relaxation->hold);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const char *MpmRelaxationOver(MpmModel model)
+{
+  MpmState          *state    = &model->state;
+  const MpmRelaxing *relaxing = &state->relaxing;
+
+  if (relaxing->rests) {
+    state->run_end -= state->time_end - state->time;
+    state->time_end = state->ended[state->stage] = state->time;
+  }
+  if (relaxing->rests || state->time < state->time_end) return NULL;
+  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                      "the relaxation has not come to rest: K_F is %.3g and K_E %.3g, with a tolerance of %g",
+                      (double)relaxing->force, (double)relaxing->energy,
+                      (double)model->scene.stages[state->stage].relaxation.tolerance);
+  return model->solver.lost;
+}

@@ -1,0 +1,27 @@
+#pragma once
+/*
+  Dynamic relaxation: explicit steps that come to rest (relaxation.c).
+*/
+#include "options/options.h"
+#include "time/scene.h"
+#include "talus/talus.h"
+
+/* The options of a stage of that type; its time control becomes explicit. */
+PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage);
+/* As a stage begins. */
+void MpmRelaxationBegin(MpmModel model);
+/* Is the stage under way one, and is any? */
+PetscBool MpmModelRelaxes(const MpmModel model);
+PetscBool MpmStagesRelax(const MpmModel model);
+/*
+  Within an explicit step. Damp: the forces at the local nodes are there, `force`, and take up what damps them, once they have
+  been compared with the loads, `load` (this rank's part of them), which comes back whole. Masses: those of the nodes, for the
+  longest stable step in each; the step's own otherwise. Observe: the points have their new velocities; past a peak of their
+  energy they, and the nodes, are stopped. Finish: the loads' work in the displacements model->disc.u; where the criteria
+  hold the stage ends.
+*/
+PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[]);
+PetscErrorCode MpmRelaxationObserve(MpmModel model);
+PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[]);
+/* After a step: NULL, or that the stage's time is over and nothing is at rest. */
+const char *MpmRelaxationOver(MpmModel model);
