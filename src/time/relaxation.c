@@ -39,7 +39,7 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                            "kinetic: velocities become zero where the kinetic energy passes a peak; viscous: a force "
                            "2 xi m v; local: a part of each force that drives a node, against its velocity",
                            dampings, MPM_OPTIONAL, &damping, NULL));
-  relaxation->damping = (MpmDamping)damping;
+  relaxation->damping = (MpmRelaxationDamping)damping;
   PetscCall(
     MpmOptionsReal(block, "tolerance", "-",
                    "the stage ends where the largest force out of balance over the largest load, and the kinetic "
@@ -122,6 +122,7 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
 
   PetscFunctionBeginUser;
   PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, load));
+  PetscCall(PetscArrayzero(&load[model->disc.space->owned * dim], count - model->disc.space->owned * dim));
   PetscCall(Compare(model, load, force));
   for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_VISCOUS && k < count; k++)
     force[k] -= 2. * relaxation->xi * mass[k / dim] * v[k];

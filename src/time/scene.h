@@ -60,12 +60,12 @@ typedef struct {
 } MpmGeostatic;
 
 /* Explicit steps that come to rest (relaxation.c). */
-typedef enum { MPM_DAMPING_KINETIC, MPM_DAMPING_VISCOUS, MPM_DAMPING_LOCAL } MpmDamping;
+typedef enum { MPM_DAMPING_KINETIC, MPM_DAMPING_VISCOUS, MPM_DAMPING_LOCAL } MpmRelaxationDamping;
 typedef struct {
-  PetscBool  on;
-  MpmDamping damping;
-  PetscReal  tolerance, hold; /* the criteria hold below it, for so long, s */
-  PetscReal  xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
+  PetscBool            on;
+  MpmRelaxationDamping damping;
+  PetscReal            tolerance, hold; /* the criteria hold below it, for so long, s */
+  PetscReal            xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
 } MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
