@@ -402,7 +402,7 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->v_new[k] = dynamics->v_factor * u[k] + dynamics->v_rest[k];
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, dynamics->loads, model->disc.residual}));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual}));
   PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
                                 dynamics->a_new));
   PetscCall(MpmIntegratorQuasistatic.accept(model));

@@ -181,7 +181,7 @@ static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal forc
 }
 
 /* What a term of the residual takes from the material. */
-static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const PetscReal u[], PetscReal *work)
+static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const MpmStepWork *step, PetscReal *work)
 {
   const MpmTerms *terms  = model->disc.terms;
   const PetscInt  local  = model->disc.space->local;
@@ -193,8 +193,8 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const P
   for (PetscInt k = 0; k < terms->count; k++) {
     if (terms->term[k] != term) continue;
     PetscCall(PetscCalloc1((local * model->disc.block), &force));
-    PetscCall(term->residual(terms->ctx[k], model->disc.sum, u, force, &failed));
-    *work += Work(model, local, force, u);
+    PetscCall(term->residual(terms->ctx[k], model->disc.sum, step->at ? step->at : step->u, force, &failed));
+    *work += Work(model, local, force, step->u);
     PetscCall(PetscFree(force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -213,13 +213,14 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
     PetscFunctionReturn(PETSC_SUCCESS);
   sum[0] = Internal(model);
   sum[1] = Work(model, local, work->loads, work->u) + Work(model, model->disc.space->owned, work->supports, work->u);
-  PetscCall(TakenBy(model, &MpmTermSurfaces, work->u, &taken));
+  PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
   sum[1] -= taken;
-  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->u, &material, &boundary));
+  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->at ? work->at : work->u, work->u, &material,
+                            &boundary));
   sum[1] += boundary;
   sum[2] += boundary - material;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
-    PetscCall(TakenBy(model, takers[k], work->u, &taken));
+    PetscCall(TakenBy(model, takers[k], work, &taken));
     sum[2] += taken;
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));

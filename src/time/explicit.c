@@ -25,10 +25,12 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "terms/damping.h"
 #include "terms/inertia.h"
 #include "terms/section.h"
 #include "terms/terms.h"
 #include "time/dynamics.h"
+#include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/relaxation.h"
@@ -71,6 +73,14 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What damping leaves of a stable step: sqrt(1 + xi^2) - xi, xi the part of critical damping of the fastest oscillation, 2/crossing. */
+static PetscReal Shortened(const MpmDampingControl *damping, PetscReal crossing)
+{
+  const PetscReal xi = damping->stiffness / crossing + 0.25 * damping->mass * crossing + damping->linear;
+
+  return crossing * (PetscSqrtReal(1. + xi * xi) - xi);
+}
+
 static PetscErrorCode Length(MpmModel model, const char **why)
 {
   const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
@@ -78,6 +88,7 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 
   PetscFunctionBeginUser;
   PetscCall(FindCrossing(model, &crossing));
+  if (crossing > 0.) crossing = Shortened(&control->motion.damping, crossing);
   model->state.dt_wanted = control->motion.cfl * crossing;
   if (!(crossing > 0.)) *why = "a point has no finite wave speed";
   if (*why || !(control->step > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -127,6 +138,25 @@ static void Prescribe(const MpmModel model, PetscReal velocity[])
   for (PetscInt k = 0; k < local * dim; k++)
     if (!MpmConstraintsFree(constraints, k)) velocity[k] = constraints->value[k] / dt;
   MpmFramesToAxes(constraints, dim, local, velocity);
+}
+
+/* Before the step they moved as they were told to half a step before its start: what carries them from there is their reaction. */
+static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
+  PetscReal            *rate;
+
+  PetscFunctionBeginUser;
+  if (!constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((local * dim), &rate));
+  PetscCall(MpmStepPrescribedRate(model, model->state.time - 0.5 * model->disc.sum->dt, 1, rate));
+  MpmFramesToUnknowns(constraints, dim, local, velocity);
+  for (PetscInt k = 0; k < local * dim; k++)
+    if (!MpmConstraintsFree(constraints, k)) velocity[k] = rate[k];
+  MpmFramesToAxes(constraints, dim, local, velocity);
+  PetscCall(PetscFree(rate));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The points' forces at displacements u of the nodes; with `keep` what the points would be there goes into the trial. */
@@ -199,12 +229,13 @@ static PetscErrorCode MoveNodes(MpmModel model, const char **why)
   const PetscBool first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
 
   PetscFunctionBeginUser;
-  Prescribe(model, dynamics->v_old); /* what they move at does not come from the points */
+  PetscCall(PrescribeStart(model, dynamics->v_old)); /* what they move at does not come from the points */
   if (first) Displace(model, dynamics->v_old, model->disc.trial->u);
   else PetscCall(PetscArrayzero(model->disc.trial->u, count));
   PetscCall(PointForces(model, model->disc.trial->u, (PetscBool)!first, first, force, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, dynamics->v_old, model->disc.u);
+  PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
   PetscCall(OtherForces(model, model->disc.u, force));
   for (PetscInt k = 0; k < count; k++) force[k] = model->disc.force[k] - force[k];
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.block, force));
@@ -256,6 +287,19 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What the step has done: the other forces acted where the nodes would have come without them. */
+static PetscErrorCode AddWork(MpmModel model)
+{
+  MpmDynamics *dynamics = model->state.scheme.dynamics;
+
+  PetscFunctionBeginUser;
+  Displace(model, dynamics->v_old, dynamics->a_rest);
+  PetscCall(
+    MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, dynamics->a_rest, model->disc.force, model->disc.residual}));
+  model->disc.damping->active = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Stress and history become the points', and the points go with v*. */
 static PetscErrorCode Accept(MpmModel model)
 {
@@ -266,6 +310,7 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (model->disc.sections)
     PetscCall(MpmSectionsEvaluate(model->disc.sections, sum, model->disc.trial->u, model->state.particles));
+  PetscCall(AddWork(model));
   sum->trial = model->disc.trial;
   PetscCall(MpmCommitLocal(sum, model->disc.u));
   sum->trial = NULL;
@@ -283,7 +328,8 @@ static PetscErrorCode Accept(MpmModel model)
 static PetscErrorCode RollBack(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.trial->made = PETSC_FALSE;
+  model->disc.trial->made     = PETSC_FALSE;
+  model->disc.damping->active = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -122,6 +122,7 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
 
   PetscFunctionBeginUser;
   PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, load));
+  PetscCall(PetscArrayzero(&load[model->disc.space->owned * dim], count - model->disc.space->owned * dim));
   PetscCall(Compare(model, load, force));
   for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_VISCOUS && k < count; k++)
     force[k] -= 2. * relaxation->xi * mass[k / dim] * v[k];
