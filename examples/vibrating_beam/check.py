@@ -21,7 +21,7 @@ def check(results):
     energy = np.abs(history["energy_balance"]).max() / np.abs(history["energy_external"]).max()
     quantities = [completed(results),
                   Quantity.near("deepest_tip", tip[deepest], DEEPEST, relative=0.015 if fine else 0.05),
-                  Quantity.near("at_time", time[deepest], WHEN, relative=0.03 if fine else 0.08)]
+                  Quantity.near("at_time", time[deepest], WHEN, relative=0.03 if fine else 0.1)]
     if time[-1] >= 2.6:
         quantities.append(Quantity.near("back_at", tip[deepest:].max(), BACK, absolute=0.15 if fine else 0.6))
     quantities.append(Quantity("energy_balance_over_work", energy, upper=0.05 if fine else 0.15))
