@@ -167,7 +167,7 @@ static void *Member(MpmModel model, PetscInt k)
   case PART_PLACES:
     return (PetscReal *)&model->state.placements[of] + place;
   default:
-    return &model->state.ended[of];
+    return &model->state.relaxing.ended[of];
   }
 }
 

@@ -13,10 +13,8 @@
 */
 #include "geometry/geometry.h"
 #include "options/options.h"
-#include "point/material.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"

@@ -84,6 +84,16 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[])
+{
+  return MpmSpaceToGhosts(disc->space, block, local);
+}
+
+PetscErrorCode MpmNodesToOwners(const MpmDiscretization *disc, PetscInt block, PetscReal local[])
+{
+  return MpmSpaceAddToOwners(disc->space, block, local);
+}
+
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
 {
   PetscInt at[MPM_MAX_DIM];

@@ -7,7 +7,6 @@
   polynomials that hold in the point's own knot intervals, which go on where the face stands in the next ones. Either way only nodes
   that the point itself touches take part, and what the face's load does in a uniform strain is exact.
 */
-#include "point/material.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "grid/shape.h"

@@ -21,8 +21,6 @@
   the sum is definite however little of a cell is filled, and for all lengths of a step: the second part stands beside the
   storage of the cell and holds the pressure where dt is so short that no water moves within it.
 */
-#include "point/layout.h"
-#include "point/material.h"
 #include "grid/grid.h"
 #include "space/point_loop.h"
 #include "space/rules.h"

@@ -309,7 +309,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   }
   model->disc.surfaces->still = model->state.scheme.water_held;
   model->disc.surfaces->table = model->scene.water;
-  model->disc.surfaces->open  = model->state.load_scale;
+  model->disc.surfaces->open  = model->state.scheme.load_scale;
   model->disc.sum->dry        = MpmWaterDry(model, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
