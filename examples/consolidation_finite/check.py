@@ -10,7 +10,7 @@ import common  # noqa: E402
 from common import Quantity  # noqa: E402
 
 TERMS = 4000
-SETTLEMENT = 1e-3  # of the last one, at every step
+SETTLEMENT = 9e-4  # of the last one, at every step
 PRESSURE = {"second": 5e-3, "euler": 1e-3}  # of the load, at the base and at half the height, from T = 0.01 on
 SOLUTIONS = 100
 
