@@ -12,7 +12,7 @@
   for: its increment is exact, so that what flows out is what the pores lose. Water of bulk modulus K_w takes (J - s)(1 +
   p/K_w) - (1 - s), s = 1 - n_0 the part of the grains. The last term is the polynomial pressure projection, without which
   displacement and pressure of equal order have pressures that alternate from cell to cell where nothing drains; c is
-  -mpm_stabilization_ppp. m = k/mu_w is the mobility, constant in space or
+  -mpm_stabilization_ppp, and less where water moves (PoroProjection()). m = k/mu_w is the mobility, constant in space or
 
     kozeny_carman   k = k_0 (n/n_0)^3 ((1 - n_0)/(1 - n))^2 ,    n = 1 - s/J
     uzuoka_borja    k = k_0 (lambda + 2 mu) J/M(J) ,   M(J) = mu (1 + 1/J^2) + lambda (1 - ln J)/J^2

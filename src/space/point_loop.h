@@ -181,6 +181,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
   point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
   point->gravity           = MpmSumGravity(sum, p);
+  point->cell              = sum->cell;
   point->info              = &material->info;
   point->stage             = sum->first ? &sum->first[p] : NULL;
   point->volume0           = sum->part * points->volume0[p];

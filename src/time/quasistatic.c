@@ -566,11 +566,15 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define TRUST 0.1 /* of the residual at rest: where things may slide, a prediction that leaves more is none */
+#define TRUST 0.1 /* of the residual at rest: where things may slide or part, a prediction that leaves more is none */
 
-/* May anything slide on anything? What sticks now may slide in the next step. */
+/*
+  May anything slide on anything? What sticks now may slide in the next step. Or may bodies part whose pressures no energy
+  tells how to close again?
+*/
 static PetscBool Rubs(const MpmModel model)
 {
+  if (model->scene.pairs->count && model->disc.layout->saddle) return PETSC_TRUE;
   for (PetscInt k = 0; k < model->scene.pairs->count; k++)
     if (model->scene.pairs->at[k].tangential) return PETSC_TRUE;
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)

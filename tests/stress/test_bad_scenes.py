@@ -361,6 +361,9 @@ CASES = [
     ("surface that drains what has no water", {**SURFACE, "mpm_surface_top_drained": "true"}, "-mpm_surface_top_drained"),
     ("pressure of water where there is none", {**SURFACE, "mpm_surface_top_pressure": "1e3"}, "-mpm_surface_top_pressure"),
     ("drained boundary where there is no water", {**PLANE, "mpm_boundary_wall_drained": "true"}, "-mpm_boundary_wall_drained"),
+    ("boundary with a pressure where there is no water", {**PLANE, "mpm_boundary_wall_pressure": 0}, "-mpm_boundary_wall_pressure"),
+    ("boundary that is drained and has a pressure", {**PLANE, "mpm_boundary_wall_drained": "true", "mpm_boundary_wall_pressure": 0},
+     "-mpm_boundary_wall_pressure"),
     ("well where there is no water", {"mpm_load_push_type": "flux", "mpm_load_push_value": "1"}, "-mpm_load_push_type flux"),
     # loads, ramps, tracks
     ("load without a type", {"mpm_load_push_type": None}, "-mpm_load_push_type"),

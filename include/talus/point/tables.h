@@ -217,6 +217,7 @@ typedef struct {
   const double *value_n;           /* values at the step's start of the fields with a rate, in field order */
   const double *deviation_n;   /* the deviations there, field by field, of what the points' values make at the nodes */
   const double *gravity;       /* at the step's end, m/s2, `dim` components */
+  const double *cell;          /* the grid's cell, m, `dim` components; or NULL */
   const MpmLawInfo     *info;  /* of the point's material */
   const MpmKernelStage *stage; /* the first one, in the second of two; or NULL */
   const double         *own_n; /* states of the physics' own at the step's start, or NULL */
