@@ -27,21 +27,45 @@
 */
 #include "poro.h"
 
-static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+/* The fluxes, and J. */
+MPM_FN int PoroFluxes(const MpmKernelPoint *point, const Scalar input[], Scalar *J, Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
-  const Scalar J  = PoroNewVolume(point, &dF);
   Sym          tau, total;
 
-  if (!(ScalarValue(J) > 0.) || SolidStress(point, &dF, &tau)) return 1;
-  total = PoroTotalStress(point, &tau, J, input[PORO_P]);
+  *J = PoroNewVolume(point, &dF);
+  if (!(ScalarValue(*J) > 0.) || SolidStress(point, &dF, &tau)) return 1;
+  total = PoroTotalStress(point, &tau, *J, input[PORO_P]);
   SolidFlux(point, &total, &dF, flux);
-  if (PoroMass(point, &dF, J, input, flux)) return 1;
+  if (PoroMass(point, &dF, *J, input, flux)) return 1;
   SolidKeep(point, &tau, &dF);
   return 0;
 }
 
-MPM_KERNEL(poro, PORO_INPUTS, PoroKernel)
+#if MPM_DIRECTIONS < 2
+static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+{
+  Scalar J;
+
+  return PoroFluxes(point, input, &J, flux);
+}
+#else
+/* With directions for dF alone, which is what laws are compiled for: what p does to the stress is what dF does to J. */
+static int PoroKernelTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
+{
+  Scalar in[PORO_INPUTS], out[PORO_INPUTS], J;
+
+  for (int k = 0; k < PORO_INPUTS; k++) in[k] = k < PORO_GRADIENTS ? ScalarSeed(input[k], k) : ScalarConstant(input[k]);
+  if (PoroFluxes(point, in, &J, out)) return 1;
+  PoroTangent(point, in, J, PORO_GRADIENTS, out, tangent);
+  for (int k = 0; k < PORO_GRADIENTS; k++) tangent[k * PORO_INPUTS + PORO_P] = -point->volume0 * ScalarDirection(J, k);
+  tangent[PORO_P * PORO_INPUTS + PORO_P] = -point->volume0 * PoroContentByPressure(point, ScalarValue(J));
+  for (int k = 0; k < PORO_INPUTS; k++) flux[k] = ScalarValue(out[k]);
+  return 0;
+}
+#endif
+
+MPM_KERNEL_TANGENT(poro, PORO_INPUTS, PoroKernel, PoroKernelTangent)
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(poro, .summary = "saturated ground: displacement and pore pressure (Biot's consolidation at finite strain)",

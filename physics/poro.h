@@ -45,7 +45,7 @@ MPM_FN Scalar PoroNewVolume(const MpmKernelPoint *point, const Tensor *dF)
 {
   Scalar sum = ScalarConstant(1. - MPM_DIM);
 
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ScalarScale(ArrayDetValue(point->F_n), TensorDet(dF));
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ScalarScale(ArrayDetValue(point->F_n), TensorDetByCofactors(dF));
   for (int a = 0; a < MPM_DIM; a++)
     for (int b = 0; b < MPM_DIM; b++) ScalarAddScaled(&sum, point->F_n[b * MPM_DIM + a], &dF->a[a * MPM_DIM + b]);
   return sum;
@@ -72,6 +72,13 @@ MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, 
     return ScalarAdd(ScalarShift(J, -1.), ScalarScale((1. - grains) * compliance, p));
   if (compliance == 0.) return ScalarShift(J, -1.);
   return ScalarShift(ScalarMul(ScalarShift(J, -grains), ScalarShift(ScalarScale(compliance, p), 1.)), grains - 1.);
+}
+/* Its derivative by p. */
+MPM_FN double PoroContentByPressure(const MpmKernelPoint *point, double J)
+{
+  const double volume = point->traits & MPM_LAW_SMALL_STRAIN ? 1. : J;
+
+  return (volume - PoroGrains(point)) / point->physics_parameter[PORO_MODULUS];
 }
 MPM_FN double PoroContentValue(const MpmKernelPoint *point, double grains, const double *F, double p)
 {
@@ -175,6 +182,12 @@ MPM_FN double PoroProjection(const MpmKernelPoint *point, double grains)
   return 0.5 * point->physics_parameter[PORO_PPP] / (mu * (1. + PORO_FADES * 2. * mu * point->dt * through));
 }
 
+/* The factor of what the pressure's deviation has changed by, in its flux. */
+MPM_FN double PoroSmoothing(const MpmKernelPoint *point, double grains)
+{
+  return -point->volume0 * PoroProjection(point, grains);
+}
+
 /* Fluxes of p, of its gradient and of its deviation, from J and dF; non-zero where there are no pores. */
 MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, const Scalar input[], Scalar flux[])
 {
@@ -182,7 +195,6 @@ MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
   const MpmKernelStage *stage     = point->stage;
   const double          start     = PoroContentValue(point, grains, point->F_n, point->value_n[0]);
   const double          first     = stage ? PoroContentValue(point, grains, stage->F, stage->value[0]) : 0.;
-  const double          tau       = PoroProjection(point, grains);
   const double          deviation = PoroReference(point, point->deviation_n[0], stage ? stage->deviation[0] : 0.);
   const Scalar          content   = PoroContent(point, grains, J, input[PORO_P]);
   Scalar                factor;
@@ -190,10 +202,48 @@ MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
   if (PoroPermeabilityFactor(point, grains, J, &factor)) return 1;
   flux[PORO_P] = ScalarScale(-point->volume0, ScalarShift(content, -PoroReference(point, start, first)));
   PoroSeepage(point, dF, factor, &input[PORO_GRAD_P], &flux[PORO_GRAD_P]);
-  flux[PORO_DEVIATION] = ScalarScale(-tau * point->volume0, ScalarShift(input[PORO_DEVIATION], -deviation));
+  flux[PORO_DEVIATION] = ScalarScale(PoroSmoothing(point, grains), ScalarShift(input[PORO_DEVIATION], -deviation));
   if (point->F) point->own[PORO_STATE_POROSITY] = 1. - grains / ScalarValue(J);
   return 0;
 }
+
+#if MPM_DIRECTIONS > 1
+/*
+  The tangent: derivatives by the first `count` inputs are the directions of `flux`, the others follow here by hand. Fluxes are
+  affine in grad p, with the mobility as its factor, and in the deviation; p is the caller's where `count` leaves it out.
+*/
+MPM_FN void PoroTangent(const MpmKernelPoint *point, const Scalar input[], Scalar J, int count, const Scalar flux[],
+                        double tangent[])
+{
+  const int    small  = point->traits & MPM_LAW_SMALL_STRAIN;
+  const double grains = PoroGrains(point);
+  const Tensor dF     = TensorFromGradient(input);
+  double       values[PORO_GRADIENTS], map[PORO_GRADIENTS], outer = -point->dt * point->volume0;
+  Scalar       factor = ScalarConstant(1.);
+
+  for (int k = 0; k < PORO_INPUTS; k++) {
+    for (int l = 0; l < count; l++) tangent[k * PORO_INPUTS + l] = ScalarDirection(flux[k], l);
+    for (int l = count; l < PORO_INPUTS; l++) tangent[k * PORO_INPUTS + l] = 0.;
+  }
+  TensorStore(values, &dF);
+  if (small) {
+    for (int k = 0; k < PORO_GRADIENTS; k++) map[k] = point->F_n[k % MPM_DIM * MPM_DIM + k / MPM_DIM];
+  } else {
+    outer *= ArrayDetValue(point->F_n) / MpmCofactors(MPM_DIM, values, map);
+  }
+  PoroPermeabilityFactor(point, grains, ScalarConstant(ScalarValue(J)), &factor);
+  outer *= ScalarValue(factor);
+  for (int a = 0; a < MPM_DIM; a++) {
+    for (int b = 0; b < MPM_DIM; b++) {
+      const double slope = outer * point->physics_parameter[PORO_MOBILITY + a] * map[a * MPM_DIM + b];
+
+      for (int c = 0; c < MPM_DIM; c++)
+        tangent[(PORO_GRAD_P + b) * PORO_INPUTS + PORO_GRAD_P + c] += slope * map[a * MPM_DIM + c];
+    }
+  }
+  tangent[PORO_DEVIATION * PORO_INPUTS + PORO_DEVIATION] = PoroSmoothing(point, grains);
+}
+#endif
 
 #ifdef MPM_PHYSICS
 static const MpmField poro_fields[] = {
@@ -297,7 +347,7 @@ static int PoroSymmetric(const MpmPhysicsMaterial *material, const double *value
   return (material->info->traits & MPM_LAW_SMALL_STRAIN) && (int)value[PORO_PERMEABILITY_LAW] == PORO_CONSTANT;
 }
 
-#define PORO_TRAITS (MPM_PHYSICS_STAGES | MPM_PHYSICS_SADDLE | MPM_PHYSICS_SYMMETRIC)
+#define PORO_TRAITS (MPM_PHYSICS_STAGES | MPM_PHYSICS_SADDLE | MPM_PHYSICS_SYMMETRIC | MPM_PHYSICS_BIOT)
 #define PORO_PHYSICS \
   .field_count = MPM_ROWS(poro_fields), .fields = poro_fields, .parameter_count = MPM_ROWS(poro_parameters), \
   .parameters = poro_parameters, .common_count = MPM_ROWS(poro_common), .common = poro_common, \
