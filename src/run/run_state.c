@@ -81,12 +81,10 @@ static const struct {
   const char *name;
   Kind        kind;
   size_t      offset;
-} moving[] = {{"first", KIND_INT, offsetof(MpmActing, first)},
-              {"end", KIND_INT, offsetof(MpmActing, end)},
-              {"volume", KIND_REAL, offsetof(MpmActing, volume)},
-              {"force_x", KIND_REAL, offsetof(MpmActing, force[0])},
-              {"force_y", KIND_REAL, offsetof(MpmActing, force[1])},
-              {"force_z", KIND_REAL, offsetof(MpmActing, force[2])}};
+} moving[] = {
+  {"first", KIND_INT, offsetof(MpmActing, first)},       {"end", KIND_INT, offsetof(MpmActing, end)},
+  {"volume", KIND_REAL, offsetof(MpmActing, volume)},    {"force_x", KIND_REAL, offsetof(MpmActing, force[0])},
+  {"force_y", KIND_REAL, offsetof(MpmActing, force[1])}, {"force_z", KIND_REAL, offsetof(MpmActing, force[2])}};
 #define MOVING ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(moving))
 
 /* Numbers of a surface, behind those. */
