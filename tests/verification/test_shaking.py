@@ -77,6 +77,24 @@ mpm:
   time: {integrator: explicit, end: 49, step: 0.5}
   output: {prefix: oblique, every: 0}
 """
+FORMS = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "3,2", cells: "6,4"}
+  shape: %s
+  materials: soil
+  material_soil: {type: hencky, E: 1e6, nu: 0.3, density: 1000}
+  bodies: block
+  body_block: {region: box, lower: "0,0", upper: "2.5,1.6", points_per_cell: "2,2", material: soil, velocity: "-2,1"}
+  bcs: base,side,roller
+  bc_base: {region: box, lower: "0,0", upper: "3,0", absorbing: true, components: "y"}
+  bc_side: {region: box, lower: "0,0", upper: "0,2", components: "x"}
+  bc_roller: {region: box, lower: "2.5,0", upper: "2.5,2", normal: "1,0.4", quantity: velocity, value: -0.2}
+  time: {integrator: generalized_alpha, end: 0.04, step: 0.01, damping_mass: 3, damping_stiffness: 2e-3, viscosity_linear: 0.06,
+         viscosity_quadratic: 1.5%s}
+  solver: direct
+  output: {prefix: block, every: 4}
+"""
 
 
 def bar(root, along="x", cells=64):
@@ -198,6 +216,18 @@ def check_oblique(test):
     test.check("reflected.45_degrees", np.max(back) / np.max(through), 0.01, 0.1)
 
 
+def check_forms(test):
+    """All forms of the Jacobian, on any number of ranks, in few iterations, with lumped and consistent mass."""
+    for shape, more in (("gimp", ""), ("bspline2", ", mass: consistent")):
+        scene = write(test, FORMS % (shape, more))
+        first = test.run(scene, mpm_quiet=None, mpm_jacobian="local", snes_rtol=1e-12)
+        test.check(f"forms.newton.{shape}", np.max(first.newton), 1, 4)
+        for form, ranks in (("coloring", 1), ("matfree", 1), ("dense", 1), ("local", 2), ("local", 3)):
+            options = {"ksp_type": "gmres", "ksp_rtol": 1e-12, "pc_type": "jacobi"} if form == "matfree" else {}
+            run = test.run(scene, ranks, mpm_quiet=None, mpm_jacobian=form, snes_rtol=1e-12, **options)
+            test.check(f"forms.{shape}.{form}_{ranks}", difference(first.table("velocity"), run.table("velocity")), None, 1e-7)
+
+
 with Test() as test:
-    for check in (check_base, check_order, check_damping, check_incoming, check_oblique):
+    for check in (check_base, check_order, check_damping, check_incoming, check_oblique, check_forms):
         check(test)
