@@ -12,7 +12,7 @@
   for: its increment is exact, so that what flows out is what the pores lose. Water of bulk modulus K_w takes (J - s)(1 +
   p/K_w) - (1 - s), s = 1 - n_0 the part of the grains. The last term is the polynomial pressure projection, without which
   displacement and pressure of equal order have pressures that alternate from cell to cell where nothing drains; c is
-  -mpm_stabilization_ppp. m = k/mu_w is the mobility, constant in space or
+  -mpm_stabilization_ppp, and less where water moves (PoroProjection()). m = k/mu_w is the mobility, constant in space or
 
     kozeny_carman   k = k_0 (n/n_0)^3 ((1 - n_0)/(1 - n))^2 ,    n = 1 - s/J
     uzuoka_borja    k = k_0 (lambda + 2 mu) J/M(J) ,   M(J) = mu (1 + 1/J^2) + lambda (1 - ln J)/J^2
@@ -27,21 +27,45 @@
 */
 #include "poro.h"
 
-static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+/* The fluxes, and J. */
+MPM_FN int PoroFluxes(const MpmKernelPoint *point, const Scalar input[], Scalar *J, Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
-  const Scalar J  = PoroNewVolume(point, &dF);
   Sym          tau, total;
 
-  if (!(ScalarValue(J) > 0.) || SolidStress(point, &dF, &tau)) return 1;
-  total = PoroTotalStress(point, &tau, J, input[PORO_P]);
+  *J = PoroNewVolume(point, &dF);
+  if (!(ScalarValue(*J) > 0.) || SolidStress(point, &dF, &tau)) return 1;
+  total = PoroTotalStress(point, &tau, *J, input[PORO_P]);
   SolidFlux(point, &total, &dF, flux);
-  if (PoroMass(point, &dF, J, input, flux)) return 1;
+  if (PoroMass(point, &dF, *J, input, flux)) return 1;
   SolidKeep(point, &tau, &dF);
   return 0;
 }
 
-MPM_KERNEL(poro, PORO_INPUTS, PoroKernel)
+#if MPM_DIRECTIONS < 2
+static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+{
+  Scalar J;
+
+  return PoroFluxes(point, input, &J, flux);
+}
+#else
+/* With directions for dF alone, which is what laws are compiled for: what p does to the stress is what dF does to J. */
+static int PoroKernelTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
+{
+  Scalar in[PORO_INPUTS], out[PORO_INPUTS], J;
+
+  for (int k = 0; k < PORO_INPUTS; k++) in[k] = k < PORO_GRADIENTS ? ScalarSeed(input[k], k) : ScalarConstant(input[k]);
+  if (PoroFluxes(point, in, &J, out)) return 1;
+  PoroTangent(point, in, J, PORO_GRADIENTS, out, tangent);
+  for (int k = 0; k < PORO_GRADIENTS; k++) tangent[k * PORO_INPUTS + PORO_P] = -point->volume0 * ScalarDirection(J, k);
+  tangent[PORO_P * PORO_INPUTS + PORO_P] = -point->volume0 * PoroContentByPressure(point, ScalarValue(J));
+  for (int k = 0; k < PORO_INPUTS; k++) flux[k] = ScalarValue(out[k]);
+  return 0;
+}
+#endif
+
+MPM_KERNEL_TANGENT(poro, PORO_INPUTS, PoroKernel, PoroKernelTangent)
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(poro, .summary = "saturated ground: displacement and pore pressure (Biot's consolidation at finite strain)",

@@ -19,7 +19,8 @@
 
 #define INPUTS (PORO_INPUTS + 1)
 
-static int PoroFbarKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+/* The fluxes, and J_bar. */
+MPM_FN int PoroFbarFluxes(const MpmKernelPoint *point, const Scalar input[], Scalar *J, Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
   Tensor       dm;
@@ -29,15 +30,24 @@ static int PoroFbarKernel(const MpmKernelPoint *point, const Scalar input[], Sca
   if (!(ScalarValue(m) > 0. && ScalarValue(mean) > 0.)) return 1;
   const Scalar ratio  = point->traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
   const Tensor dF_bar = MeanIncrement(point, &dF, ratio);
-  const Scalar J      = PoroNewVolume(point, &dF_bar);
 
+  *J = PoroNewVolume(point, &dF_bar);
   if (SolidStress(point, &dF_bar, &tau)) return 1;
-  total = PoroTotalStress(point, &tau, J, input[PORO_P]);
+  total = PoroTotalStress(point, &tau, *J, input[PORO_P]);
   FbarFlux(point, &total, &dF, mean, flux, &flux[PORO_INPUTS]);
-  if (PoroMass(point, &dF, J, input, flux)) return 1;
+  if (PoroMass(point, &dF, *J, input, flux)) return 1;
   SolidKeep(point, &tau, &dF_bar);
   return 0;
 }
+
+#if MPM_DIRECTIONS < 2
+static int PoroFbarKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+{
+  Scalar J;
+
+  return PoroFbarFluxes(point, input, &J, flux);
+}
+#endif
 
 #if MPM_DIRECTIONS != 1
 static int PoroFbarMean(const MpmKernelPoint *point, const double input[], double *m, double dm[], double ddm[])
@@ -47,20 +57,22 @@ static int PoroFbarMean(const MpmKernelPoint *point, const double input[], doubl
 #endif
 
 #if MPM_DIRECTIONS > 1
-/* With as many directions as inputs, the mean's among them */
+/* With directions for dF, p and the mean. */
 static int PoroFbarTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
 {
+  enum { COUNT = PORO_GRADIENTS + 1 };
   double *by_mean = tangent + PORO_INPUTS * PORO_INPUTS, *of_mean = by_mean + PORO_INPUTS;
-  Scalar  in[INPUTS], out[INPUTS];
+  Scalar  in[INPUTS], out[INPUTS], J;
 
-  for (int k = 0; k < INPUTS; k++) in[k] = ScalarSeed(input[k], k);
-  if (PoroFbarKernel(point, in, out)) return 1;
+  for (int k = 0; k < INPUTS; k++) in[k] = k < COUNT ? ScalarSeed(input[k], k) : ScalarConstant(input[k]);
+  in[PORO_INPUTS] = ScalarSeed(input[PORO_INPUTS], COUNT);
+  if (PoroFbarFluxes(point, in, &J, out)) return 1;
+  PoroTangent(point, in, J, COUNT, out, tangent);
   for (int k = 0; k < PORO_INPUTS; k++) {
-    for (int l = 0; l < PORO_INPUTS; l++) tangent[k * PORO_INPUTS + l] = ScalarDirection(out[k], l);
-    by_mean[k] = ScalarDirection(out[k], PORO_INPUTS);
-    of_mean[k] = ScalarDirection(out[PORO_INPUTS], k);
+    by_mean[k] = ScalarDirection(out[k], COUNT);
+    of_mean[k] = k < COUNT ? ScalarDirection(out[PORO_INPUTS], k) : 0.;
   }
-  of_mean[PORO_INPUTS] = ScalarDirection(out[PORO_INPUTS], PORO_INPUTS);
+  of_mean[PORO_INPUTS] = ScalarDirection(out[PORO_INPUTS], COUNT);
   for (int k = 0; k < INPUTS; k++) flux[k] = ScalarValue(out[k]);
   return 0;
 }

@@ -43,6 +43,14 @@ def by_rows(results, state, values):
     return np.array(mean).T
 
 
+def at_places(results, theory, state):
+    """The worst error of the stress along the profile, from half a cell on from both ends."""
+    table = results.table("profile", "height")
+    last = table["step"] == table["step"][-1]
+    top = np.sum(state["volume"]) / results.numbers("mpm_body_layer_upper")[0]
+    return np.max(np.abs(table["yy"][last] - theory.stress(top - table["y"][last])))
+
+
 def check(results):
     theory, state = Theory(results), results.state("last")
     depth, stress = by_rows(results, state, state["stress"][:, 1])
@@ -52,6 +60,7 @@ def check(results):
     flux = theory.conductivity * theory.gradient * width
     return [common.completed(results),
             Quantity("stress_error", np.max(np.abs(stress - theory.stress(depth))) / base, None, STRESS),
+            Quantity("stress_error_at_places", at_places(results, theory, state) / base, None, STRESS),
             Quantity("pressure_error", np.max(np.abs(state["pressure"] - theory.pressure(theory.height - state["position"][:, 1])))
                      / theory.pressure(theory.height), None, STRESS),
             Quantity.near("flux_top", (top[-1] - top[-2]) / step, flux, FLUX),

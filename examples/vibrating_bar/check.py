@@ -44,10 +44,12 @@ def check(results):
     exact = 4.0 * LENGTH / np.sqrt(young / density)
     fine = cells(results)[0] >= 80
     error = np.abs(history["track_tip_ux"] - tip(results, history["time"])).max() / tip(results, 0.5 * exact)
+    lost = history["energy_kinetic"] + history["energy_elastic"] - history["energy_external"]
     return [completed(results),
             Quantity.near("period", period(history["time"], history["track_tip_ux"]), exact,
                           relative=1e-3 if fine else 1e-2),
-            Quantity("largest_error_of_displacement", error, upper=0.02 if fine else 0.1)]
+            Quantity("largest_error_of_displacement", error, upper=0.02 if fine else 0.1),
+            Quantity("energy_lost", np.abs(lost).max() / history["energy_kinetic"].max(), upper=1e-3 if fine else 1e-2)]
 
 
 def draw(results):

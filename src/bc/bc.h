@@ -37,8 +37,9 @@ typedef struct MpmConditions {
 struct MpmActing {
   PetscBool active;
   PetscReal start;
-  PetscInt  first, end; /* ids of the body of which its nodes held most as it began to move in the stage, */
-  PetscReal volume;     /* and how much of it, m3; 0: it has not begun to */
+  PetscInt  first, end;         /* ids of the body of which its nodes held most as it began to move in the stage, */
+  PetscReal volume;             /* and how much of it, m3; 0: it has not begun to */
+  PetscReal force[MPM_MAX_DIM]; /* the last step's reaction, N, in scenes that keep account of energy */
 };
 
 /* Conditions and motions as a step from time_n to `time` takes them; `acting` by condition, then by motion. */

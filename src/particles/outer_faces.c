@@ -11,7 +11,6 @@
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "point/material.h"
 
 #define PROBE 1.2 /* of the way from the centre to a face's middle */
 #define WIDE  1.1 /* of a domain that covers a probe */

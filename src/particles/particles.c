@@ -504,3 +504,43 @@ PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials,
   return mass + material->physics_parameter[layout->taken_up] * points->volume0[p] *
                   (MpmPointVolumeRatio(material, dim, &points->F[p * dim * dim]) - 1.);
 }
+
+PetscErrorCode MpmParticlesStartHere(MpmParticles *particles)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(PetscArraycpy(points.x0, points.x, points.count * particles->dim));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(points->velocity, points->count * dim));
+  if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
+  if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRest(MpmParticles *particles)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(MpmPointsStop(&points, particles->dim));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmPointsKinetic(const MpmPoints *points, const MpmMaterial *materials, PetscInt dim)
+{
+  PetscReal sum = 0.;
+
+  for (PetscInt k = 0; k < points->count * dim; k++)
+    sum += 0.5 * MpmPointMass(points, materials, k / dim) * PetscSqr(points->velocity[k]);
+  return sum;
+}

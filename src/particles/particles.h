@@ -64,3 +64,10 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
 /* Both: points at their ranks, ranks about equally full. `why` is NULL, or tells of a lost point. */
 PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, const char **why);
+/* Displacements are counted from the points' places as they are. */
+PetscErrorCode MpmParticlesStartHere(MpmParticles *particles);
+/* Points come to rest: velocities, with their affine parts, and accelerations become zero; Stop of arrays that are lent. */
+PetscErrorCode MpmParticlesRest(MpmParticles *particles);
+PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim);
+/* The kinetic energy of this rank's points, J, without what their affine velocities add. */
+PetscReal MpmPointsKinetic(const MpmPoints *points, const MpmMaterial *materials, PetscInt dim);

@@ -38,6 +38,7 @@ typedef struct MpmLayout {
   PetscInt    taken_up; /* place, among the physics' values, of the density of what points take up; -1: nothing */
   PetscBool   saddle;   /* the Jacobian is that of a saddle point */
   PetscBool   solid;    /* the displacement's gradient is all that the kernel sees */
+  PetscBool   biot;     /* MPM_PHYSICS_BIOT */
   double (*ghost)(const MpmPhysicsMaterial *material, const double *value, double dt,
                   double h); /* as the physics has it */
   const MpmKernelSet *kernel;

@@ -152,6 +152,11 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
   layout->ghost  = physics->ghost;
   layout->saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
   layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
+  layout->biot   = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
+  PetscCheck(!layout->biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
+                               layout->component_first[dim] == dim * dim && layout->inputs == dim * dim + dim + 2),
+             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: its fields are not those of MPM_PHYSICS_BIOT",
+             physics->name);
   PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
                layout->kernel->direction && layout->kernel->tangent,
              PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,

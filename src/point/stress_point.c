@@ -17,7 +17,6 @@
 #include <petscsys.h>
 #include <petscblaslapack.h>
 #include "base/newton_reason.h"
-#include "point/layout.h"
 #include "point/material.h"
 #include "point/registry.h"
 #include "point/stress_inversion.h"

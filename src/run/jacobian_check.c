@@ -2,7 +2,6 @@
   How far apart the Jacobian's forms are, for who has written a law or a physics: one step is prepared, an increment made up,
   and the Jacobian there made in all ways.
 */
-#include "point/layout.h"
 #include "particles/particles.h"
 #include "space/space.h"
 #include "bc/bc.h"

@@ -422,9 +422,10 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
       model->solver.symmetric = PETSC_FALSE;
-    MpmCheckInput(
-      !model->scene.boundaries->at[k].drained || MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
-      "-mpm_boundary_%s_drained: there is no water in the scene's physics", model->scene.boundaries->names[k]);
+    MpmCheckInput((!model->scene.boundaries->at[k].drained && !model->scene.boundaries->at[k].led) ||
+                    MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
+                  "-mpm_boundary_%s_%s: there is no water in the scene's physics", model->scene.boundaries->names[k],
+                  model->scene.boundaries->at[k].drained ? "drained" : "pressure");
     if (model->scene.boundaries->at[k].friction > 0.)
       model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
@@ -549,6 +550,24 @@ static void AddStageFields(const MpmModel model, const char *fields[], PetscInt 
   if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
 }
 
+/* What contacts keep at the points. */
+static void AddContactFields(const MpmModel model, const char *fields[], PetscInt *count)
+{
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++) {
+    fields[(*count)++] = model->scene.pairs->at[k].gap_field;
+    if (model->scene.pairs->at[k].augmented) fields[(*count)++] = model->scene.pairs->at[k].pressure_field;
+    for (PetscInt a = 0; model->scene.pairs->at[k].tangential && a < model->disc.dim; a++)
+      fields[(*count)++] = model->scene.pairs->at[k].slip_field[a];
+  }
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
+      fields[(*count)++] = model->scene.boundaries->at[k].slip_field[a];
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
+    if (model->scene.boundaries->at[k].augmented) fields[(*count)++] = model->scene.boundaries->at[k].pressure_field;
+    if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].gap_field;
+  }
+}
+
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
@@ -574,19 +593,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     fields[extra++] = model->results->tracks.at[t].share_field;
   MpmLinesAddFields(model, fields, &extra);
-  for (PetscInt k = 0; k < model->scene.pairs->count; k++) {
-    fields[extra++] = model->scene.pairs->at[k].gap_field;
-    if (model->scene.pairs->at[k].augmented) fields[extra++] = model->scene.pairs->at[k].pressure_field;
-    for (PetscInt a = 0; model->scene.pairs->at[k].tangential && a < model->disc.dim; a++)
-      fields[extra++] = model->scene.pairs->at[k].slip_field[a];
-  }
-  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
-    for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
-      fields[extra++] = model->scene.boundaries->at[k].slip_field[a];
-  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
-    if (model->scene.boundaries->at[k].augmented) fields[extra++] = model->scene.boundaries->at[k].pressure_field;
-    if (model->scene.boundaries->at[k].bilateral) fields[extra++] = model->scene.boundaries->at[k].gap_field;
-  }
+  AddContactFields(model, fields, &extra);
   AddStageFields(model, fields, &extra);
 
   for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;

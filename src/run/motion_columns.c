@@ -3,7 +3,6 @@
 */
 #include <stddef.h>
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "terms/inertia.h"
 #include "time/energy.h"
 #include "run/motion_columns.h"

@@ -81,9 +81,10 @@ static const struct {
   const char *name;
   Kind        kind;
   size_t      offset;
-} moving[] = {{"first", KIND_INT, offsetof(MpmActing, first)},
-              {"end", KIND_INT, offsetof(MpmActing, end)},
-              {"volume", KIND_REAL, offsetof(MpmActing, volume)}};
+} moving[] = {
+  {"first", KIND_INT, offsetof(MpmActing, first)},       {"end", KIND_INT, offsetof(MpmActing, end)},
+  {"volume", KIND_REAL, offsetof(MpmActing, volume)},    {"force_x", KIND_REAL, offsetof(MpmActing, force[0])},
+  {"force_y", KIND_REAL, offsetof(MpmActing, force[1])}, {"force_z", KIND_REAL, offsetof(MpmActing, force[2])}};
 #define MOVING ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(moving))
 
 /* Numbers of a surface, behind those. */
@@ -166,7 +167,7 @@ static void *Member(MpmModel model, PetscInt k)
   case PART_PLACES:
     return (PetscReal *)&model->state.placements[of] + place;
   default:
-    return &model->state.ended[of];
+    return &model->state.relaxing.ended[of];
   }
 }
 

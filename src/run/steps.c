@@ -4,6 +4,7 @@
 #include "options/options.h"
 #include "particles/particles.h"
 #include "time/time.h"
+#include "time/water_state.h"
 #include "run/laboratory.h"
 #include "run/run.h"
 
@@ -50,6 +51,7 @@ static PetscErrorCode StepOnce(MpmModel model)
   PetscFunctionBeginUser;
   model->caller.stop = PETSC_FALSE;
   PetscCall(TakeStep(model, &dt));
+  if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -147,6 +149,7 @@ static PetscErrorCode Run(MpmModel model)
     PetscCall(TakeStep(model, &dt));
     if (model->caller.why && model->state.step == before) break;
     PetscCall(Report(model, dt));
+    if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
     if (model->caller.why) break;
     PetscCall(MpmCheckpointStep(model, &interrupted));
   }

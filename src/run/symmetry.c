@@ -1,7 +1,6 @@
 /*
   Is a scene's Jacobian symmetric, as far as its physics knows? Laws and contacts say so for themselves.
 */
-#include "point/layout.h"
 #include "point/material.h"
 #include "terms/load.h"
 #include "time/model.h"

@@ -14,9 +14,6 @@
   Source of the idea: the fixed-stress splitting as a preconditioner, White, Castelletto and Tchelepi (2016),
   doi:10.1016/j.cma.2015.12.010.
 */
-#include "point/layout.h"
-#include "point/material.h"
-#include "particles/points.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"

@@ -13,21 +13,23 @@
 #define MPM_INLINE static inline __attribute__((always_inline))
 
 /*
-  What the compiler is told: the layout of a solid, whose block is dim and whose inputs are all derivatives, and the
-  nodes of a group on each axis.
+  What the compiler is told: the layout of a solid, whose block is dim and whose inputs are all derivatives, or of Biot's
+  fields (MPM_PHYSICS_BIOT), and the nodes of a group on each axis.
 */
 typedef struct {
   PetscInt  dim, block, inputs;
-  PetscBool solid;
+  PetscBool solid, biot;
   PetscInt  count[MPM_MAX_DIM], n; /* n: their product */
 } MpmKnown;
 
 MPM_INLINE PetscInt KnownComponent(const MpmKnown known, const MpmLayout *layout, PetscInt k)
 {
+  if (known.biot) return k < known.dim * known.dim ? k / known.dim : known.dim;
   return known.solid ? k / known.dim : layout->component_of[k];
 }
 MPM_INLINE PetscInt KnownBasis(const MpmKnown known, const MpmLayout *layout, PetscInt k)
 {
+  if (known.biot) return k < known.dim * known.dim ? 1 + k % known.dim : k - known.dim * known.dim;
   return known.solid ? 1 + k % known.dim : layout->basis_of[k];
 }
 
@@ -38,6 +40,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   const MpmKnown  known = {.dim    = layout->dim,
                            .block  = layout->block,
                            .inputs = layout->inputs,
+                           .biot   = layout->biot,
                            .count  = {count[0], count[1], count[2]},
                            .n      = group->node_count};
   return known;
@@ -47,7 +50,8 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   Calls f(known, ...) with constants for the usual cases: a solid whose points touch two, three or, in 2D, four nodes an
   axis; in 3D the loops over four are long enough as they are. The general case is the same code with variables.
 */
-#define MPM_SOLID(dim, i, j, k) ((MpmKnown){dim, dim, (dim) * (dim), PETSC_TRUE, {i, j, k}, (i) * (j) * (k)})
+#define MPM_SOLID(dim, i, j, k) \
+  ((MpmKnown){dim, dim, (dim) * (dim), PETSC_TRUE, PETSC_FALSE, {i, j, k}, (i) * (j) * (k)})
 #define MPM_CASE(f, dim, i, j, k, ...) \
   case ((k)*5 + (j)) * 5 + (i): \
     PetscCall(f(MPM_SOLID(dim, i, j, k), __VA_ARGS__)); \
@@ -76,6 +80,36 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
       MPM_CASE(f, 3, 3, 3, 3, __VA_ARGS__); \
     default: \
       PetscCall(f(KnownGeneral(layout, group), __VA_ARGS__)); \
+      break; \
+    } \
+  } while (0)
+
+/* The same for a loop that is worth it for Biot's fields, too, of two or three nodes an axis. */
+#define MPM_BIOT(dim, i, j, k) \
+  ((MpmKnown){dim, (dim) + 1, (dim) * (dim) + (dim) + 2, PETSC_FALSE, PETSC_TRUE, {i, j, k}, (i) * (j) * (k)})
+#define MPM_BIOT_CASE(f, dim, i, j, k, ...) \
+  case (((dim)*5 + (k)) * 5 + (j)) * 5 + (i): \
+    PetscCall(f(MPM_BIOT(dim, i, j, k), __VA_ARGS__)); \
+    break
+#define MPM_DISPATCH_BIOT(layout, group, f, ...) \
+  do { \
+    const PetscInt *const nodes_ = (group)->count; \
+    const PetscInt        size_  = PetscMax(PetscMax(nodes_[0], nodes_[1]), nodes_[2]); \
+    switch ((layout)->biot && size_ <= 3 ? (((layout)->dim * 5 + nodes_[2]) * 5 + nodes_[1]) * 5 + nodes_[0] : -1) { \
+      MPM_BIOT_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 2, 3, 3, 1, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 3, 3, 2, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 2, 2, 3, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 3, 2, 3, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 2, 3, 3, __VA_ARGS__); \
+      MPM_BIOT_CASE(f, 3, 3, 3, 3, __VA_ARGS__); \
+    default: \
+      MPM_DISPATCH(layout, group, f, __VA_ARGS__); \
       break; \
     } \
   } while (0)
@@ -181,6 +215,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
   point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
   point->gravity           = MpmSumGravity(sum, p);
+  point->cell              = sum->cell;
   point->info              = &material->info;
   point->stage             = sum->first ? &sum->first[p] : NULL;
   point->volume0           = sum->part * points->volume0[p];
@@ -287,11 +322,15 @@ MPM_INLINE void MpmShapeDeviation(const MpmKnown known, const MpmSpace *space, P
   }
 }
 
-/* All shapes; a solid has one. */
+/* All shapes; a solid has one, and so have Biot's fields. */
 MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscBool weights,
                             const MpmBasis *basis)
 {
   MpmShapeBasis(known, space, 0, point, weights, basis->basis);
+  if (known.biot) {
+    MpmShapeDeviation(known, space, 0, point, basis->basis[0], basis->basis[MPM_DEVIATION(known.dim)]);
+    return;
+  }
   for (PetscInt s = 1; !known.solid && s < space->shape_count; s++)
     MpmShapeBasis(known, space, s, point, weights, &basis->basis[s * MPM_BASES]);
   for (PetscInt s = 0; !known.solid && s < space->shape_count; s++) {

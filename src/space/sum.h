@@ -23,6 +23,7 @@ typedef struct {
 /* All that the loops over points need; borrowed for the length of a step. */
 typedef struct MpmSum {
   const MpmGrid        *grid;
+  const PetscReal      *cell; /* the grid's, m */
   const MpmSpace       *space;
   const MpmLayout      *layout;
   const MpmMaterial    *materials;

@@ -13,7 +13,6 @@
   for waves that come in.
 */
 #include "geometry/geometry.h"
-#include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/points.h"

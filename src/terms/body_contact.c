@@ -16,6 +16,10 @@
   With `method: augmented` the pressure is -k (g - shift), and between Newton's solutions the shift becomes what holds the pressure
   at no depth. With `method: barrier` a barrier of reach d0, a tenth of a cell, stands in place of the penalty: the bodies never
   meet, for where g <= 0 there is no answer and Newton's step is halved.
+
+  Where bodies touch as the step starts, and the contact is open, water passes from the first to the second: dt A c (p_1 - p_2), p the
+  mean pressures of both sides and c a hundred times what a cell of the less permeable one lets through, so that the pressures are the same but
+  for a hundredth of their fall over a cell.
 */
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -27,6 +31,9 @@
 
 #define SLIDING \
   0.02 /* k'/k of what may slide: both sides give way, and many patches turn from sticking to sliding at once */
+
+#define WATER MPM_MAX_DIM /* place of the water beside the axes: difference of pressures, what passes */
+#define ROWS  (MPM_MAX_DIM + 1)
 
 /* What a patch does at a mean relative displacement w. */
 typedef struct {
@@ -89,19 +96,37 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
 
 /* ---- sums ---- */
 
+/* The unknown of a row. */
+static PetscInt Component(const MpmPairContacts *contacts, PetscInt row)
+{
+  return row == WATER ? contacts->water : row;
+}
+
+/* Does the row act? */
+static PetscBool Acts(const MpmPairPatch *patch, const MpmSum *sum, PetscInt row)
+{
+  return (PetscBool)(row == WATER ? patch->through > 0. : row < sum->space->dim);
+}
+
+/* Water that passes by the difference of pressures. */
+static PetscReal Conductance(const MpmPairPatch *patch, const MpmSum *sum)
+{
+  return sum->dt * patch->side[0].area * patch->through;
+}
+
 /* sum_i w_i u_i of the first side less that of the second */
 static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, const PetscReal u[],
                      PetscReal w[])
 {
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) w[a] = 0.;
+  for (PetscInt a = 0; a < ROWS; a++) w[a] = 0.;
   for (PetscInt s = 0; s < 2; s++) {
     const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
     const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
     const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
 
     for (PetscInt i = 0; i < box->node_count; i++)
-      for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
-        w[a] += sign * weight[i] * u[nodes[i] * sum->block + a];
+      for (PetscInt a = 0; weight[i] != 0. && a < ROWS; a++)
+        if (Acts(patch, sum, a)) w[a] += sign * weight[i] * u[nodes[i] * sum->block + Component(contacts, a)];
   }
 }
 
@@ -115,9 +140,26 @@ static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch,
     const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
 
     for (PetscInt i = 0; i < box->node_count; i++)
-      for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
-        y[nodes[i] * sum->block + a] += sign * weight[i] * force[a];
+      for (PetscInt a = 0; weight[i] != 0. && a < ROWS; a++)
+        if (Acts(patch, sum, a)) y[nodes[i] * sum->block + Component(contacts, a)] += sign * weight[i] * force[a];
   }
+}
+
+/* The residual of a patch at w, as forces on the first side; the water's equation is that of the mass times -1. */
+static PetscBool PatchResidual(const MpmPairPatch *patch, const MpmSum *sum, const PetscReal w[], const Answer *answer,
+                               PetscReal force[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) force[a] = answer->active ? -answer->force[a] : 0.;
+  force[WATER] = -Conductance(patch, sum) * w[WATER];
+  return (PetscBool)(answer->active || patch->through > 0.);
+}
+
+/* Its derivative by rows c and d of w. */
+static PetscReal PatchTangent(const MpmPairPatch *patch, const MpmSum *sum, const Answer *answer, PetscInt c,
+                              PetscInt d)
+{
+  if (c == WATER || d == WATER) return c == d ? -Conductance(patch, sum) : 0.;
+  return answer->active ? answer->stiffness[c][d] : 0.;
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
@@ -127,14 +169,14 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscReal w[MPM_MAX_DIM];
-    Answer    answer;
+    const MpmPairPatch *patch = &contacts->patch[k];
+    PetscReal           w[ROWS], force[ROWS];
+    Answer              answer;
 
-    Relative(contacts, &contacts->patch[k], sum, u, w);
-    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    Relative(contacts, patch, sum, u, w);
+    Evaluate(contacts, patch, sum->space->dim, w, &answer);
     if (answer.refused) (*failed)++;
-    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) answer.force[a] = -answer.force[a];
-    if (answer.active) AddForce(contacts, &contacts->patch[k], sum, answer.force, residual);
+    if (PatchResidual(patch, sum, w, &answer, force)) AddForce(contacts, patch, sum, force, residual);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,20 +185,22 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
                             PetscReal y[])
 {
   const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
-  const PetscInt         dim      = sum->space->dim;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscReal w[MPM_MAX_DIM], force[MPM_MAX_DIM] = {0., 0., 0.};
-    Answer    answer;
+    const MpmPairPatch *patch = &contacts->patch[k];
+    PetscReal           w[ROWS], force[ROWS];
+    Answer              answer;
 
-    Relative(contacts, &contacts->patch[k], sum, u, w);
-    Evaluate(contacts, &contacts->patch[k], dim, w, &answer);
-    if (!answer.active) continue;
-    Relative(contacts, &contacts->patch[k], sum, du, w);
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt c = 0; c < dim; c++) force[a] += answer.stiffness[a][c] * w[c];
-    AddForce(contacts, &contacts->patch[k], sum, force, y);
+    Relative(contacts, patch, sum, u, w);
+    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    if (!answer.active && !(patch->through > 0.)) continue;
+    Relative(contacts, patch, sum, du, w);
+    for (PetscInt a = 0; a < ROWS; a++) {
+      force[a] = 0.;
+      for (PetscInt c = 0; c < ROWS; c++) force[a] += PatchTangent(patch, sum, &answer, a, c) * w[c];
+    }
+    AddForce(contacts, patch, sum, force, y);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -165,7 +209,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
                                PetscInt *failed)
 {
   const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
-  const PetscInt         dim = sum->space->dim, bs = sum->block;
+  const PetscInt         bs       = sum->block;
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -174,15 +218,20 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     const MpmGroup     *box    = &sum->space->groups[patch->side[k % 2].box];
     const PetscInt     *nodes  = &sum->space->group_nodes[box->node_offset];
     const PetscReal    *weight = &contacts->weight[patch->side[k % 2].weight];
-    PetscReal           w[MPM_MAX_DIM];
+    PetscReal           w[ROWS];
     Answer              answer;
 
     Relative(contacts, patch, sum, u, w);
-    Evaluate(contacts, patch, dim, w, &answer);
-    for (PetscInt i = 0; answer.active && i < box->node_count; i++)
-      for (PetscInt cd = 0; weight[i] != 0. && cd < dim * dim; cd++)
-        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] +=
-          weight[i] * weight[i] * answer.stiffness[cd / dim][cd % dim];
+    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    for (PetscInt i = 0; i < box->node_count; i++) {
+      for (PetscInt cd = 0; weight[i] != 0. && cd < ROWS * ROWS; cd++) {
+        const PetscInt c = cd / ROWS, d = cd % ROWS;
+
+        if (Acts(patch, sum, c) && Acts(patch, sum, d))
+          blocks[(nodes[i] * bs + Component(contacts, c)) * bs + Component(contacts, d)] +=
+            weight[i] * weight[i] * PatchTangent(patch, sum, &answer, c, d);
+      }
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -207,11 +256,31 @@ static PetscInt NodesOf(const MpmPairContacts *contacts, const MpmPairPatch *pat
   return n;
 }
 
+/* The patch's block of the tangent, [i][c][c'][j]. */
+static void Element(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, const Answer *answer,
+                    PetscInt n, const PetscReal weight[], PetscReal element[])
+{
+  const PetscInt bs = sum->block;
+
+  for (PetscInt k = 0; k < n * n * bs * bs; k++) element[k] = 0.;
+  for (PetscInt cd = 0; cd < ROWS * ROWS; cd++) {
+    const PetscInt c = cd / ROWS, d = cd % ROWS;
+
+    if (!Acts(patch, sum, c) || !Acts(patch, sum, d)) continue;
+    const PetscReal value = PatchTangent(patch, sum, answer, c, d);
+
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt j = 0; j < n; j++)
+        element[((i * bs + Component(contacts, c)) * bs + Component(contacts, d)) * n + j] =
+          weight[i] * value * weight[j];
+  }
+}
+
 static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                               PetscReal residual[], PetscInt *failed)
 {
   const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
-  const PetscInt         dim = sum->space->dim, bs = sum->block, most = contacts->most;
+  const PetscInt         bs = sum->block, most = contacts->most;
   PetscReal             *element, *weight;
   PetscInt              *nodes;
 
@@ -220,20 +289,16 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
   PetscCall(PetscMalloc3((most * most * bs * bs), &element, most, &weight, most, &nodes));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscReal w[MPM_MAX_DIM];
-    Answer    answer;
+    const MpmPairPatch *patch = &contacts->patch[k];
+    PetscReal           w[ROWS];
+    Answer              answer;
 
-    Relative(contacts, &contacts->patch[k], sum, u, w);
-    Evaluate(contacts, &contacts->patch[k], dim, w, &answer);
-    if (!answer.active) continue;
-    const PetscInt n = NodesOf(contacts, &contacts->patch[k], sum, nodes, weight);
+    Relative(contacts, patch, sum, u, w);
+    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    if (!answer.active && !(patch->through > 0.)) continue;
+    const PetscInt n = NodesOf(contacts, patch, sum, nodes, weight);
 
-    PetscCall(PetscArrayzero(element, n * n * bs * bs));
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt cd = 0; cd < dim * dim; cd++)
-        for (PetscInt j = 0; j < n; j++)
-          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] =
-            weight[i] * answer.stiffness[cd / dim][cd % dim] * weight[j];
+    Element(contacts, patch, sum, &answer, n, weight, element);
     MpmPatternAddNodes(pattern, sum->space, n, nodes, element);
   }
   PetscCall(PetscFree3(element, weight, nodes));
@@ -253,7 +318,7 @@ PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, con
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPairPatch *patch = &contacts->patch[k];
     const MpmPair      *pair  = &contacts->pairs->at[patch->pair];
-    PetscReal           w[MPM_MAX_DIM];
+    PetscReal           w[ROWS];
     Answer              answer;
 
     shift[k] = 0.;
@@ -280,7 +345,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscCall(PetscMalloc1(contacts->patch_count, &slip));
   PetscCall(PetscArrayzero(contacts->force, contacts->pairs->count));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscReal w[MPM_MAX_DIM];
+    PetscReal w[ROWS];
     Answer    answer;
 
     Relative(contacts, &contacts->patch[k], sum, u, w);

@@ -14,6 +14,7 @@ typedef struct {
   PetscReal penalty, friction, adhesion; /* -, Coulomb's coefficient, Pa */
   PetscBool firm, stick, tangential;     /* firm: the penalty holds for all materials */
   PetscBool barrier, augmented;          /* pressure before they touch; without depth */
+  PetscBool open;                        /* water passes */
   PetscReal penetration;                 /* augmented: depth that may remain, in cells */
 } MpmPair;
 
@@ -37,7 +38,8 @@ typedef struct {
     slip[MPM_MAX_DIM];                       /* at the step's start; the normal is outward of the first body */
   PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
   PetscReal    closed;                       /* by so much the last step closed the gap where it touches, m */
-  PetscReal    shift; /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
+  PetscReal    shift;   /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
+  PetscReal    through; /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
   MpmPatchSide side[2];
 } MpmPairPatch;
 
@@ -52,6 +54,7 @@ struct MpmPairContacts {
   PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
   MPI_Comm      comm;
   PetscInt      state_size;                                 /* of a point's history */
+  PetscInt      water;                                      /* the unknown that is water's pressure, or -1 */
   PetscInt      facet_count, list_count, patch_count, most; /* most: nodes of a patch */
   MpmPairFacet *facet;                                      /* by cells */
   PetscInt     *list;                                       /* of facets, by patches and their sides */
@@ -60,11 +63,11 @@ struct MpmPairContacts {
   PetscReal    *weight;
 };
 
-/* Reads friction, penalty and method of a pair's block. */
-PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair);
+/* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */
+PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool water, MpmPair *pair);
 PetscErrorCode MpmPairsDestroy(MpmPairs *pairs);
-/* The pairs are borrowed. */
-PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size,
+/* The pairs are borrowed. `water`: the unknown that is water's pressure, or -1. */
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size, PetscInt water,
                                      MpmPairContacts *contacts);
 #define MPM_BARRIER 0.1 /* of a cell: so near a barrier begins to push */
 PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts);

@@ -83,6 +83,7 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
     made.count[a] = nodes->count[a];
   }
   MpmFacetLines(rules, space, points, &facet, made.line);
+  made.material = points->material[p];
   made.modulus  = material->penalty;
   made.plastic  = material->info.traits & MPM_LAW_PLASTIC ? 1. : 0.;
   made.strength = MpmMaterialShearStrength(material, points->state + p * contacts->state_size);

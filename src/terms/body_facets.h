@@ -14,6 +14,7 @@ struct MpmPairFacet {
   PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
   PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, does it flow? */
   PetscInt  placed;                           /* it stands on the surface that cut the lattice */
+  PetscInt  material;
 };
 
 /* Finds them and puts them in one order, by cell, then by id; those of points in no contact are left out. Collective. */

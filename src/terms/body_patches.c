@@ -13,10 +13,10 @@
 */
 #include "geometry/geometry.h"
 #include "options/options.h"
+#include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"
@@ -32,14 +32,17 @@
 #define FIRM    500.  /* penalties, unless one is given: as at rigid surfaces on materials that do not flow, */
 #define RUBS    100.  /* on these with Coulomb's friction, */
 #define SOFT    10.   /* and on those that flow */
+#define PASSES  100.  /* where water passes: conductance over that of a cell, by the less permeable body */
+#define CLOSED  1e-3  /* of a cell: bodies that are no farther apart touch, for water */
 
 /* ---- reading ---- */
 
-PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
+PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool water, MpmPair *pair)
 {
-  static const char *const methods[] = {"penalty", "barrier", "augmented", NULL};
-  char                     field[256];
-  PetscInt                 method = 0;
+  static const char *const methods[] = {"penalty", "barrier", "augmented", NULL}, *const waters[] = {"sealed", "open",
+                                                                                                     NULL};
+  char     field[256];
+  PetscInt method = 0, open = 0;
 
   PetscFunctionBeginUser;
   pair->penalty = FIRM;
@@ -59,6 +62,10 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, MpmPair *pair)
                    "10 where one of them flows, 100 with a coefficient of friction",
                    MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
   if (!pair->firm && pair->friction > 0.) pair->penalty = RUBS;
+  if (water)
+    PetscCall(MpmOptionsWord(block, "water", "physics with water: none passes, or all does where the bodies touch",
+                             waters, MPM_OPTIONAL, &open, NULL));
+  pair->open = (PetscBool)(open == 1);
   PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
   PetscCall(PetscStrallocpy(field, &pair->gap_field));
   PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", pair->name));
@@ -84,13 +91,14 @@ PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size,
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size, PetscInt water,
                                      MpmPairContacts *contacts)
 {
   PetscFunctionBeginUser;
   contacts->pairs      = pairs;
   contacts->comm       = comm;
   contacts->state_size = state_size;
+  contacts->water      = water;
   PetscCall(PetscCalloc1(pairs->count, &contacts->force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -489,6 +497,27 @@ static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, c
   return patch->gap < within ? patch->gap : 0.;
 }
 
+/* What lets water through as the step starts, of the pair's contacts that do. */
+static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPairPatch *patch)
+{
+  const MpmPair  *pair     = &contacts->pairs->at[patch->pair];
+  const PetscReal reach    = pair->barrier ? MPM_BARRIER : CLOSED;
+  PetscReal       mobility = PETSC_INFINITY;
+
+  patch->through = 0.;
+  if (!pair->open || patch->gap - patch->touches > reach * contacts->cell) return;
+  FOR_SIDES(patch, f, s)
+  {
+    const MpmMaterial       *material = &sum->materials[contacts->facet[contacts->list[f]].material];
+    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, sum->layout->dim);
+
+    /* over a length of nothing: what a step of a second lets through */
+    mobility =
+      PetscMin(mobility, PetscAbsReal(sum->layout->ghost(&of, material->physics_parameter, 1., 1e-9 * contacts->cell)));
+  }
+  patch->through = PASSES * mobility / contacts->cell;
+}
+
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
 {
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
@@ -523,6 +552,7 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
     MpmPairPatch *patch = &contacts->patch[k];
     PetscReal     dot   = 0.;
 
+    OpenPatch(contacts, step->sum, patch);
     for (PetscInt a = 0; a < dim; a++) dot += patch->slip[a] * patch->normal[a];
     for (PetscInt a = 0; a < dim; a++) patch->slip[a] -= dot * patch->normal[a];
   }

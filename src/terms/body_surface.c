@@ -52,7 +52,9 @@ static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout
 
   PetscFunctionBeginUser;
   *any = PETSC_FALSE;
-  PetscCall(MpmOptionsBool(block, "drained", "water passes, at no pressure; other faces are sealed", &drained, &said));
+  PetscCall(MpmOptionsBool(block, "drained",
+                           "water passes, at the pressure of open water there, or none; other faces are sealed",
+                           &drained, &said));
   PetscCall(MpmOptionsReal(block, "pressure", "Pa", "water passes, at this pressure, times the ramp where one is given",
                            MPM_RANGE_ANY, MPM_OPTIONAL, &surface->pressure, &pressure));
   PetscCall(MpmOptionsHas(block, "ramp", &surface->ramped));
@@ -104,17 +106,22 @@ PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBod
 
   PetscFunctionBeginUser;
   surfaces->named = surfaces->count;
-  for (PetscInt b = 0; b < boundaries->count; b++) more += boundaries->at[b].drained ? 1 : 0;
+  for (PetscInt b = 0; b < boundaries->count; b++) more += boundaries->at[b].drained || boundaries->at[b].led;
   PetscCall(PetscCalloc1((surfaces->count + more), &surfaces->at));
   if (more) PetscCall(PetscRealloc(sizeof(*surfaces->names) * (size_t)(surfaces->count + more), &surfaces->names));
   for (PetscInt b = 0; b < boundaries->count; b++) {
     MpmBodySurface *surface = &surfaces->at[surfaces->count];
 
-    if (!boundaries->at[b].drained) continue;
+    if (!boundaries->at[b].drained && !boundaries->at[b].led) continue;
     for (PetscInt k = 0; k < surfaces->named; k++)
       MpmCheckInput(strcmp(surfaces->names[k], boundaries->names[b]),
                     "-mpm_surfaces %s: there is a drained boundary of this name", surfaces->names[k]);
-    *surface = (MpmBodySurface){.body = -1, .boundary = b, .faces = ~0, .held = PETSC_TRUE};
+    *surface = (MpmBodySurface){.body     = -1,
+                                .boundary = b,
+                                .faces    = ~0,
+                                .held     = PETSC_TRUE,
+                                .drained  = boundaries->at[b].drained,
+                                .pressure = boundaries->at[b].pressure};
     PetscCall(PetscStrallocpy(boundaries->names[b], &surface->name));
     PetscCall(PetscStrallocpy(boundaries->names[b], &surfaces->names[surfaces->count++]));
   }

@@ -66,11 +66,11 @@ const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt bounda
 */
 PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst);
 /*
-  Adds the work, J, of the forces of this rank's patches at the boundaries whose motion is prescribed: on the material, in its
-  displacement u, and in the boundaries' own motion.
+  Adds the work, J, of the forces that this rank's patches have at the displacement `at`, at the boundaries whose motion is
+  prescribed: on the material, in its displacement u, and in the boundaries' own motion.
 */
-PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *material,
-                               PetscReal *boundary);
+PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal at[],
+                               const PetscReal u[], PetscReal *material, PetscReal *boundary);
 /* What a patch does at displacements of its facets: those that the body sees where its boundary is free. */
 typedef struct {
   PetscBool active, any;                                            /* the mean acts; a facet does */

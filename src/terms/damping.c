@@ -12,10 +12,7 @@
   Sources: von Neumann, Richtmyer (1950), J. Appl. Phys. 21, 232-237, doi:10.1063/1.1699639; Landshoff (1955), Los Alamos report
   LA-1930, for the linear part.
 */
-#include "point/layout.h"
-#include "point/material.h"
 #include "grid/grid.h"
-#include "particles/points.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"
 #include "terms/damping.h"

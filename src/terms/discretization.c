@@ -32,7 +32,8 @@ PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *
   PetscCall(PetscNew(&disc->damping));
   PetscCall(PetscNew(&disc->trial));
   PetscCall(PetscNew(&disc->sum));
-  *disc->sum = (MpmSum){.grid = grid, .space = disc->space, .layout = layout, .points = disc->points, .part = 1.};
+  *disc->sum =
+    (MpmSum){.grid = grid, .cell = grid->h, .space = disc->space, .layout = layout, .points = disc->points, .part = 1.};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,7 +63,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
-  PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, disc->pairs));
+  PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, MpmPressureComponent(disc->layout), disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));
@@ -82,6 +83,16 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
   disc->surfaces->component = MpmPressureComponent(disc->layout);
   if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[])
+{
+  return MpmSpaceToGhosts(disc->space, block, local);
+}
+
+PetscErrorCode MpmNodesToOwners(const MpmDiscretization *disc, PetscInt block, PetscReal local[])
+{
+  return MpmSpaceAddToOwners(disc->space, block, local);
 }
 
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])

@@ -53,6 +53,9 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
                                             MpmLoadActing *acting, const MpmKernelSet *kernel);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
+/* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */
+PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[]);
+PetscErrorCode MpmNodesToOwners(const MpmDiscretization *disc, PetscInt block, PetscReal local[]);
 /* Where a local node is, m. */
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);
 /* Frees the arrays. */

@@ -15,8 +15,8 @@
   grid's edge or a wall, nodes beyond have the coefficients that the shape functions give them.
 
   Beside the displacement, where a physics has a factor for it, the one other component gets the same on its total, with that
-  factor in place of E_s: for a pore pressure dt m + h^2/(2 mu), with m the mobility, so that it holds to its neighbours whether
-  water has time to flow or not. The penalty's rows sum to zero: no water comes of it.
+  factor in place of E_s: for a pore pressure dt m + h^2/(2 mu), with m the mobility, the second fading with the first, so that
+  it holds to its neighbours whether water has time to flow or not. The penalty's rows sum to zero: no water comes of it.
 
   Sparse points, one a cell on some axis from the start or by stretch, see too little of the grid's field: nodal displacements that alternate from cell
   to cell strain no point, and a body folds up in them as it bends. These modes have the largest jumps of all, so that the

@@ -3,7 +3,6 @@
 
     M_ij = sum_p m_p w_i w_j ,     or its sums over j on the diagonal.
 */
-#include "particles/points.h"
 #include "space/point_loop.h"
 #include "terms/inertia.h"
 #include "terms/sparsity.h"
@@ -14,7 +13,7 @@ PetscErrorCode MpmInertiaReset(MpmInertia *inertia)
   PetscFunctionBeginUser;
   PetscCall(PetscFree2(inertia->mass, inertia->at_rest));
   inertia->active = PETSC_FALSE;
-  inertia->local  = 0;
+  inertia->local = inertia->owned = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -24,6 +23,7 @@ PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space)
   PetscCall(MpmInertiaReset(inertia));
   PetscCall(PetscCalloc2(space->local, &inertia->mass, (space->local * space->dim), &inertia->at_rest));
   inertia->local = space->local;
+  inertia->owned = space->owned;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,13 +10,13 @@
   displacement, and at_rest what the integrator makes of velocities and accelerations at the step's start (dynamics.c).
 */
 struct MpmInertia {
-  PetscBool  dynamic;    /* does a stage of the scene have inertia? */
-  PetscBool  active;     /* does the step? */
-  PetscBool  consistent; /* is its mass? */
-  PetscReal  factor;     /* 1/s2 */
-  PetscInt   local;      /* nodes that there is room for */
-  PetscReal *mass;       /* kg, lumped, of all local nodes; */
-  PetscReal *at_rest;    /* m/s2, dim values a node */
+  PetscBool  dynamic;      /* does a stage of the scene have inertia? */
+  PetscBool  active;       /* does the step? */
+  PetscBool  consistent;   /* is its mass? */
+  PetscReal  factor;       /* 1/s2 */
+  PetscInt   local, owned; /* nodes of the step's space */
+  PetscReal *mass;         /* kg, lumped, of all local nodes; */
+  PetscReal *at_rest;      /* m/s2, dim values a node */
 };
 
 PetscErrorCode MpmInertiaReset(MpmInertia *inertia);

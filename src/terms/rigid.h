@@ -15,7 +15,8 @@ typedef struct {
   PetscReal   penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
   PetscBool   stick, tangential, bilateral; /* tangential: something acts along the surface */
   PetscBool   firm;                         /* the penalty holds for all materials */
-  PetscBool   drained;                      /* water passes, at no pressure */
+  PetscBool   drained, led;                 /* water passes, at open water's pressure, or at this one: */
+  PetscReal   pressure;                     /* Pa */
   MpmRegion   region;                       /* of the contact candidates, at the start */
   MpmMotion   motion;
   MpmFreedom *freedom;        /* NULL: all of its motion is prescribed */

@@ -70,8 +70,8 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *material,
-                               PetscReal *boundary)
+PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal at[],
+                               const PetscReal u[], PetscReal *material, PetscReal *boundary)
 {
   const PetscInt dim = sum->space->dim;
   MpmPatchWork   work;
@@ -85,15 +85,16 @@ PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, c
     MpmPatchAnswer  answer;
 
     if (MpmContactsBody(contacts, patch->boundary)) continue;
-    Evaluate(contacts, patch, sum, u, &work, &answer);
+    Evaluate(contacts, patch, sum, at, &work, &answer);
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       const MpmFacet *facet = &contacts->facet[f];
-      PetscReal       force[MPM_MAX_DIM], moved[MPM_MAX_DIM];
+      PetscReal       force[MPM_MAX_DIM], moved[MPM_MAX_DIM], value[MPM_MAX_DIM];
 
       MpmFacetForce(contacts, patch, f, &work, &answer, force);
+      MpmPatchValue(contacts, sum, patch, f, u, value);
       MpmPoseCarry(dim, before, after, facet->place, moved);
       for (PetscInt a = 0; a < dim; a++) {
-        *material += force[a] * work.value[f - patch->begin][a];
+        *material += force[a] * value[a];
         *boundary += force[a] * (moved[a] - facet->place[a]);
       }
     }

@@ -122,8 +122,13 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   boundary->penalty = 500.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
-  PetscCall(MpmOptionsBool(&block, "drained", "water passes, at no pressure, where the material touches it",
+  PetscCall(MpmOptionsBool(&block, "drained",
+                           "water passes where the material touches it, at the pressure of open water there, or none",
                            &boundary->drained, NULL));
+  PetscCall(MpmOptionsReal(&block, "pressure", "Pa", "water passes where the material touches it, at this pressure",
+                           MPM_RANGE_ANY, MPM_OPTIONAL, &boundary->pressure, &boundary->led));
+  MpmCheckInput(!boundary->drained || !boundary->led || MpmOptionsHelp(),
+                "-%spressure: a boundary is drained or has a pressure, not both", prefix);
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
   PetscCall(MpmFrictionRead(&block, &boundary->friction, &boundary->adhesion, &boundary->stick));

@@ -7,7 +7,6 @@
   polynomials that hold in the point's own knot intervals, which go on where the face stands in the next ones. Either way only nodes
   that the point itself touches take part, and what the face's load does in a uniform strain is exact.
 */
-#include "point/material.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
@@ -153,6 +152,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
 {
   const PetscInt  dim = space->dim, p = start->point, nodes = space->groups[start->group].node_count;
   const PetscReal volume = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  PetscInt        held   = 0; /* where water passes a surface; it passes once */
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < 2 * dim * faces->surfaces->count; k++) {
@@ -161,9 +161,11 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.};
 
     if (!(outer & faces->surfaces->at[surface].faces & bit) || !Has(faces, surface, points->id[p])) continue;
+    if (faces->surfaces->at[surface].boundary >= 0 && (held & bit)) continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
     if (!Touches(faces, surface, points, p, facet.place, area)) continue;
+    if (faces->surfaces->at[surface].held) held |= bit;
     PetscCall(Reserve(faces, *used + nodes));
     FaceWeights(rules, space, points, &facet, &faces->weight[*used]);
     faces->face[faces->face_count] =

@@ -7,8 +7,6 @@
   increment, 1 + tr(F - I) at small strain; the mean over a cell, F-bar's, gives the cell the same weight. The derivative of a
   point is of rank one: a row phi_i g_a and a column d J / d u_j,b.
 */
-#include "particles/points.h"
-#include "point/material.h"
 #include "space/point_loop.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"

@@ -25,9 +25,7 @@
   dynamics with material points).
 */
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "point/layout.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/damping.h"
@@ -82,9 +80,7 @@ void MpmDynamicsSetStage(MpmModel model)
 
 PetscErrorCode MpmDynamicsBegin(MpmModel model)
 {
-  const PetscInt dim  = model->disc.dim;
   const PetscInt last = model->state.stage - 1;
-  MpmPoints      points;
 
   PetscFunctionBeginUser;
   model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
@@ -93,11 +89,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
   if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC &&
       model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscArrayzero(points.velocity, points.count * dim));
-  if (points.acceleration) PetscCall(PetscArrayzero(points.acceleration, points.count * dim));
-  if (points.affine) PetscCall(PetscArrayzero(points.affine, points.count * dim * dim));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MpmParticlesRest(model->state.particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,14 +97,15 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
 
 PetscErrorCode MpmDynamicsResize(MpmModel model)
 {
-  const PetscInt count = model->disc.space->local * model->disc.dim;
-  MpmDynamics   *dynamics;
+  MpmDynamics *dynamics;
+  PetscInt     count;
 
   PetscFunctionBeginUser;
   if (!model->state.scheme.dynamics) PetscCall(PetscNew(&model->state.scheme.dynamics));
-  dynamics        = model->state.scheme.dynamics;
-  dynamics->local = model->disc.space->local;
+  dynamics = model->state.scheme.dynamics;
   PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
+  dynamics->local = model->disc.inertia->local;
+  count           = dynamics->local * model->disc.dim;
   if (dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(dynamics));
   PetscCall(PetscMalloc7(count, &dynamics->v_old, count, &dynamics->v_start, count, &dynamics->a_start, count,
@@ -245,7 +238,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
 static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f)
 {
   const MpmTerm *points = model->disc.terms->term[0];
-  const PetscInt count  = model->disc.space->local * model->disc.block;
+  const PetscInt count  = model->disc.inertia->local * model->disc.block;
   PetscInt       failed = 0;
   PetscReal     *still, *force;
 
@@ -276,12 +269,12 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   PetscInt          failed;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(model->disc.u, model->disc.space->local * model->disc.block));
+  PetscCall(PetscArrayzero(model->disc.u, model->disc.inertia->local * model->disc.block));
   PetscCall(MpmSumResidual(&model->solver, &failed));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   if (failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSpaceToGhosts(model->disc.space, dim, model->disc.residual));
+  PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.residual));
   MpmFramesToUnknowns(model->disc.constraints, dim, dynamics->local, model->disc.residual);
   for (PetscInt k = 0; k < count; k++) {
     const PetscReal mass = model->disc.inertia->mass[k / dim];
@@ -325,7 +318,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
     PetscCall(Project(model));
   }
   PetscCall(PetscArraycpy(model->state.scheme.dynamics->v_start, model->state.scheme.dynamics->v_old,
-                          model->disc.space->local * model->disc.dim));
+                          model->disc.inertia->local * model->disc.dim));
   PetscCall(StartConstrained(model));
   SetRates(model, &method, dt);
   PetscCall(EndConstrained(model, time));
@@ -339,7 +332,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
 static PetscErrorCode Predict(MpmModel model)
 {
   const MpmDynamics *dynamics = model->state.scheme.dynamics;
-  const PetscInt     n        = model->disc.space->owned * model->disc.dim;
+  const PetscInt     n        = model->disc.inertia->owned * model->disc.dim;
   const PetscReal    dt       = model->disc.sum->dt;
   PetscScalar       *x;
 
@@ -351,7 +344,7 @@ static PetscErrorCode Predict(MpmModel model)
     x[k] = model->disc.inertia->mass[k / model->disc.dim] > 0.
              ? dt * dynamics->v_start[k] + 0.5 * dt * dt * dynamics->a_start[k]
              : 0.;
-  MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
+  MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.inertia->owned, x);
   MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
@@ -377,7 +370,7 @@ static PetscErrorCode Error(MpmModel model, PetscReal *estimate)
   PetscReal          sums[2] = {0., 0.}, *largest = &model->state.scheme.trial;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->disc.space->owned * dim; k++) {
+  for (PetscInt k = 0; k < model->disc.inertia->owned * dim; k++) {
     const PetscReal a = dynamics->a_factor * model->disc.u[k] + dynamics->a_rest[k];
     const PetscReal v = dynamics->v_factor * model->disc.u[k] + dynamics->v_rest[k];
     const PetscReal e = by * dt * (a - (euler ? 0. : dynamics->a_start[k]));
@@ -404,7 +397,7 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->v_new[k] = dynamics->v_factor * u[k] + dynamics->v_rest[k];
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, dynamics->loads, model->disc.residual}));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual}));
   PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
                                 dynamics->a_new));
   PetscCall(MpmIntegratorQuasistatic.accept(model));

@@ -16,12 +16,10 @@
   of second order in the step. The balance is what the integrator and the transfer between points and nodes have lost, and what
   the ghost penalty has taken: it falls with the step, and with FLIP.
 */
-#include "point/layout.h"
 #include "point/material.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/momentum.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/body_contact.h"
@@ -70,16 +68,6 @@ static PetscReal Elastic(const MpmModel model, const MpmPoints *points)
 }
 
 /* Without the affine part. */
-static PetscReal Kinetic(const MpmModel model, const MpmPoints *points)
-{
-  const PetscInt dim = model->disc.dim;
-  PetscReal      sum = 0.;
-
-  for (PetscInt k = 0; k < points->count * dim; k++)
-    sum += 0.5 * MpmPointMass(points, model->scene.materials->at, k / dim) * PetscSqr(points->velocity[k]);
-  return sum;
-}
-
 static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
 {
   MpmPoints points;
@@ -87,7 +75,7 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  energy[0] = Kinetic(model, &points);
+  energy[0] = MpmPointsKinetic(&points, model->scene.materials->at, model->disc.dim);
   energy[1] = Elastic(model, &points);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
@@ -181,10 +169,10 @@ static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal forc
 }
 
 /* What a term of the residual takes from the material. */
-static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const PetscReal u[], PetscReal *work)
+static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const MpmStepWork *step, PetscReal *work)
 {
   const MpmTerms *terms  = model->disc.terms;
-  const PetscInt  local  = model->disc.space->local;
+  const PetscInt  local  = model->disc.inertia->local;
   PetscInt        failed = 0;
   PetscReal      *force;
 
@@ -193,8 +181,8 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const P
   for (PetscInt k = 0; k < terms->count; k++) {
     if (terms->term[k] != term) continue;
     PetscCall(PetscCalloc1((local * model->disc.block), &force));
-    PetscCall(term->residual(terms->ctx[k], model->disc.sum, u, force, &failed));
-    *work += Work(model, local, force, u);
+    PetscCall(term->residual(terms->ctx[k], model->disc.sum, step->at ? step->at : step->u, force, &failed));
+    *work += Work(model, local, force, step->u);
     PetscCall(PetscFree(force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -203,7 +191,7 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const P
 PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
 {
   const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
-  const PetscInt       local    = model->disc.space->local;
+  const PetscInt       local    = model->disc.inertia->local;
   MpmEnergy           *energy   = &model->state.scheme.energy;
   PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0.;
 
@@ -212,14 +200,15 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
   sum[0] = Internal(model);
-  sum[1] = Work(model, local, work->loads, work->u) + Work(model, model->disc.space->owned, work->supports, work->u);
-  PetscCall(TakenBy(model, &MpmTermSurfaces, work->u, &taken));
+  sum[1] = Work(model, local, work->loads, work->u) + Work(model, model->disc.inertia->owned, work->supports, work->u);
+  PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
   sum[1] -= taken;
-  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->u, &material, &boundary));
+  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->at ? work->at : work->u, work->u, &material,
+                            &boundary));
   sum[1] += boundary;
   sum[2] += boundary - material;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
-    PetscCall(TakenBy(model, takers[k], work->u, &taken));
+    PetscCall(TakenBy(model, takers[k], work, &taken));
     sum[2] += taken;
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));

@@ -79,6 +79,14 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What damping leaves of a stable step: sqrt(1 + xi^2) - xi, xi the part of critical damping of the fastest oscillation, 2/crossing. */
+static PetscReal Shortened(const MpmDampingControl *damping, PetscReal crossing)
+{
+  const PetscReal xi = damping->stiffness / crossing + 0.25 * damping->mass * crossing + damping->linear;
+
+  return crossing * (PetscSqrtReal(1. + xi * xi) - xi);
+}
+
 static PetscErrorCode Length(MpmModel model, const char **why)
 {
   const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
@@ -86,6 +94,7 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 
   PetscFunctionBeginUser;
   PetscCall(FindCrossing(model, &crossing));
+  if (crossing > 0.) crossing = Shortened(&control->motion.damping, crossing);
   model->state.dt_wanted = control->motion.cfl * crossing;
   if (!(crossing > 0.)) *why = "a point has no finite wave speed";
   if (*why || !(control->step > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -158,6 +167,25 @@ static void Prescribe(const MpmModel model, PetscReal velocity[])
   MpmFramesToAxes(constraints, dim, local, velocity);
 }
 
+/* Before the step they moved as they were told to half a step before its start: what carries them from there is their reaction. */
+static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
+  PetscReal            *rate;
+
+  PetscFunctionBeginUser;
+  if (!constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((local * dim), &rate));
+  PetscCall(MpmStepPrescribedRate(model, model->state.time - 0.5 * model->disc.sum->dt, 1, rate));
+  MpmFramesToUnknowns(constraints, dim, local, velocity);
+  for (PetscInt k = 0; k < local * dim; k++)
+    if (!MpmConstraintsFree(constraints, k)) velocity[k] = rate[k];
+  MpmFramesToAxes(constraints, dim, local, velocity);
+  PetscCall(PetscFree(rate));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Does the physics take the points one by one, with stresses as a solid has them? */
 static PetscBool IsPlain(const MpmModel model)
 {
@@ -216,7 +244,7 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   if (first || !IsPlain(model)) {
     PetscCall(MpmMomentumToNodes(model->disc.sum, transfer, mass, dynamics->v_old, NULL));
-    Prescribe(model, dynamics->v_old);
+    PetscCall(PrescribeStart(model, dynamics->v_old));
     if (first) Displace(model, dynamics->v_old, model->disc.trial->u);
     else PetscCall(PetscArrayzero(model->disc.trial->u, local * dim));
     PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, why));
@@ -236,7 +264,7 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
       for (PetscInt a = 0; a < dim; a++) dynamics->v_old[i * dim + a] = by * of[1 + a];
       for (PetscInt a = 0; a < dim; a++) force[i * dim + a] = of[1 + dim + a];
     }
-    Prescribe(model, dynamics->v_old); /* what supports move at does not come from the points */
+    PetscCall(PrescribeStart(model, dynamics->v_old)); /* what supports move at does not come from the points */
   }
   for (PetscInt k = 0; k < local * dim; k++) force[k] += mass[k / dim] * model->disc.sum->gravity[k % dim];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -264,7 +292,7 @@ static PetscBool HasOthers(const MpmModel model)
                      MpmDampingAny(model->disc.damping));
 }
 
-/* Their forces, where the step would end without them, are added to `force`. */
+/* Their forces at the displacement that the step would have without them, which stays in a_start, are added to `force`. */
 static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
 {
   const MpmTerms *terms    = model->disc.terms;
@@ -280,10 +308,10 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
     PetscCall(MpmAbsorbingDashpots(model->disc.damping, model->disc.sum, model->disc.damping->dashpot));
     model->disc.damping->active = PETSC_TRUE;
   }
-  Displace(model, dynamics->v_new, model->disc.u);
+  Displace(model, dynamics->v_new, dynamics->a_start);
   PetscCall(PetscArrayzero(other, count));
   for (PetscInt k = 1; k < terms->count; k++)
-    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, model->disc.u, other, &failed));
+    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, dynamics->a_start, other, &failed));
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, other));
   PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.dim, other));
   for (PetscInt k = 0; k < count; k++) force[k] -= other[k];
@@ -438,7 +466,8 @@ static PetscErrorCode Observe(MpmModel model)
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, dynamics->loads, model->disc.residual}));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, HasOthers(model) ? dynamics->a_start : NULL,
+                                               dynamics->loads, model->disc.residual}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -159,8 +159,8 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
   PetscCall(PetscArraycpy(rest->F, points.F, rest->n * model->disc.dim * model->disc.dim));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(SetWater(model, rest, scale));
-  model->state.load_scale = scale;
-  model->state.dt_last    = 0.;
+  model->state.scheme.load_scale = scale;
+  model->state.dt_last           = 0.;
   PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
                     retryable));
   if (!*why) {
@@ -227,9 +227,9 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
     part = next;
     if (part == 1.) ++*solved;
   }
-  model->solver.newton    = newton;
-  model->solver.linear    = linear;
-  model->state.load_scale = 1.;
+  model->solver.newton           = newton;
+  model->solver.linear           = linear;
+  model->state.scheme.load_scale = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -310,7 +310,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   }
   model->disc.surfaces->still = model->state.scheme.water_held;
   model->disc.surfaces->table = model->scene.water;
-  model->disc.surfaces->open  = model->state.load_scale;
+  model->disc.surfaces->open  = model->state.scheme.load_scale;
   model->disc.sum->dry        = MpmWaterDry(model, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
@@ -568,11 +568,15 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define TRUST 0.1 /* of the residual at rest: where things may slide, a prediction that leaves more is none */
+#define TRUST 0.1 /* of the residual at rest: where things may slide or part, a prediction that leaves more is none */
 
-/* May anything slide on anything? What sticks now may slide in the next step. */
+/*
+  May anything slide on anything? What sticks now may slide in the next step. Or may bodies part whose pressures no energy
+  tells how to close again?
+*/
 static PetscBool Rubs(const MpmModel model)
 {
+  if (model->scene.pairs->count && model->disc.layout->saddle) return PETSC_TRUE;
   for (PetscInt k = 0; k < model->scene.pairs->count; k++)
     if (model->scene.pairs->at[k].tangential) return PETSC_TRUE;
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
@@ -657,10 +661,38 @@ static PetscErrorCode AddWork(MpmModel model)
   PetscCall(PetscMalloc1(count, &loads));
   PetscCall(PetscArraycpy(loads, model->disc.force, count));
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 0., loads));
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, loads, model->disc.residual}));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, NULL, loads, model->disc.residual}));
   PetscCall(PetscFree(loads));
   model->disc.trial->made = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Supports that move do their work by the mean of their forces over the step: those of the balance are of a time further on, by
+  (1/2 - alpha_f) of the step, and a condition's force went there from what it was a step before.
+*/
+static void CorrectSupports(MpmModel model)
+{
+  const PetscReal       part = 0.5 - model->state.scheme.load_at_start;
+  const MpmPrescription step = Prescription(model, model->state.time + model->disc.sum->span);
+
+  if (!model->disc.inertia->dynamic) return;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    const MpmCondition *bc       = &model->scene.bcs->at[b];
+    const PetscReal    *reaction = &model->disc.reaction[b * model->disc.block];
+    PetscReal          *before   = model->state.bcs[b].force, factor;
+
+    if (!model->state.bcs[b].active || bc->absorbing) continue;
+    factor = part * MpmStepFactor(&step, b, PETSC_TRUE);
+    for (PetscInt a = 0; a < model->disc.dim; a++) {
+      const PetscReal change = reaction[a] - before[a];
+
+      for (PetscInt k = 0; !bc->inclined && k < bc->component_count; k++)
+        if (bc->component[k] == a) model->state.scheme.energy.external -= factor * change * bc->value[k];
+      if (bc->inclined) model->state.scheme.energy.external -= factor * change * bc->value[0] * bc->normal[a];
+      before[a] = reaction[a];
+    }
+  }
 }
 
 static PetscErrorCode AcceptStep(MpmModel model)
@@ -668,6 +700,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(AddWork(model));
   PetscCall(Commit(model));
+  CorrectSupports(model);
   model->disc.put_back   = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last;
   model->state.dt_last   = model->disc.sum->span;

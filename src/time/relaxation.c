@@ -14,8 +14,7 @@
   Sources: Cundall (1976, 1987); Jin, Yin et al., kinetic damping in the material point method, whose criteria these are; Barnes
   (1999), Int. J. Space Struct. 14, 89-104, doi:10.1260/0266351991494722 (kinetic damping).
 */
-#include "particles/points.h"
-#include "space/space.h"
+#include "particles/particles.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/inertia.h"
@@ -101,7 +100,7 @@ static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const Pets
   PetscReal      most[2] = {0., 0.};
 
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
+  for (PetscInt i = 0; i < model->disc.inertia->owned; i++) {
     PetscReal square = 0.;
 
     if (!(model->disc.inertia->mass[i] > 0.)) continue;
@@ -118,10 +117,11 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
 {
   const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
   const PetscReal     *mass = model->disc.inertia->mass, *v = model->state.scheme.dynamics->v_old;
-  const PetscInt       dim = model->disc.dim, count = model->disc.space->local * dim;
+  const PetscInt       dim = model->disc.dim, count = model->disc.inertia->local * dim;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, load));
+  PetscCall(MpmNodesToOwners(&model->disc, dim, load));
+  PetscCall(PetscArrayzero(&load[model->disc.inertia->owned * dim], count - model->disc.inertia->owned * dim));
   PetscCall(Compare(model, load, force));
   for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_VISCOUS && k < count; k++)
     force[k] -= 2. * relaxation->xi * mass[k / dim] * v[k];
@@ -130,40 +130,20 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The kinetic energy of all points, without what their affine velocities add. */
-static PetscErrorCode FindKinetic(const MpmModel model, PetscReal *kinetic)
-{
-  const MpmPoints *points = model->disc.points;
-  const PetscInt   dim    = model->disc.dim;
-
-  PetscFunctionBeginUser;
-  *kinetic = 0.;
-  for (PetscInt p = 0; p < points->count; p++) {
-    PetscReal square = 0.;
-
-    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(points->velocity[p * dim + a]);
-    *kinetic += 0.5 * MpmPointMass(points, model->disc.sum->materials, p) * square;
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, kinetic, 1, MPIU_REAL, MPIU_SUM, model->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
 {
-  MpmRelaxing     *relaxing = &model->state.relaxing;
-  const MpmPoints *points   = model->disc.points;
-  const PetscInt   dim      = model->disc.dim;
-  PetscReal        kinetic;
+  MpmRelaxing   *relaxing = &model->state.relaxing;
+  const PetscInt dim      = model->disc.dim;
+  PetscReal      kinetic  = MpmPointsKinetic(model->disc.points, model->disc.sum->materials, dim);
 
   PetscFunctionBeginUser;
-  PetscCall(FindKinetic(model, &kinetic));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &kinetic, 1, MPIU_REAL, MPIU_SUM, model->comm));
   *stopped = (PetscBool)(model->scene.stages[model->state.stage].relaxation.damping == MPM_DAMPING_KINETIC &&
                          kinetic < relaxing->kinetic);
   if (*stopped) {
     kinetic = 0.;
     relaxing->resets++;
-    PetscCall(PetscArrayzero(points->velocity, points->count * dim));
-    if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
+    PetscCall(MpmPointsStop(model->disc.points, dim));
   }
   relaxing->kinetic = kinetic;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -177,7 +157,7 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
   PetscBool            holds;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->disc.space->owned * model->disc.dim; k++) work += load[k] * model->disc.u[k];
+  for (PetscInt k = 0; k < model->disc.inertia->owned * model->disc.dim; k++) work += load[k] * model->disc.u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &work, 1, MPIU_REAL, MPIU_SUM, model->comm));
   relaxing->work += work;
   most             = PetscAbsReal(relaxing->work);
@@ -195,7 +175,7 @@ const char *MpmRelaxationOver(MpmModel model)
 
   if (relaxing->rests) {
     state->run_end -= state->time_end - state->time;
-    state->time_end = state->ended[state->stage] = state->time;
+    state->time_end = state->relaxing.ended[state->stage] = state->time;
   }
   if (relaxing->rests || state->time < state->time_end) return NULL;
   (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),

@@ -19,7 +19,7 @@
   second's.
 */
 #include "point/layout.h"
-#include "space/space.h"
+#include "particles/particles.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -68,10 +68,12 @@ static PetscInt ReactionCount(const MpmModel model)
 static PetscErrorCode KeepFirst(MpmModel model)
 {
   const MpmLayout *layout = model->disc.layout;
-  const PetscInt   size = model->disc.dim * model->disc.dim, count = model->disc.space->point_count;
+  const PetscInt   size   = model->disc.dim * model->disc.dim;
+  PetscInt         count;
   MpmSdirk        *sdirk = model->state.scheme.sdirk;
 
   PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
   PetscCall(MpmStepFindTrial(model));
   PetscCall(MpmStepFindReactions(model));
   PetscCall(PetscFree4(sdirk->F, sdirk->value, sdirk->deviation, sdirk->stage));
@@ -97,12 +99,14 @@ static PetscErrorCode KeepFirst(MpmModel model)
 /* Newton's start in the second stage: what the first has found, with increments in proportion where that is nearer. */
 static PetscErrorCode StartSecond(MpmModel model, Vec first)
 {
-  const PetscInt bs = model->disc.block, n = model->disc.space->owned * bs;
+  const PetscInt bs = model->disc.block;
+  PetscInt       n;
   PetscReal      norm = PETSC_INFINITY;
   Vec            start;
 
   PetscFunctionBeginUser;
   PetscCall(MpmStepFindReference(model));
+  PetscCall(VecGetLocalSize(first, &n));
   PetscCall(VecDuplicate(first, &start));
   for (PetscInt k = 0; k < 2; k++) {
     PetscScalar *x;

@@ -22,7 +22,6 @@
 #include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "space/walls.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -35,117 +34,9 @@
 #include "time/model.h"
 #include "time/relaxation.h"
 #include "time/stage_lists.h"
+#include "time/time_read.h"
 #include "time/time.h"
 #include "time/water_state.h"
-
-/* ---- time ---- */
-
-#define MOST_STEPS    1e9
-#define SHORTEST_STEP 1e-12 /* of the run's time */
-
-/* Refuses more steps than can be counted, and steps that are lost in rounding. */
-static PetscErrorCode CheckSteps(const MpmOptions *block, PetscReal end, PetscReal step, PetscReal step_min)
-{
-  PetscFunctionBeginUser;
-  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(end < MOST_STEPS * step, "-%sstep %g: -%send, %g, must not be more than %g steps away", block->prefix,
-                (double)step, block->prefix, (double)end, MOST_STEPS);
-  MpmCheckInput(step_min >= SHORTEST_STEP * end,
-                "-%sstep_min %g: must be at least %g of -%send, %g: shorter steps are lost in rounding", block->prefix,
-                (double)step_min, SHORTEST_STEP, block->prefix, (double)end);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  The length of a step, which explicit stages need not have: they do not take that of a stage which solves, either. `ratio` is the
-  shortest over it.
-*/
-static PetscErrorCode ReadStep(const MpmOptions *block, PetscBool solved, MpmTimeControl *control, PetscReal ratio)
-{
-  const PetscBool explicit = (PetscBool)(control->motion.type == MPM_EXPLICIT);
-
-  PetscFunctionBeginUser;
-  if (explicit && solved) control->step = 0.;
-  PetscCall(MpmOptionsReal(block, "step", "s", "length of a step; explicit: by default as long as cfl allows",
-                           MPM_RANGE_POSITIVE, explicit || control->step > 0. ? MPM_OPTIONAL : MPM_REQUIRED,
-                           &control->step, NULL));
-  control->step_min = ratio * control->step;
-  if (explicit) control->adaptive = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* `control` holds the defaults on entry; a step of 0 is none. */
-static PetscErrorCode ReadTimeControl(const MpmOptions *options, const char *prefix, MpmTimeControl *control)
-{
-  const MpmOptions block   = {options->comm, prefix, options->record};
-  const PetscReal  ratio   = control->step > 0. ? control->step_min / control->step : 1. / 1024.;
-  const PetscBool  solved  = (PetscBool)(control->motion.type != MPM_EXPLICIT);
-  PetscReal        longest = 0.;
-  PetscBool        given;
-
-  PetscFunctionBeginUser;
-  PetscCall(
-    MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
-  PetscCall(MpmIntegratorRead(&block, control));
-  PetscCall(ReadStep(&block, solved, control, ratio));
-  if (control->motion.type == MPM_EXPLICIT && !MpmOptionsHelp()) {
-    if (control->step > 0.) PetscCall(CheckSteps(&block, control->end, control->step, control->step_min));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MpmOptionsReal(&block, "step_max", "s", "longest step when adaptive; by default end/4", MPM_RANGE_POSITIVE,
-                           MPM_OPTIONAL, &longest, &given));
-  if (given) control->limit = longest;
-  if (given && longest > control->step) control->adaptive = PETSC_TRUE;
-  PetscCall(MpmOptionsBool(&block, "adaptive",
-                           "lengthen easy steps up to step_max; the default is true where error, or a step_max longer "
-                           "than the step, is given",
-                           &control->adaptive, NULL));
-  control->step_max = control->step;
-  if (control->adaptive)
-    control->step_max =
-      given ? longest : PetscMax(control->limit > 0. ? control->limit : control->end / 4., control->step);
-  PetscCall(MpmOptionsReal(&block, "step_min", "s", "a step is not cut below this; by default step/1024",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->step_min, NULL));
-  PetscCall(MpmOptionsReal(&block, "growth", "-", "factor by which a step grows again",
-                           ((MpmRange){1., 100., PETSC_FALSE}), MPM_OPTIONAL, &control->growth, NULL));
-  PetscCall(CheckSteps(&block, control->end, control->step, control->step_min));
-  MpmCheckInput(control->step_min <= control->step || MpmOptionsHelp(), "-%sstep_min %g: must not exceed -%sstep, %g",
-                prefix, (double)control->step_min, prefix, (double)control->step);
-  MpmCheckInput(!control->adaptive || control->step_max >= control->step || MpmOptionsHelp(),
-                "-%sstep_max %g: must not be below -%sstep, %g", prefix, (double)control->step_max, prefix,
-                (double)control->step);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The scene's own block. Where all stages have a step of their own, the scene needs none. */
-static PetscErrorCode ReadSceneTime(MpmModel model, const MpmOptions *options, MpmTimeControl *control)
-{
-  const MpmOptions block = {options->comm, "mpm_time_", options->record};
-  PetscBool        given;
-
-  PetscFunctionBeginUser;
-  *control = (MpmTimeControl){.end = 1., .growth = 2.};
-  MpmMotionDefaults(&control->motion);
-  PetscCall(MpmOptionsHeading(&block, "Time"));
-  PetscCall(MpmOptionsHas(&block, "step", &given));
-  if (given || !model->scene.stages[0].name || MpmOptionsHelp())
-    PetscCall(ReadTimeControl(options, "mpm_time_", control));
-  else {
-    PetscCall(
-      MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
-    PetscCall(MpmIntegratorRead(&block, control));
-  }
-  /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
-  model->state.predict = PETSC_TRUE;
-  for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    if (model->scene.materials->at[m].state_size) model->state.predict = PETSC_FALSE;
-  PetscCall(MpmOptionsBool(
-    &block, "predict",
-    "start each step from the increment extrapolated from the last two; the default is true where no material has "
-    "history",
-    &model->state.predict, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* ---- the rest of a stage ---- */
 
@@ -423,7 +314,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   if (type == 1) stage->time.motion.type = MPM_QUASISTATIC;
   if (type == 1 && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
   if (type == 2 || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, stage, (PetscBool)(type == 2)));
-  PetscCall(ReadTimeControl(options, time_prefix, &stage->time));
+  PetscCall(MpmTimeControlRead(options, time_prefix, &stage->time));
   MpmCheckInput(type != 2 || stage->time.motion.type == MPM_EXPLICIT || MpmOptionsHelp(),
                 "-%sintegrator %s: a stage of type relaxation takes explicit steps", time_prefix,
                 MpmIntegratorTypes[stage->time.motion.type]);
@@ -507,10 +398,10 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   MpmTimeControl scene;
 
   PetscFunctionBeginUser;
-  PetscCall(ReadSceneTime(model, options, &scene));
+  PetscCall(MpmSceneTimeRead(model, options, &scene));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
-  PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.ended));
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.ended[k] = -1.;
+  PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.relaxing.ended));
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.relaxing.ended[k] = -1.;
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     MpmStage *stage = &model->scene.stages[k];
 
@@ -550,7 +441,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(model->state.parked[b].data));
   PetscCall(PetscFree(model->scene.stages));
   PetscCall(PetscFree(model->state.parked));
-  PetscCall(PetscFree(model->state.ended));
+  PetscCall(PetscFree(model->state.relaxing.ended));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -578,8 +469,8 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
   const MpmRamp ramp = load < loads ? model->scene.loads->at[load].ramp : model->scene.surfaces->at[load - loads].ramp;
 
   if (!acting->active || !ramp) return 0.;
-  if (acting->forced) return model->state.load_scale * acting->factor;
-  return model->state.load_scale * MpmRampEvaluate(ramp, time - acting->start);
+  if (acting->forced) return model->state.scheme.load_scale * acting->factor;
+  return model->state.scheme.load_scale * MpmRampEvaluate(ramp, time - acting->start);
 }
 
 PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscReal time)
@@ -682,18 +573,6 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ResetDisplacement(MpmModel model)
-{
-  MpmPoints points;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscArraycpy(points.x0, points.x, points.count * model->disc.dim));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  model->state.reference_output = PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* What acts on a surface; drained boundaries are drained in all stages. */
 static PetscBool ActsOn(const MpmModel model, const MpmStage *stage, PetscInt surface)
 {
@@ -738,11 +617,11 @@ static void SetTime(MpmModel model, PetscInt k)
 {
   const MpmTimeControl *control = &model->scene.stages[k].time;
 
-  model->state.stage      = k;
-  model->state.load_scale = 1.;
-  model->state.time_start = model->state.time;
-  model->state.time_end   = model->state.time + control->end;
-  if (model->state.ended[k] >= 0.) model->state.time_end = model->state.ended[k];
+  model->state.stage             = k;
+  model->state.scheme.load_scale = 1.;
+  model->state.time_start        = model->state.time;
+  model->state.time_end          = model->state.time + control->end;
+  if (model->state.relaxing.ended[k] >= 0.) model->state.time_end = model->state.relaxing.ended[k];
   model->state.dt_nominal = control->step;
   model->state.dt_min     = control->step_min;
   model->state.dt_max     = control->step_max;
@@ -787,7 +666,10 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
     PetscCall(ChangeBodies(model, stage));
     PetscCall(MpmMaterialsChange(model, stage));
-    if (stage->reset) PetscCall(ResetDisplacement(model));
+    if (stage->reset) {
+      PetscCall(MpmParticlesStartHere(model->state.particles));
+      model->state.reference_output = PETSC_TRUE;
+    }
     PetscCall(MpmReductionBegin(model));
     if (model->solver.jacobian)
       PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */

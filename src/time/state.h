@@ -15,11 +15,12 @@ typedef struct {
 
 /* How far a relaxation has come; the columns K_F, K_E and resets. */
 typedef struct {
-  PetscReal force, energy; /* out of balance over the loads; kinetic over their work */
-  PetscReal kinetic, work; /* J; of the points after the last step, and of the loads since the stage began */
-  PetscReal held;          /* s, for which the criteria have held without a break */
-  PetscInt  resets;        /* of all velocities to zero */
-  PetscBool rests;         /* the criteria hold */
+  PetscReal  force, energy; /* out of balance over the loads; kinetic over their work */
+  PetscReal  kinetic, work; /* J; of the points after the last step, and of the loads since the stage began */
+  PetscReal  held;          /* s, for which the criteria have held without a break */
+  PetscInt   resets;        /* of all velocities to zero */
+  PetscBool  rests;         /* the criteria hold */
+  PetscReal *ended;         /* by stage: when it ended, where that was before its time was over; otherwise negative */
 } MpmRelaxing;
 
 /* How far the grid has moved with what it follows. */
@@ -63,9 +64,10 @@ typedef struct {
   PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
   MpmEnergy energy;
-  PetscReal order;   /* the power of a step's length that the estimate goes with */
-  PetscReal trial;   /* what `largest` will be, should the step be accepted */
-  PetscReal largest; /* what errors are relative to: the largest change since the stage's start */
+  PetscReal order;      /* the power of a step's length that the estimate goes with */
+  PetscReal trial;      /* what `largest` will be, should the step be accepted */
+  PetscReal largest;    /* what errors are relative to: the largest change since the stage's start */
+  PetscReal load_scale; /* what a geostatic stage applies of its loads; otherwise 1 */
 } MpmScheme;
 
 /* What moves on: points, time, and how steps go. */
@@ -86,13 +88,11 @@ typedef struct {
   MpmWalls       walls;      /* that follow from it */
   PetscReal      time_start; /* of the stage under way; time_end is its end */
   PetscReal      run_end;
-  PetscReal      load_scale;       /* what a geostatic stage applies of its loads; otherwise 1 */
   PetscBool      reference_output; /* position0 goes into the next state that is written */
   MpmRescue      rescue;
   PetscInt64     active_dofs_max;
   MpmSafety      safety;
   MpmRelaxing    relaxing;
-  PetscReal     *ended; /* by stage: when it ended, where that was before its time was over; otherwise negative */
   MpmGridMotion  grid;
   MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;

@@ -18,3 +18,5 @@ MpmDryGround MpmWaterDry(const MpmModel model, PetscReal time);
   have them. The constraints are set up.
 */
 PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
+/* After a step: does rising water lift ground that has no effective stress left? `why` is then a line on it. */
+PetscErrorCode MpmWaterFindHeave(MpmModel model, const char **why);

@@ -89,7 +89,17 @@ FROM_FILE = {**NO_BOX, "mpm_body_block_region": "file", "mpm_body_block_file": "
              "mpm_load_push_at": None, "mpm_load_push_nearest": None, "mpm_load_push_value": None}
 
 # name, change, what the line must contain
+MOVES = {"mpm_time_integrator": "newmark"}
 CASES = [
+    # motion
+    ("velocity in a quasi-static scene", {"mpm_bc_base_quantity": "velocity"}, "-mpm_bc_base_quantity velocity ... quasi-static"),
+    ("acceleration in a quasi-static scene", {"mpm_bc_base_quantity": "acceleration", "mpm_bc_base_value": "1,0"}, "-mpm_bc_base_quantity"),
+    ("quantity that is none", {"mpm_bc_base_quantity": "force", **MOVES}, "-mpm_bc_base_quantity force"),
+    ("absorbing base in a quasi-static scene", {"mpm_bc_base_absorbing": "true"}, "-mpm_bc_base_absorbing"),
+    ("absorbing block", {"mpm_bc_base_absorbing": "true", "mpm_bc_base_upper": "4,2", **MOVES}, "-mpm_bc_base_absorbing ... plane"),
+    ("table that is not there", {"mpm_bc_base_table": "nothing.csv", **MOVES}, "-mpm_bc_base_table nothing.csv: cannot be read"),
+    ("negative damping", {"mpm_time_damping_mass": "-1", **MOVES}, "-mpm_time_damping_mass -1"),
+    ("damping in a quasi-static scene", {"mpm_time_damping_mass": "1"}, "-mpm_time_damping_mass"),
     # names and words
     ("unknown option", {"mpm_colour": "red"}, "-mpm_colour"),
     ("unknown option by a dash", {"-mpm_title": "red"}, "--mpm_title: unknown option; did you mean -mpm_title?"),
@@ -361,6 +371,9 @@ CASES = [
     ("surface that drains what has no water", {**SURFACE, "mpm_surface_top_drained": "true"}, "-mpm_surface_top_drained"),
     ("pressure of water where there is none", {**SURFACE, "mpm_surface_top_pressure": "1e3"}, "-mpm_surface_top_pressure"),
     ("drained boundary where there is no water", {**PLANE, "mpm_boundary_wall_drained": "true"}, "-mpm_boundary_wall_drained"),
+    ("boundary with a pressure where there is no water", {**PLANE, "mpm_boundary_wall_pressure": 0}, "-mpm_boundary_wall_pressure"),
+    ("boundary that is drained and has a pressure", {**PLANE, "mpm_boundary_wall_drained": "true", "mpm_boundary_wall_pressure": 0},
+     "-mpm_boundary_wall_pressure"),
     ("well where there is no water", {"mpm_load_push_type": "flux", "mpm_load_push_value": "1"}, "-mpm_load_push_type flux"),
     # loads, ramps, tracks
     ("load without a type", {"mpm_load_push_type": None}, "-mpm_load_push_type"),
@@ -637,7 +650,19 @@ SURFACES = [
     ("surface that breaks off", facets(TETRAHEDRON)[:200], "is not what an ASCII STL file has there"),
 ]
 
-SUFFIXES = {"scene": "scene.yaml", "points": "points.csv", "surface": "surface.stl"}
+# name, text of table.csv, quantity, what the line must contain besides option and file
+TABLES = [
+    ("record with a hole", "time,value\n0,0\n0.1,1\n0.2,0\n0.5,1\n0.6,0\n", "acceleration", "a hole in time: nothing between 0.2 s and 0.5 s"),
+    ("record that lacks one row", "time,value\n0,0\n0.1,1\n0.3,0\n0.4,1\n", "velocity", "a hole in time"),
+    ("record that goes back", "time,value\n0,0\n0.2,1\n0.1,0\n", "acceleration", "time must grow from row to row"),
+    ("table that stands still", "time,value\n0,0\n0.2,1\n0.2,0\n", "displacement", "time must grow from row to row"),
+    ("table with another column", "time,a\n0,0\n1,1\n", "displacement", "must have the columns time and value"),
+    ("table without rows", "time,value\n", "displacement", "has no rows"),
+    ("table with a word", "time,value\n0,x\n", "displacement", ""),
+    ("table with NaN", "time,value\n0,0\n1,nan\n", "displacement", ""),
+]
+
+SUFFIXES = {"table": "table.csv", "scene": "scene.yaml", "points": "points.csv", "surface": "surface.stl"}
 
 TWO_RANKS = {"open surface", "surface that is not there", "points with NaN", "points with a short line", "points outside the grid", "file of points without points",
              "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
@@ -718,6 +743,9 @@ with Test() as test:
         refusals.add(case, contains, scene=head + lines + tail)
     for case, text, contains in POINTS:
         refusals.add(case, contains, FROM_FILE, points=text)
+    for case, text, quantity, contains in TABLES:
+        refusals.add(case, f"-mpm_bc_base_table table.csv ... {contains}", {"mpm_bc_base_table": "table.csv", "mpm_bc_base_quantity": quantity,
+                                                                            **MOVES}, table=text)
     (place / "surface.stl").write_text(facets(TETRAHEDRON), encoding="utf-8")
     surface = Run(test.program, write_scene(place, changed(SURFACE)), 1, {}, place)
     lacking = "this build cannot search triangles" if surface.status == 2 else None  # built without Embree

@@ -247,7 +247,9 @@ static PetscErrorCode Deal(MpmGrid *grid, MpmParticles *particles)
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesCreate(
-    grid, &(MpmParticleFields){STATES, 0, RATES, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, 2, extra_fields},
+    grid,
+    &(MpmParticleFields){
+      .state_size = STATES, .rates = RATES, .half_length = PETSC_TRUE, .extra_count = 2, .extra = extra_fields},
     particles));
   for (PetscInt id = grid->rank; id < POINTS; id += grid->size) count++;
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, count, 0));

@@ -374,6 +374,39 @@ START_TEST(ramps)
 }
 END_TEST
 
+/* Integrals from 0 on, slopes from the left; a factor that begins before 0, one with a jump, one that ends. */
+START_TEST(ramps_integrated)
+{
+  MpmRamp ramp;
+
+  BLOCK("ramp", "0:0,2:4,2:-1,3:-1,4:0");
+  UNIT_CALL(MpmRampCreate(&options, "ramp", "0:1", &ramp));
+  ck_assert_double_eq(MpmRampIntegral(ramp, 1., 0), 2.);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 1., 1), 1., 1e-15);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 2., 1), 4., 1e-15);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 4., 1), 2.5, 1e-15);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 9., 1), 2.5, 1e-15);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 1., 2), 1. / 3., 1e-15);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 2., 2), 8. / 3., 1e-15);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 3., 2), 8. / 3. + 3.5, 1e-14);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 4., 2), 8. / 3. + 3.5 + 3. - 1. / 3., 1e-14);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 6., 2), 8. / 3. + 6.5 - 1. / 3. + 5., 1e-14);
+  ck_assert_double_eq(MpmRampIntegral(ramp, 2., -1), 2.);
+  ck_assert_double_eq(MpmRampIntegral(ramp, 2.5, -1), 0.);
+  ck_assert_double_eq(MpmRampIntegral(ramp, 4., -1), 1.);
+  ck_assert_double_eq(MpmRampIntegral(ramp, 0., -1), 0.);
+  ck_assert_double_eq(MpmRampIntegral(ramp, 1., -2), 0.);
+  UNIT_CALL(MpmRampDestroy(&ramp));
+  BLOCK("ramp", "-2:1,2:3");
+  UNIT_CALL(MpmRampCreate(&options, "ramp", "0:1", &ramp));
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 0., 1), 0., 1e-15);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 2., 1), 5., 1e-14);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, 2., 2), 4. + 2. / 3., 1e-14);
+  ck_assert_double_eq_tol(MpmRampIntegral(ramp, -1., 1), -1.75, 1e-14);
+  UNIT_CALL(MpmRampDestroy(&ramp));
+}
+END_TEST
+
 START_TEST(ramps_refused)
 {
   static const struct {
@@ -399,8 +432,8 @@ END_TEST
 int main(int argc, char **argv)
 {
   const TTest *const tests[] = {
-    everything,      box,  box_refuses,          sphere, cylinder,     polygon, polygon_random,
-    polygon_refuses, cuts, incomplete_with_help, ramps,  ramps_refused};
+    everything,      box,  box_refuses,          sphere, cylinder,         polygon,      polygon_random,
+    polygon_refuses, cuts, incomplete_with_help, ramps,  ramps_integrated, ramps_refused};
 
   return UnitRun(&argc, &argv, "region", sizeof(tests) / sizeof(tests[0]), tests);
 }

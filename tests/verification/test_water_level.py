@@ -81,6 +81,25 @@ def excess(test):
     test.check("excess.end", np.max(np.abs(run.table("pressure") - hydrostatic(y, 3.5))) / (WATER * 3.5), None, 1e-3)
 
 
+def plate(test):
+    """A plate that lets water through lies on the ground: water at rest stays at rest, and the plate feels none of it. One that leads
+    water away at no pressure draws the level down to itself."""
+    scene = test.folder() / "plate.yaml"
+    text = LEVEL.read_text(encoding="utf-8").replace("surfaces: top", "boundaries: plate")
+    lines = ['  boundary_plate: {type: box, lower: "-1,3", upper: "30,3.9", drained: true}' if "surface_top" in line else line
+             for line in text.splitlines()]
+    scene.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    for level in (3.5, 2.0):
+        run = test.run(scene, snes_rtol=1e-12, mpm_water_level=level, mpm_stage_slide_time_step=4)
+        at_rest(test, f"plate_{level}", run, level)
+        test.check(f"plate_{level}.reaction", np.max(np.abs(run.results.column("reaction_plate_y"))), None, 1e-3)
+    scene.write_text(scene.read_text(encoding="utf-8").replace("drained: true", "pressure: 0"), encoding="utf-8")
+    run = test.run(scene, mpm_stage_slide_time_end=2000, mpm_bc_slide_value="0", mpm_stage_slide_time_step=10,
+                   mpm_stage_slide_time_step_max=200)
+    y = run.table("position")[:, 1]
+    test.check("drain.pressure", np.max(np.abs(run.table("pressure") - hydrostatic(y, 3.0))) / (WATER * 3), None, 2e-3)
+
+
 def lowered(test):
     """From the surface to a metre below: the ground above is dry, and all below bears 10 kPa more."""
     scene = still(test, ["  stages: rest,drain", "  stage_drain: {time: {end: 1e6, step: 100, step_max: 1e5}}"])
@@ -99,6 +118,7 @@ def main():
         slides(test)
         gravity(test)
         excess(test)
+        plate(test)
         lowered(test)
 
 

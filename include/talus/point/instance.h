@@ -142,6 +142,13 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
   MPM_KERNEL_CREATE(name_, set->tangent = Tangent_##name_;)
 #endif
 
+/* MPM_KERNEL_TANGENT(name, inputs, kernel, tangent) - the same for a kernel that brings its own tangent, likewise */
+#if MPM_DIRECTIONS < 2
+#define MPM_KERNEL_TANGENT(name_, inputs_, kernel_, tangent_) MPM_KERNEL(name_, inputs_, kernel_)
+#else
+#define MPM_KERNEL_TANGENT(name_, inputs_, kernel_, tangent_) MPM_KERNEL_CREATE(name_, set->tangent = tangent_;)
+#endif
+
 /*
   MPM_KERNEL_MEAN(name, inputs, kernel, mean, tangent) - the same for a kernel whose last input is a mean over the cell;
   it brings its own tangent, with as many directions as it takes for that

@@ -217,6 +217,7 @@ typedef struct {
   const double *value_n;           /* values at the step's start of the fields with a rate, in field order */
   const double *deviation_n;   /* the deviations there, field by field, of what the points' values make at the nodes */
   const double *gravity;       /* at the step's end, m/s2, `dim` components */
+  const double *cell;          /* the grid's cell, m, `dim` components; or NULL */
   const MpmLawInfo     *info;  /* of the point's material */
   const MpmKernelStage *stage; /* the first one, in the second of two; or NULL */
   const double         *own_n; /* states of the physics' own at the step's start, or NULL */
@@ -306,12 +307,17 @@ typedef struct {
                          has unknowns: nothing for solvers that want it definite
   MPM_PHYSICS_STAGES     what a step stores and what flows in it stand in its equations as amounts, the second times dt, and
                          the kernel takes `stage`: the scheme `second` is possible. With dt = 0 nothing flows
+  MPM_PHYSICS_BIOT       two fields of the scene's shape, the displacement by its gradient and one unknown p by value, gradient and
+                         deviation. The flux of the displacement's gradient depends on neither grad p nor the deviation, that
+                         of p on neither, that of grad p not on p nor the deviation, that of the deviation on itself alone:
+                         what the tangent has there is not looked at
 */
 typedef enum {
   MPM_PHYSICS_SYMMETRIC = 1,
   MPM_PHYSICS_INTERNAL  = 2,
   MPM_PHYSICS_STAGES    = 16,
-  MPM_PHYSICS_SADDLE    = 32
+  MPM_PHYSICS_SADDLE    = 32,
+  MPM_PHYSICS_BIOT      = 64
 } MpmPhysicsTrait;
 
 /* A number of the scene, -mpm_<block>_<name>, that a physics' kernel needs at every point. */

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Implicit dynamics: orders in time, what transfers keep, free flight, a block that slides, restart and ranks.
+
+Quick.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, difference, example  # noqa: E402
+
+BAR = {"mpm_grid_upper": "12.5,1", "mpm_grid_cells": "40,1", "mpm_shape": "gimp_bspline2", "mpm_time_transfer": "flip",
+       "mpm_load_weight_ramp": "0:0,4:1", "mpm_output_every": 0, "mpm_quiet": None}
+
+
+def orders(test):
+    """Backward Euler's error goes with the step, those of the others with its square; the reference has steps of its own."""
+    for name, expected in (("backward_euler", 1), ("newmark", 2), ("generalized_alpha", 2)):
+        tips = {}
+        for step in (0.04, 0.02, 0.005):
+            run = test.run(scene(test, name != "generalized_alpha"), mpm_time_integrator=name, mpm_time_end=4,
+                           mpm_time_step=step, **BAR)
+            tips[step] = run.results.column("track_tip_ux")[round(0.04 / step) - 1::round(0.04 / step)]
+        ratio = np.abs(tips[0.04] - tips[0.005]).max() / np.abs(tips[0.02] - tips[0.005]).max()
+        exact = (0.04**expected - 0.005**expected) / (0.02**expected - 0.005**expected)
+        test.near(f"{name}.ratio_of_errors", ratio, exact, relative=0.15)
+
+
+def scene(test, leave_out):
+    """The bar's scene without some of its time options."""
+    text = example("vibrating_bar").read_text(encoding="utf-8")
+    if leave_out:
+        text = text.replace("rho_inf: 1, ", "")
+    path = test.folder() / "bar.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def bar(test):
+    run = test.run(example("vibrating_bar"), mpm_output_every=0, mpm_time_end=8.2, mpm_quiet=None)
+    test.check_example("bar", run, "vibrating_bar")
+
+
+def beam(test):
+    """On any number of ranks, and with a stop on the way, the same."""
+    options = {"mpm_grid_cells": "12,16", "mpm_time_end": 1.4, "mpm_time_step": 0.02, "mpm_output_every": 70,
+               "mpm_quiet": None}
+    one = test.run(example("vibrating_beam"), **options)
+    test.check_example("beam", one, "vibrating_beam")
+    tip = one.results.column("track_tip_uy")
+    for ranks in (2, 3):
+        other = test.run(example("vibrating_beam"), ranks=ranks, **options)
+        test.check(f"beam.ranks_{ranks}", difference(other.results.column("track_tip_uy"), tip), None, 1e-8)
+    begun = test.run(example("vibrating_beam"), ranks=2, mpm_checkpoint_every=30, **{**options, "mpm_time_end": 0.6})
+    on = test.run(example("vibrating_beam"), mpm_restart=f"{begun.prefix}_checkpoint.h5", **options)
+    for column in ("track_tip_uy", "track_tip_vy", "energy_kinetic", "energy_external", "energy_balance"):
+        end = one.results.column(column)[-1]
+        test.check(f"beam.restart.{column}", abs(on.results.column(column)[-1] - end) / np.abs(one.results.column(column)).max(),
+                   None, 1e-8)
+
+
+def discs(test):
+    """Momentum with every integrator, angular momentum where it is kept exactly."""
+    for name, step in (("explicit", None), ("newmark", 0.02), ("generalized_alpha", 0.02), ("backward_euler", 0.02)):
+        text = example("discs").read_text(encoding="utf-8").replace("cfl: 0.5, ", "")
+        path = test.folder() / "discs.yaml"
+        path.write_text(text, encoding="utf-8")
+        options = {"mpm_time_step": step} if step else {}
+        run = test.run(path, mpm_grid_cells="32,16", mpm_time_integrator=name, mpm_output_every=50, mpm_quiet=None, **options)
+        test.check_example(f"discs.{name}", run, "discs")
+
+
+def block(test):
+    """On a slope of 45 degrees with a friction of 0.3, for a second."""
+    path = test.folder() / "block.yaml"
+    path.write_text(BLOCK, encoding="utf-8")
+    for name in ("backward_euler", "newmark"):
+        run = test.run(path, mpm_time_integrator=name, mpm_quiet=None)
+        exact = 0.5 * (1 - 0.3) * 9.81 * np.sqrt(0.5)
+        test.near(f"block.{name}", run.results.column("track_mid_ux")[-1], exact,
+                  relative=0.015 if name == "backward_euler" else 1e-3)
+
+
+BLOCK = """
+mpm:
+  dim: 2
+  physics: solid
+  grid: {lower: "0,-0.5", upper: "8,1", cells: "32,6"}
+  shape: gimp
+  materials: stone
+  material_stone: {type: neo_hookean, E: 1e7, nu: 0.3, density: 1000}
+  bodies: block
+  body_block: {region: box, lower: "0.5,0", upper: "1.5,0.5", points_per_cell: "2,2", material: stone}
+  boundaries: slope
+  boundary_slope: {type: plane, point: "0,0", normal: "0,1", friction: 0.3}
+  loads: weight
+  load_weight: {type: gravity, value: "6.9367,-6.9367", ramp: "0:1"}
+  time: {end: 1, step: 0.01}
+  tracks: mid
+  track_mid: {at: "1,0.25", nearest: 4}
+  output: {prefix: block, every: 0}
+"""
+
+
+with Test() as check:
+    orders(check)
+    bar(check)
+    beam(check)
+    discs(check)
+    block(check)
