@@ -171,6 +171,21 @@ static void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], const 
   }
 }
 
+/* D_b alone */
+static void SecondMoments(const MpmSum *sum, const MpmGroup *group, const PetscInt first[], PetscInt p,
+                          PetscReal second[])
+{
+  const PetscInt dim = sum->space->dim, W = sum->space->width;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal *w     = &sum->space->shape[0].weight[(p * dim + a) * W];
+    const PetscReal  start = sum->grid->lower[a] + sum->grid->h[a] * (PetscReal)first[a] - sum->points->x[p * dim + a];
+
+    second[a] = 0.;
+    for (PetscInt k = 0; k < group->count[a]; k++) second[a] += w[k] * PetscSqr(start + sum->grid->h[a] * (PetscReal)k);
+  }
+}
+
 PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmMotionSums *sums)
 {
   const MpmPoints *points = sum->points;
@@ -199,7 +214,7 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
       if (affine) {
         const MpmKnown known = KnownGeneral(sum->layout, group);
 
-        MpmStencilPlace(known, sum, first, p, &work.at);
+        SecondMoments(sum, group, first, p, work.at.second);
         MpmStencilAffine(known, sum, transfer, p, work.at.second, C);
         for (PetscInt k = 0; k < dim * dim; k++) {
           B[k] = C[k] * work.at.second[k % dim];
