@@ -12,7 +12,7 @@
   What pushes on a node without mass finds nothing to move. Prescribed unknowns move as they are told to.
 
   A step may take the part `cfl` of the time in which a wave crosses a cell, the shortest h_a/(c + |v_a|) of all points and axes,
-  with rho0 c^2 the law's stiffness at the point's state and, as far as it is negative, less the least normal stress.
+  with c the speed of waves at the point's state and stress; the viscosity of a law shortens it.
 
   Sources: Sulsky, Zhou, Schreyer (1995), Comput. Phys. Commun. 87, 236-252, doi:10.1016/0010-4655(94)00170-7 (musl); Bardenhagen
   (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
@@ -45,23 +45,13 @@
 
 /* ---- how long a step may be ---- */
 
-/* The square of the fastest wave's speed at a point, m2/s2. */
-static PetscReal WaveSquare(const MpmSum *sum, const MpmPoints *points, PetscInt p)
-{
-  const PetscInt     dim      = sum->layout->dim;
-  const MpmMaterial *material = &sum->materials[points->material[p]];
-  const PetscReal   *F = &points->F[p * dim * dim], *stress = &points->stress[p * MpmSymSize(dim)];
-  PetscReal stiffness = MpmMaterialStiffness(material, points->state ? &points->state[p * sum->state_size] : NULL, F);
-  PetscReal least     = 0.;
-
-  for (PetscInt a = 0; a < 3; a++) least = PetscMin(least, stress[a]);
-  if (least < 0.) stiffness -= MpmPointVolumeRatio(material, dim, F) * least;
-  return stiffness * points->volume0[p] / MpmPointMass(points, sum->materials, p);
-}
-
-/* The time in which a wave crosses a cell, the shortest over all points, s. */
+/*
+  The time in which a wave crosses a cell, the shortest over all points, s; with a law's viscosity nu = eta J/rho_0, m2/s, what
+  is stable: h/(sqrt(c^2 + (nu/h)^2) + nu/h), h^2/(2 nu) where nothing but it acts.
+*/
 static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
 {
+  const MpmSum  *sum = model->disc.sum;
   const PetscInt dim = model->disc.dim;
   MpmPoints      points;
 
@@ -69,10 +59,17 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   *crossing = PETSC_MAX_REAL;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    const PetscReal c = PetscSqrtReal(WaveSquare(model->disc.sum, &points, p));
+    const MpmMaterial *material = &sum->materials[points.material[p]];
+    const PetscReal *state = points.state ? &points.state[p * sum->state_size] : NULL, *F = &points.F[p * dim * dim];
+    const PetscReal  c  = MpmMaterialWaveSpeed(material, dim, state, F, &points.stress[p * MpmSymSize(dim)]);
+    const PetscReal  nu = MpmMaterialViscosity(material) * MpmPointVolumeRatio(material, dim, F) / material->density;
 
-    for (PetscInt a = 0; a < dim; a++)
-      *crossing = PetscMin(*crossing, model->disc.grid->h[a] / (c + PetscAbsReal(points.velocity[p * dim + a])));
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal h     = model->disc.grid->h[a];
+      const PetscReal speed = c + PetscAbsReal(points.velocity[p * dim + a]), spread = nu / h;
+
+      *crossing = PetscMin(*crossing, h / (PetscSqrtReal(speed * speed + spread * spread) + spread));
+    }
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, crossing, 1, MPIU_REAL, MPIU_MIN, model->comm));
