@@ -3,7 +3,6 @@
   their own, so that bodies of different parts are not welded where they meet.
 */
 #include "options/options.h"
-#include "point/layout.h"
 #include "particles/body.h"
 #include "terms/body_contact.h"
 #include "time/time.h"
@@ -34,12 +33,10 @@ static PetscErrorCode ReadPair(const MpmOptions *block, const MpmBodies *bodies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options)
+PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options)
 {
   MpmBodies *bodies = model->scene.bodies;
   MpmPairs  *pairs  = model->scene.pairs;
-
-  const PetscBool water = (PetscBool)(MpmOptionsHelp() || MpmPressureComponent(model->disc.layout) >= 0);
 
   PetscFunctionBeginUser;
   bodies->parts = 1;
@@ -56,7 +53,7 @@ PetscErrorCode MpmContactsRead(MpmModel model, const MpmOptions *options)
     PetscCall(PetscStrallocpy(pairs->names[k], &pair->name));
     PetscCall(MpmOptionsHeading(&block, "Contact of bodies"));
     PetscCall(ReadPair(&block, bodies, pair->body));
-    PetscCall(MpmPairRead(&block, model->disc.dim, water, pair));
+    PetscCall(MpmPairRead(&block, model->disc.dim, (PetscBool)(water || MpmOptionsHelp()), pair));
     if (pair->friction > 0.) model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
     /* the first body of each has a part of its own, so the two differ */
     if (!MpmOptionsHelp() && !bodies->part[pair->body[0]]) bodies->part[pair->body[0]] = bodies->parts++;

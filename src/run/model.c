@@ -390,7 +390,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
   }
-  PetscCall(MpmContactsRead(model, options));
+  PetscCall(MpmContactsRead(model, (PetscBool)(MpmPressureComponent(model->disc.layout) >= 0), options));
   PetscCall(MpmMemoryCheck(options, model->disc.grid, model->scene.bodies->count, model->scene.bodies->at,
                            model->scene.bodies->names));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -68,12 +68,12 @@ def chosen(test):
 
 def example_runs(test):
     """The example on one rank, on three, and from the middle on on two; steps that grow to a longest one."""
-    alone = test.run(FINITE, snes_rtol=1e-12, mpm_checkpoint_every=16)
+    alone = test.run(FINITE, snes_rtol=1e-12, mpm_checkpoint_every=20)
     test.check_example("finite", alone, "consolidation_finite")
     several = test.run(FINITE, ranks=3, snes_rtol=1e-12)
     test.check("on_3.same", difference(alone.table("pressure"), several.table("pressure")), None, 1e-8)
     again = test.run(FINITE, ranks=2, snes_rtol=1e-12,
-                     mpm_restart=min(alone.folder.glob("consolidation_checkpoint_*16.h5")))
+                     mpm_restart=min(alone.folder.glob("consolidation_checkpoint_*20.h5")))
     test.check("again.same", difference(alone.table("pressure"), again.table("pressure")), None, 1e-10)
     test.check("again.outflow", alone.results.column("outflow_top")[-1] / again.results.column("outflow_top")[-1] - 1, -1e-10, 1e-10)
     plain = {"mpm_time_scheme": "euler", "mpm_time_growth": 1.2, "mpm_time_step_max": 85.0562, "mpm_output_every": 5}
