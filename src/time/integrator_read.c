@@ -7,7 +7,9 @@
 #include "grid/shape.h"
 #include "particles/body.h"
 #include "bc/bc.h"
+#include "terms/body_contact.h"
 #include "terms/inertia.h"
+#include "terms/rigid.h"
 #include "time/dynamics.h"
 #include "time/model.h"
 #include "time/time.h"
@@ -185,6 +187,11 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
 
   PetscFunctionBeginUser;
   if (time->motion.type != MPM_EXPLICIT) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!model->scene.pairs->count, "-mpm_contacts: contacts of bodies need steps that are not explicit");
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
+    MpmCheckInput(!model->scene.boundaries->at[b].freedom,
+                  "-mpm_boundary_%s_free: its place is solved for; explicit steps solve for nothing",
+                  model->scene.boundaries->names[b]);
   for (PetscInt a = 0; a < model->disc.dim; a++) cell = PetscMin(cell, model->disc.h[a]);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
