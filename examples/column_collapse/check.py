@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Runout, height and duration of a granular column's collapse against the laws of Lube et al.'s experiments."""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import common  # noqa: E402
+from common import Quantity, completed  # noqa: E402
+
+THIN = 0.01  # of the initial width: where the deposit is thinner it has ended
+WINDOW = 1.0 / 8.0  # over which thickness is a mean, of the initial width
+
+
+def column(results):
+    """Width and aspect ratio."""
+    width, height = results.numbers("mpm_body_column_upper")
+    return width, height / width
+
+
+def profile(results, state):
+    """Thickness of the deposit by x, both over the initial width."""
+    width, _ = column(results)
+    place, area = state["position"][:, 0] / width, state["volume"] / width**2
+    at = np.arange(0.5 * WINDOW, place.max() + WINDOW, WINDOW / 8.0)
+    order = np.argsort(place)
+    total = np.concatenate([[0.0], np.cumsum(area[order])])
+    until = [total[np.searchsorted(place[order], at + side * WINDOW)] for side in (-0.5, 0.5)]
+    return at, (until[1] - until[0]) / WINDOW
+
+
+def runout(results, state):
+    at, thickness = profile(results, state)
+    return at[np.nonzero(thickness > THIN)[0][-1]] - 1.0
+
+
+def laws(ratio):
+    """Of the experiments: runout, final height, both over the width."""
+    return 1.2 * ratio if ratio < 1.8 else 1.9 * ratio ** (2.0 / 3.0), ratio if ratio < 1.15 else ratio**0.4
+
+
+def fronts(results):
+    states = [results.state(step) for step in results.steps]
+    return np.array([state.time for state in states]), np.array([runout(results, state) for state in states])
+
+
+def check(results):
+    width, ratio = column(results)
+    far, high = laws(ratio)
+    fine = width / (results.numbers("mpm_grid_upper")[0] / common.cells(results)[0]) * min(ratio, 1.0) > 9.0
+    last = results.state("last")
+    time, front = fronts(results)
+    fall = np.sqrt(ratio * width / -results.numbers("mpm_load_weight_value")[1])
+    until = np.interp(0.95 * front[-1], front, time) / fall
+    kinetic = results.history["energy_kinetic"]
+    return [completed(results), Quantity.near("runout", front[-1], far, relative=0.1 if fine else 0.3),
+            Quantity.near("height", profile(results, last)[1].max(), high, relative=0.1 if fine else 0.2),
+            Quantity("duration", until, 2.0, 3.5), Quantity("at_rest", kinetic[-1] / kinetic.max(), None, 0.01)]
+
+
+def draw(results):
+    """The deposit at five times, and the front."""
+    import matplotlib.pyplot as plt
+
+    _, ratio = column(results)
+    far, high = laws(ratio)
+    figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 7.0), layout="constrained")
+    time, front = fronts(results)
+    steps = results.steps
+    for part, shade in zip((0.0, 0.15, 0.3, 0.5, 1.0), ("0.8", "0.65", "0.5", "0.3", "C0")):
+        state = results.state(steps[int(part * (len(steps) - 1))])
+        above.plot(*profile(results, state), color=shade, label=f"{state.time:.2f} s")
+    above.axvline(1.0 + far, color="k", linewidth=0.8, linestyle="--", label="runout and height of the experiments")
+    above.axhline(high, color="k", linewidth=0.8, linestyle="--")
+    above.set(xlabel="x / width", ylabel="thickness / width", xlim=(0, None), ylim=(0, None))
+    above.legend()
+    below.plot(time, front, color="C0")
+    below.axhline(far, color="k", linewidth=0.8, linestyle="--")
+    below.set(xlabel="time (s)", ylabel="runout / width")
+    return figure
+
+
+if __name__ == "__main__":
+    common.main(check, draw)

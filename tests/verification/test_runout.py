@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""What fails and runs: a dam break, a column of sand, a slope past failure, on coarse grids."""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, difference, example  # noqa: E402
+
+
+def dam(test):
+    options = {"mpm_grid_cells": "50,25", "mpm_quiet": None}
+    run = test.run(example("dam_break"), mpm_output_every=5, **options)
+    test.check_example("dam", run, "dam_break")
+    short = {**options, "mpm_output_every": 0, "mpm_time_end": 0.2}
+    one = test.run(example("dam_break"), **short)
+    for ranks in (2, 3):
+        other = test.run(example("dam_break"), ranks=ranks, **short)
+        test.check(f"dam.ranks_{ranks}", difference(other.results.column("track_toe_ux"), one.results.column("track_toe_ux")), None, 1e-8)
+
+
+def viscous(test):
+    """The step follows the viscosity where that decides: h^2/(2 nu), with nu = (4/3) eta/rho, less what waves take."""
+    sound, eta, width, density = 10.0, 1e5, 0.1, 1000.0
+    run = test.run(example("dam_break"), mpm_grid_cells="50,25", mpm_output_every=0, mpm_material_water_sound_speed=sound,
+                   mpm_material_water_viscosity=eta, mpm_time_end=0.05, mpm_time_cfl=1, mpm_quiet=None)
+    spread = 4.0 / 3.0 * eta / density / width
+    test.near("viscous.step", run.results.column("dt")[0], width / (np.hypot(sound, spread) + spread), relative=1e-3)
+    test.check("viscous.stable", run.results.column("energy_kinetic").max() / run.results.column("energy_external").max(), None, 1.0)
+
+
+def sand(test):
+    run = test.run(example("column_collapse"), mpm_grid_cells="22,10", mpm_output_every=20, mpm_quiet=None)
+    test.check_example("column", run, "column_collapse")
+
+
+def slope(test):
+    run = test.run(example("slope_runout"), mpm_grid_cells="60,16", mpm_stage_fail_time_cfl=0.9, mpm_output_every=400, mpm_quiet=None)
+    test.check_example("slope", run, "slope_runout")
+
+
+with Test() as check:
+    dam(check)
+    viscous(check)
+    sand(check)
+    slope(check)
