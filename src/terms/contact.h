@@ -17,14 +17,36 @@ typedef struct {
   PetscReal distance;                                                   /* at the step's start */
   PetscInt  side;    /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
   PetscReal area;    /* projected on the boundary, m^(dim-1) */
+  PetscInt  piece;   /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
+  PetscReal portion; /* and of its area that is this facet's */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
 } MpmFacet;
+
+/* What a piece's point keeps from step to step. */
+typedef enum {
+  MPM_PIECE_GAP,
+  MPM_PIECE_SLIP,
+  MPM_PIECE_PRESSURE = MPM_PIECE_SLIP + MPM_MAX_DIM,
+  MPM_PIECE_STRENGTH,
+  MPM_PIECE_SLOTS
+} MpmPieceSlot;
+
+/* A piece of a boundary's surface along which material slides (surface_pieces.c). */
+typedef struct {
+  PetscInt  boundary, point, part, material; /* point: -1 on another rank */
+  PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM];
+  PetscReal line[MPM_MAX_DIM][16]; /* weights by axis, at these nodes */
+  PetscReal area, place[MPM_MAX_DIM], normal[MPM_MAX_DIM];
+  PetscReal astray; /* distance of the point from where it should be beside the surface, m */
+  PetscReal kept[MPM_PIECE_SLOTS];
+} MpmPiece;
 
 /* The facets of one cell at one boundary: one mean gap, one mean slip, one traction. */
 typedef struct {
   PetscInt  boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
   PetscReal area, stiffness;           /* m^(dim-1), Pa/m */
   PetscReal strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
+  PetscBool foreign;                   /* some of its facets are pieces of other ranks, which add their forces there */
   PetscReal shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
 } MpmPatch;
 
@@ -47,6 +69,8 @@ typedef struct MpmContacts {
   PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet  *facet;
   MpmPatch  *patch;
+  PetscInt   piece_own, piece_count; /* this rank's, and with the neighbours' */
+  MpmPiece  *piece;
   PetscReal *weight;
   PetscBool  weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
@@ -128,5 +152,20 @@ void MpmContactsDistance(const MpmContacts *contacts, PetscInt boundary, const P
 /* Adds the shares of the points in the boundary's own surface as facets (surface_shares.c). Collective. */
 PetscErrorCode MpmSurfaceShares(MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
                                 const MpmPoints *points);
+/*
+  Pieces of surfaces along which material slides (surface_pieces.c). Spread: the facets that are such pieces are replaced by those at
+  the nodes, with those of neighbouring ranks. Boxes: of the neighbours' nodes. Load: what their points keep. All but boxes collective.
+*/
+PetscBool      MpmContactsSpreads(const MpmContacts *contacts, PetscInt boundary);
+PetscErrorCode MpmPiecesSpread(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
+                               const MpmSpace *space);
+PetscErrorCode MpmPiecesAppendBoxes(const MpmContacts *contacts, MpmSpace *space);
+PetscErrorCode MpmPiecesLoad(MpmContacts *contacts, const MpmTermStep *step);
+/* Slips, pressures and gaps with which the step starts, from those that points keep (contact_kept.c). */
+PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step);
+/* By so much the material comes nearer in this step, m. */
+PetscReal MpmPieceWayBack(const MpmContacts *contacts, const MpmFacet *facet);
+/* The nodes that a facet touches: those of its point's group, or of its piece. */
+MpmGroup MpmFacetBox(const MpmContacts *contacts, const MpmSpace *space, const MpmFacet *facet);
 /* Weights of the facets, and their slips at the step's start (a term's `prepare`). */
 PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step);

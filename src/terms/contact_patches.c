@@ -13,7 +13,7 @@
   then on, stretched as the material is across the surface: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
 
   What a bilateral boundary holds may flow along it. When faces there have been drawn out or crowded, facets are pieces of the boundary's
-  own surface (surface_shares.c).
+  own surface (surface_shares.c), in patches about nodes where material slides there (surface_pieces.c).
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
@@ -63,6 +63,7 @@ PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
   PetscCall(PetscFree(contacts->bodies));
   PetscCall(PetscFree(contacts->facet));
   PetscCall(PetscFree(contacts->patch));
+  PetscCall(PetscFree(contacts->piece));
   PetscCall(PetscFree(contacts->weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -480,9 +481,12 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     patch      = &contacts->patch[contacts->patch_count - 1];
     patch->end = k + 1;
     patch->area += facet->area;
+    patch->foreign = (PetscBool)(patch->foreign || facet->point < 0);
     patch->stiffness +=
       facet->area * unit *
-      Penalty(&contacts->boundaries[facet->boundary], &rules->materials[points->material[facet->point]]);
+      Penalty(
+        &contacts->boundaries[facet->boundary],
+        &rules->materials[facet->piece ? contacts->piece[facet->piece - 1].material : points->material[facet->point]]);
     contacts->most = PetscMax(contacts->most, patch->end - patch->begin);
   }
   for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].stiffness /= contacts->patch[k].area;
@@ -499,9 +503,13 @@ static PetscErrorCode AppendBoxes(MpmContacts *contacts, MpmSpace *space)
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
 
-    for (PetscInt f = patch->begin; f < patch->end; f++)
-      IncludeGroup(&boxes[k], &space->groups[contacts->facet[f].group]);
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      const MpmGroup box = MpmFacetBox(contacts, space, &contacts->facet[f]);
+
+      IncludeGroup(&boxes[k], &box);
+    }
   }
+  PetscCall(MpmPiecesAppendBoxes(contacts, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -522,6 +530,7 @@ static PetscErrorCode FindPatches(MpmContacts *contacts, const MpmRules *rules, 
   contacts->facet_count = contacts->patch_count = contacts->most = 0;
   for (PetscInt b = 0; b < contacts->boundary_count; b++)
     PetscCall(FacetsOfBoundary(contacts, b, rules->grid, space, points));
+  PetscCall(MpmPiecesSpread(contacts, rules, points, space));
   if (contacts->facet_count) PetscCall(MakePatches(contacts, rules, points, space));
   for (PetscInt f = 0; contacts->bodies && f < contacts->facet_count; f++)
     if (MpmContactsBody(contacts, contacts->facet[f].boundary))
@@ -594,111 +603,26 @@ void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints
   for (PetscInt a = 0; a < space->dim; a++) AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
 }
 
-static void Weights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                    const MpmGroup *box, PetscReal weight[])
+static void Weights(const MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
+                    const MpmFacet *facet, const MpmGroup *box, PetscReal weight[])
 {
-  const MpmGroup *group = &space->groups[facet->group];
+  const MpmGroup  group = MpmFacetBox(contacts, space, facet);
+  const MpmPiece *piece = facet->piece ? &contacts->piece[facet->piece - 1] : NULL;
   PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH];
+  const PetscReal(*lines)[MPM_MAX_WIDTH] = (const PetscReal(*)[MPM_MAX_WIDTH])(piece ? piece->line : line);
 
-  MpmFacetLines(rules, space, points, facet, line);
+  if (!piece) MpmFacetLines(rules, space, points, facet, line);
   for (PetscInt i = 0; i < box->node_count; i++) {
     const PetscInt row             = i / box->count[0];
     const PetscInt at[MPM_MAX_DIM] = {i % box->count[0], row % box->count[1], row / box->count[1]};
 
     weight[i] = 1.;
     for (PetscInt a = 0; a < space->dim; a++) {
-      const PetscInt k = at[a] + box->first[a] - group->first[a];
+      const PetscInt k = at[a] + box->first[a] - group.first[a];
 
-      weight[i] *= k >= 0 && k < group->count[a] ? line[a][k] : 0.;
+      weight[i] *= k >= 0 && k < group.count[a] ? lines[a][k] : 0.;
     }
   }
-}
-
-/*
-  Numbers that the points keep, at the facets of a boundary. Where these are pieces of its surface, points that have come to
-  it since take the mean of the others in their patch: those that kept a gap.
-*/
-static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *field, MpmParticles *particles,
-                           PetscReal value[])
-{
-  const MpmBoundary *boundary = &contacts->boundaries[b];
-  PetscReal         *kept, *gap = NULL;
-
-  PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&kept));
-  for (PetscInt f = 0; f < contacts->facet_count; f++)
-    if (contacts->facet[f].boundary == b) value[f] = kept[contacts->facet[f].point];
-  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&kept));
-  if (!contacts->drawn[b]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(DMSwarmGetField(particles->swarm, boundary->gap_field, NULL, NULL, (void **)&gap));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPatch *patch = &contacts->patch[k];
-    PetscReal       sum = 0., area = 0.;
-
-    if (patch->boundary != b) continue;
-    for (PetscInt f = patch->begin; f < patch->end; f++) {
-      if (gap[contacts->facet[f].point] == 0.) continue;
-      sum += contacts->facet[f].area * value[f];
-      area += contacts->facet[f].area;
-    }
-    for (PetscInt f = patch->begin; area > 0. && f < patch->end; f++)
-      if (gap[contacts->facet[f].point] == 0.) value[f] = sum / area;
-  }
-  PetscCall(DMSwarmRestoreField(particles->swarm, boundary->gap_field, NULL, NULL, (void **)&gap));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Slip at the step's start, put into the tangent plane there. */
-static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, PetscInt dim)
-{
-  PetscReal *value;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->facet_count, &value));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    for (PetscInt a = 0; contacts->boundaries[b].tangential && a < dim; a++) {
-      PetscCall(Load(contacts, b, contacts->boundaries[b].slip_field[a], particles, value));
-      for (PetscInt k = 0; k < contacts->facet_count; k++)
-        if (contacts->facet[k].boundary == b) contacts->facet[k].slip[a] = value[k];
-    }
-  }
-  PetscCall(PetscFree(value));
-  for (PetscInt k = 0; k < contacts->facet_count; k++) {
-    MpmFacet           *facet = &contacts->facet[k];
-    const MpmRigidBody *body  = MpmContactsBody(contacts, facet->boundary);
-    PetscReal           dot   = 0.;
-
-    if (body) MpmRigidPullVector(body, facet->slip);
-    for (PetscInt a = 0; a < dim; a++) dot += facet->slip[a] * facet->normal[a];
-    for (PetscInt a = 0; a < dim; a++) facet->slip[a] -= dot * facet->normal[a];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Pieces of the surface start with the gap that their points had in their last patch: where they are says nothing of how far
-  the material is off.
-*/
-static PetscErrorCode LoadGaps(MpmContacts *contacts, MpmParticles *particles)
-{
-  PetscReal *gap;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->facet_count, &gap));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    if (!contacts->drawn[b]) continue;
-    PetscCall(Load(contacts, b, contacts->boundaries[b].gap_field, particles, gap));
-    for (PetscInt k = 0; k < contacts->facet_count; k++) {
-      MpmFacet  *facet = &contacts->facet[k];
-      MpmSurface surface;
-
-      if (facet->boundary != b) continue;
-      MpmBoundaryDistance(&contacts->boundaries[b], &contacts->before[b], facet->place, &surface);
-      facet->touches = surface.distance - gap[k];
-    }
-  }
-  PetscCall(PetscFree(gap));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What the material bears along the surface: the mean over the facets, infinite where one of their laws has no limit. */
@@ -709,36 +633,14 @@ static void Strengths(MpmContacts *contacts, const MpmSum *sum)
 
     patch->strength = 0.;
     for (PetscInt f = patch->begin; f < patch->end; f++) {
-      const PetscInt     p        = contacts->facet[f].point;
-      const MpmMaterial *material = &sum->materials[sum->points->material[p]];
+      const MpmFacet *facet = &contacts->facet[f];
 
-      patch->strength += contacts->facet[f].area / patch->area *
-                         MpmMaterialShearStrength(material, sum->points->state + p * sum->state_size);
+      patch->strength += facet->area / patch->area *
+                         (facet->piece ? contacts->piece[facet->piece - 1].kept[MPM_PIECE_STRENGTH]
+                                       : MpmMaterialShearStrength(&sum->materials[sum->points->material[facet->point]],
+                                                                  sum->points->state + facet->point * sum->state_size));
     }
   }
-}
-
-/* The pressures with which the step starts, of boundaries with method augmented: those of the patches' points. */
-static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particles)
-{
-  PetscReal *pressure;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->facet_count, &pressure));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    if (!contacts->boundaries[b].augmented) continue;
-    PetscCall(Load(contacts, b, contacts->boundaries[b].pressure_field, particles, pressure));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      MpmPatch *patch = &contacts->patch[k];
-
-      if (patch->boundary != b) continue;
-      patch->shift = 0.;
-      for (PetscInt f = patch->begin; f < patch->end; f++)
-        patch->shift += contacts->facet[f].area / patch->area * pressure[f] / patch->stiffness;
-    }
-  }
-  PetscCall(PetscFree(pressure));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The weights of all facets; they stay while the points do. */
@@ -762,7 +664,7 @@ static PetscErrorCode WeighFacets(MpmContacts *contacts, const MpmTermStep *step
       const MpmRigidBody *body  = MpmContactsBody(contacts, facet.boundary);
 
       if (body) MpmRigidPush(body, &contacts->facet[f], facet.place);
-      Weights(step->rules, space, step->sum->points, &facet, &space->groups[contacts->patch[k].box],
+      Weights(contacts, step->rules, space, step->sum->points, &facet, &space->groups[contacts->patch[k].box],
               &contacts->weight[facet.weight]);
     }
   }
@@ -780,10 +682,9 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
   SetPoses(contacts, step->rules->time_n, step->rules->time);
   if (!again) PetscCall(WeighFacets(contacts, step));
+  PetscCall(MpmPiecesLoad(contacts, step));
   Strengths(contacts, step->sum);
-  PetscCall(LoadSlips(contacts, step->particles, step->sum->space->dim));
-  PetscCall(LoadPressures(contacts, step->particles));
-  PetscCall(LoadGaps(contacts, step->particles));
+  PetscCall(MpmContactsLoad(contacts, step));
   if (!again || !contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
   MpmRigidBegin(contacts, step->rules->time);
   while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));

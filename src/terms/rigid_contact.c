@@ -62,6 +62,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
+      if (contacts->facet[f].point < 0) continue; /* its rank adds it */
       MpmFacetForce(contacts, patch, f, &work, &answer, force);
       MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), -1., force, residual);
     }
@@ -153,6 +154,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
       const PetscReal   normal = answer.stiffness * answer.gap + patch->stiffness * beyond;
       PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM], along = 0.;
 
+      if (contacts->facet[f].point < 0) continue;
       MpmFacetValue(sum, box, MpmFacetWeights(contacts, f), du, value);
       for (PetscInt a = 0; a < dim; a++) along += surface->normal[a] * value[a];
       for (PetscInt a = 0; a < dim; a++) force[a] = traction[a];
@@ -168,9 +170,9 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. */
+/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. `own`: by this rank's facets only. */
 static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
-                        PetscReal gap[], PetscReal slip[])
+                        PetscBool own, PetscReal gap[], PetscReal slip[])
 {
   const PetscInt  dim = sum->space->dim, n = sum->space->groups[patch->box].node_count;
   const PetscBool tangential = contacts->boundaries[patch->boundary].tangential;
@@ -181,6 +183,7 @@ static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, cons
     const MpmFacet  *facet  = &contacts->facet[f];
     const PetscReal *weight = MpmFacetWeights(contacts, f), *normal = work->surface[f - patch->begin].normal;
 
+    if (own && facet->point < 0) continue;
     for (PetscInt i = 0; i < n; i++) {
       const PetscReal w = weight[i] * facet->area / patch->area;
 
@@ -198,14 +201,14 @@ typedef struct {
   PetscReal *left, *right;
 } Factors;
 
-/* Where `slip` holds B_s, right_{1+e} = A sum_f dt_e/ds_f B_s,f + A dt_e/dg B_g; left_0 = B_g, right_0 = A k B_g. */
+/* With left_{1+e} = B_s,e, right_{1+e} = A sum_f dt_e/ds_f B_s,f + A dt_e/dg B_g; left_0 = B_g, right_0 = A k B_g. */
 static void FactorsOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
                       const MpmPatchAnswer *answer, const Factors *factors)
 {
   const PetscInt dim = sum->space->dim, size = sum->space->groups[patch->box].node_count * dim;
   PetscReal     *gap = factors->left, *slip = factors->left + size;
 
-  Derivatives(contacts, patch, sum, work, gap, slip);
+  Derivatives(contacts, patch, sum, work, PETSC_FALSE, gap, slip);
   for (PetscInt i = 0; i < size; i++) {
     factors->right[i] = patch->area * answer->stiffness * gap[i];
     for (PetscInt e = 0; e < dim; e++) {
@@ -215,6 +218,7 @@ static void FactorsOf(const MpmContacts *contacts, const MpmPatch *patch, const 
       factors->right[(1 + e) * size + i] = patch->area * value;
     }
   }
+  if (patch->foreign) Derivatives(contacts, patch, sum, work, PETSC_TRUE, gap, slip); /* forces act on own facets */
 }
 
 static PetscErrorCode FactorsCreate(const MpmContacts *contacts, const MpmSum *sum, Factors *factors, PetscInt *nodes)
@@ -261,8 +265,9 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
         for (PetscInt m = 0; m <= dim; m++)
           value += factors.left[(m * n + i) * dim + c] * factors.right[(m * n + i) * dim + d];
         for (PetscInt f = patch->begin; f < patch->end; f++)
-          value +=
-            PetscSqr(MpmFacetWeights(contacts, f)[i]) * MpmFacetStiffness(contacts, patch, f, &work, &answer, c, d);
+          if (contacts->facet[f].point >= 0)
+            value +=
+              PetscSqr(MpmFacetWeights(contacts, f)[i]) * MpmFacetStiffness(contacts, patch, f, &work, &answer, c, d);
         blocks[(nodes[i] * bs + c) * bs + d] += value;
       }
     }
@@ -291,6 +296,7 @@ static void Element(const MpmContacts *contacts, const MpmPatch *patch, const Mp
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const PetscReal *weight = MpmFacetWeights(contacts, f);
 
+    if (contacts->facet[f].point < 0) continue;
     for (PetscInt cd = 0; cd < dim * dim; cd++) {
       const PetscReal own = MpmFacetStiffness(contacts, patch, f, work, answer, cd / dim, cd % dim);
 
@@ -335,6 +341,14 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 
 /* ---- the converged step ---- */
 
+/* A facet's point keeps a number of its patch: where it belongs to several, the mean over them. */
+static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
+{
+  if (facet->point < 0) return;
+  if (facet->piece) kept[facet->point] += facet->portion * value;
+  else kept[facet->point] = value;
+}
+
 /* The points of a patch keep its slip while it touches. */
 static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                 MpmParticles *particles)
@@ -350,7 +364,7 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
           if (answers[k].active)
-            slip[contacts->facet[f].point] = answers[k].slip[a]; /* a corner may not touch as its faces do */
+            Keep(&contacts->facet[f], answers[k].slip[a], slip); /* a corner may not touch as its faces do */
       PetscCall(
         DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
     }
@@ -372,6 +386,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     PetscReal force[3] = {0., 0., 0.}, arm[3] = {0., 0., 0.}, about[MPM_MAX_DIM];
 
+    if (contacts->facet[f].point < 0) continue;
     MpmFacetForce(contacts, patch, f, work, answer, force);
     if (body) MpmRigidForce(contacts, patch, f, sum, u, force, arm);
     else {
@@ -464,7 +479,7 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
       const MpmPatch *patch = &contacts->patch[k];
 
       for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
-        pressure[contacts->facet[f].point] = -patch->stiffness * answers[k].gap;
+        Keep(&contacts->facet[f], -patch->stiffness * answers[k].gap, pressure);
     }
     PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&pressure));
   }
@@ -487,7 +502,7 @@ static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, c
       const MpmPatch *patch = &contacts->patch[k];
 
       for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
-        gap[contacts->facet[f].point] = answers[k].gap + patch->shift;
+        Keep(&contacts->facet[f], answers[k].gap + patch->shift, gap);
     }
     PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&gap));
   }
