@@ -453,7 +453,8 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
     excursion->more = PETSC_FALSE;
     *take           = PETSC_TRUE;
   } else if (fine) *take = PETSC_TRUE;
-  else if (MpmSolverHasContact(solver) && step->norm > step->norm_start && step->slope < -EXCURSION_KINK * step->start) {
+  else if (MpmSolverHasContact(solver) && step->norm > step->norm_start &&
+           step->slope < -EXCURSION_KINK * step->start) {
     PetscCall(VecDuplicate(X, &excursion->x));
     PetscCall(VecDuplicate(Y, &excursion->y));
     PetscCall(VecCopy(X, excursion->x));
@@ -575,9 +576,9 @@ static PetscErrorCode SearchByBracket(Search *search, PetscBool *found)
     uphill                = (PetscBool)(PetscRealPart(dot) < 0.);
     bracket.at[uphill]    = search->lambda;
     bracket.slope[uphill] = PetscRealPart(dot);
-    search->lambda =
-      bracket.at[0] + (bracket.at[1] - bracket.at[0]) *
-                        PetscClipInterval(bracket.slope[0] / (bracket.slope[0] - bracket.slope[1]), BRACKET_EDGE, 1. - BRACKET_EDGE);
+    search->lambda        = bracket.at[0] + (bracket.at[1] - bracket.at[0]) *
+                                       PetscClipInterval(bracket.slope[0] / (bracket.slope[0] - bracket.slope[1]),
+                                                         BRACKET_EDGE, 1. - BRACKET_EDGE);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -25,10 +25,10 @@ typedef enum { MPM_PATCH_OPEN, MPM_PATCH_STICKS, MPM_PATCH_SLIDES } MpmPatchStat
 
 /* The facets of one cell at one boundary: one mean gap, one mean slip, one traction. */
 typedef struct {
-  PetscInt  boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
-  PetscReal area, stiffness;           /* m^(dim-1), Pa/m */
-  PetscReal strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
-  PetscBool     held; /* touches, and sticks, whatever the law says (contact_states.c) */
+  PetscInt      boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
+  PetscReal     area, stiffness;           /* m^(dim-1), Pa/m */
+  PetscReal     strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
+  PetscBool     held;                      /* touches, and sticks, whatever the law says (contact_states.c) */
   MpmPatchState state;
   PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
   PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
@@ -50,8 +50,8 @@ typedef struct MpmContacts {
   PetscReal  cell;  /* the smallest size of one, m */
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
-  PetscBool  secant; /* Newton's method takes the secants of what slides */
-  PetscBool  holds;  /* and it holds patches, of any rank */
+  PetscBool  secant;                                   /* Newton's method takes the secants of what slides */
+  PetscBool  holds;                                    /* and it holds patches, of any rank */
   PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet  *facet;
   MpmPatch  *patch;

@@ -16,7 +16,7 @@
 #include "terms/contact_law.h"
 
 PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
-                     MpmContactFriction *friction)
+                          MpmContactFriction *friction)
 {
   const PetscBool slides = (PetscBool)(!law->stick || law->strength < 0.5 * PETSC_INFINITY);
   const PetscReal k      = slides ? law->along * law->stiffness : law->stiffness; /* along the surface */

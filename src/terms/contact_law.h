@@ -32,7 +32,7 @@ static inline void MpmContactAcross(PetscInt dim, const PetscReal n[], PetscReal
   Does it slide?
 */
 PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
-                     MpmContactFriction *friction);
+                          MpmContactFriction *friction);
 /*
   A barrier's pressure at a gap, 0 from `reach` on, and its fall with the gap; PETSC_FALSE where there is none, the gap being gone.
 */

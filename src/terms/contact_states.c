@@ -9,7 +9,6 @@
   (contact_law.c). When nothing has changed in an iteration, it is the exact one.
 */
 #include "grid/grid.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
@@ -79,7 +78,8 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
     patch->held = (PetscBool)(patch->state == MPM_PATCH_OPEN && !MpmContactsBody(contacts, patch->boundary) &&
                               Touched(contacts, patch));
     if (patch->held) contacts->holds = PETSC_TRUE;
-    if (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer))) contacts->secant = PETSC_TRUE;
+    if (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer)))
+      contacts->secant = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPIU_BOOL, MPI_LOR, sum->grid->comm));
