@@ -42,6 +42,7 @@ static const struct {
   MODEL("ghost_rescue", BOOL, state.rescue.ghost),
   MODEL("leaves_dilation", BOOL, state.rescue.dilation),
   MODEL("indefinite", BOOL, solver.indefinite),
+  MODEL("careful", BOOL, solver.careful),
   MODEL("jacobians_last", INT, solver.cache.made_count_last),
   RESULTS("output_step", INT, output_step),
   RESULTS("run", INT64, checkpoint.run),

@@ -329,6 +329,7 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
     if (snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
     else if (divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
   }
+  if (*reason > 0 && solver->disc->contacts->holds) *reason = SNES_CONVERGED_ITERATING;
   if (!it) solver->cache.imbalance = PETSC_INFINITY;
   if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -346,6 +347,14 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 /* with contact: a slope so many times as large, with the other sign, comes from a stiff kink; and what is progress */
 #define EXCURSION_KINK 30.
 #define EXCURSION_GAIN 0.9
+
+/* with care, the zero of the slope is looked for in a bracket: */
+#define BRACKET_OVERSHOT 0.3 /* so much of the slope, with the other sign, may be left in later iterations */
+#define BRACKET_SLOPE    0.5 /* once there is a bracket, so much of it at most */
+#define BRACKET_EDGE     0.1 /* no trial is nearer to an end than this part of the bracket */
+#define BRACKET_TRIALS   12
+#define BRACKET_GROWTH   2. /* of the residual, where the slope says nothing */
+#define BRACKET_HALVES   5
 
 /* Will a new Jacobian be asked for after this iteration? Steps are much like the last one. */
 static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
@@ -395,7 +404,7 @@ static PetscErrorCode Try(Search *search)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool HasContact(const MpmSolver *solver)
+PetscBool MpmSolverHasContact(const MpmSolver *solver)
 {
   return (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
 }
@@ -403,7 +412,7 @@ static PetscBool HasContact(const MpmSolver *solver)
 /* Is there contact, and has a step gone well beyond the zero of the slope? */
 static PetscBool Overshot(const MpmSolver *solver, PetscInt it, PetscReal start, PetscReal slope)
 {
-  return (PetscBool)(HasContact(solver) && it >= LINE_SEARCH_PATIENT && start > 0. &&
+  return (PetscBool)(MpmSolverHasContact(solver) && it >= LINE_SEARCH_PATIENT && start > 0. &&
                      slope < -LINE_SEARCH_OVERSHOT * start);
 }
 
@@ -444,7 +453,8 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
     excursion->more = PETSC_FALSE;
     *take           = PETSC_TRUE;
   } else if (fine) *take = PETSC_TRUE;
-  else if (HasContact(solver) && step->norm > step->norm_start && step->slope < -EXCURSION_KINK * step->start) {
+  else if (MpmSolverHasContact(solver) && step->norm > step->norm_start &&
+           step->slope < -EXCURSION_KINK * step->start) {
     PetscCall(VecDuplicate(X, &excursion->x));
     PetscCall(VecDuplicate(Y, &excursion->y));
     PetscCall(VecCopy(X, excursion->x));
@@ -514,6 +524,65 @@ static PetscErrorCode SearchByWork(Search *search, PetscBool *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where a line search has been: lengths with a slope downhill and uphill of its zero (-1: none yet), and the slopes. */
+typedef struct {
+  PetscReal start, at[2], slope[2];
+} Bracket;
+
+/* Is the residual at search->lambda, with this slope there, good enough? */
+static PetscBool IsGood(const Search *search, const Bracket *bracket, PetscReal slope)
+{
+  const PetscBool early = (PetscBool)(search->it < LINE_SEARCH_PATIENT);
+
+  if (bracket->start <= 0.) return (PetscBool)(search->norm <= BRACKET_GROWTH * search->fnorm);
+  if (!early && slope < -BRACKET_OVERSHOT * bracket->start) return PETSC_FALSE;
+  if (bracket->at[1] >= 0.) return (PetscBool)(PetscAbsReal(slope) <= BRACKET_SLOPE * bracket->start);
+  return (PetscBool)(slope > 0. || search->norm <= search->fnorm ||
+                     -slope <= (early ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER) * bracket->start);
+}
+
+/*
+  The same with care, for contact. Where it sticks, slips, closes or opens on the way the slope has kinks, often a thousand times as steep behind them
+  as before, and full steps may go to and fro over them for ever, with a residual that falls on every other one. So the
+  slope's zero is bracketed, by regula falsi that keeps off the ends. Where friction makes the slope negative at the start, it says nothing
+  and the residual counts.
+*/
+static PetscErrorCode SearchByBracket(Search *search, PetscBool *found)
+{
+  Bracket     bracket = {.at = {0., -1.}};
+  PetscScalar dot;
+
+  PetscFunctionBeginUser;
+  *found = PETSC_TRUE;
+  PetscCall(VecDot(search->F, search->Y, &dot));
+  bracket.start = bracket.slope[0] = PetscRealPart(dot);
+  for (PetscInt trial = 0;; trial++) {
+    PetscBool uphill;
+
+    PetscCall(Try(search));
+    if (PetscIsInfOrNanReal(search->norm)) {
+      *found = (PetscBool)(trial < BRACKET_TRIALS);
+      if (!*found) break;
+      search->lambda = 0.5 * (bracket.at[0] + search->lambda);
+      continue;
+    }
+    PetscCall(VecDot(search->G, search->Y, &dot));
+    if (trial >= BRACKET_TRIALS || IsGood(search, &bracket, PetscRealPart(dot))) break;
+    if (bracket.start <= 0.) {
+      if (trial >= BRACKET_HALVES) break;
+      search->lambda *= 0.5;
+      continue;
+    }
+    uphill                = (PetscBool)(PetscRealPart(dot) < 0.);
+    bracket.at[uphill]    = search->lambda;
+    bracket.slope[uphill] = PetscRealPart(dot);
+    search->lambda        = bracket.at[0] + (bracket.at[1] - bracket.at[0]) *
+                                       PetscClipInterval(bracket.slope[0] / (bracket.slope[0] - bracket.slope[1]),
+                                                         BRACKET_EDGE, 1. - BRACKET_EDGE);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A step is too long when the residual grows by more than this, early on or later; it is cut to between these parts. */
 #define NORM_GROWTH       10.
 #define NORM_GROWTH_LATER 1.
@@ -555,6 +624,22 @@ static PetscErrorCode SearchByNorm(Search *search, PetscBool *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Tells the contacts of the iterate that is taken; those that were held until now do otherwise there. */
+static PetscErrorCode FollowContacts(Search *search)
+{
+  const MpmDiscretization *disc = search->solver->disc;
+  const PetscBool          held = disc->contacts->holds;
+
+  PetscFunctionBeginUser;
+  if (!search->solver->careful || !disc->contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmGatherSolution(search->solver, search->W));
+  PetscCall(MpmContactsFollow(disc->contacts, disc->sum, disc->u));
+  if (!held) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESComputeFunction(search->solver->snes, search->W, search->G));
+  PetscCall(VecNorm(search->G, NORM_2, &search->norm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The program's own line search. */
 static PetscErrorCode LineSearch(SNESLineSearch object, void *ctx)
 {
@@ -571,11 +656,13 @@ static PetscErrorCode LineSearch(SNESLineSearch object, void *ctx)
   PetscCall(SNESLineSearchGetNorms(object, &xnorm, &search.fnorm, &ynorm));
   PetscCall(SNESGetIterationNumber(snes, &search.it));
   if (search.solver->disc->layout->field_count > 1) PetscCall(SearchByNorm(&search, &found));
+  else if (search.solver->careful) PetscCall(SearchByBracket(&search, &found));
   else PetscCall(SearchByWork(&search, &found));
   if (!found) {
     PetscCall(SNESLineSearchSetReason(object, SNES_LINESEARCH_FAILED_NANORINF));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(FollowContacts(&search));
   PetscCall(VecNorm(search.Y, NORM_2, &ynorm));
   PetscCall(GetPlace(search.W, &tried));
   PetscCall(VecCopy(search.W, search.X));

@@ -74,6 +74,7 @@ typedef struct {
   Mat            shell;         /* its action alone, with MPM_JACOBIAN_MATFREE */
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
+  PetscBool      careful; /* with contact: a line search that minds kinks, and secants of what slides */
   Vec            x, f;
   MpmFieldsplit  split;
   MpmEvaluations cache;
@@ -98,6 +99,8 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
 PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
 PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion);
+/* May bodies touch boundaries or one another? */
+PetscBool MpmSolverHasContact(const MpmSolver *solver);
 /* Sums the residual of disc->u over the points, force included, and leaves it with the nodes' owners, along the axes. */
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */

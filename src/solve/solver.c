@@ -9,6 +9,7 @@
 #include "space/space.h"
 #include "bc/bc.h"
 #include "terms/contact.h"
+#include "terms/contact.h"
 #include "terms/discretization.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
@@ -600,7 +601,12 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
   PetscFunctionBeginUser;
   do {
     solver->cache.solving = solver->cache.ahead = PETSC_TRUE;
+    if (solver->careful) {
+      PetscCall(MpmGatherSolution(solver, solver->x));
+      PetscCall(MpmContactsBegin(solver->disc->contacts, solver->disc->sum, solver->disc->u));
+    }
     PetscCall(SNESSolve(solver->snes, NULL, solver->x));
+    MpmContactsEnd(solver->disc->contacts);
     solver->cache.solving = PETSC_FALSE;
     PetscCall(SNESGetConvergedReason(solver->snes, reason));
     PetscCall(SNESGetIterationNumber(solver->snes, &newton));

@@ -78,7 +78,8 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
                      Answer *answer)
 {
   const MpmPair      *pair = &contacts->pairs->at[patch->pair];
-  const MpmContactLaw law  = {patch->stiffness, SLIDING, pair->friction, pair->adhesion, patch->strength, pair->stick};
+  const MpmContactLaw law  = {patch->stiffness, SLIDING,     pair->friction, pair->adhesion,
+                              patch->strength,  pair->stick, PETSC_FALSE};
   const PetscReal    *n = patch->normal, area = patch->side[0].area;
   PetscReal           along = 0., rate;
 

@@ -41,13 +41,19 @@ typedef struct {
   PetscReal kept[MPM_PIECE_SLOTS];
 } MpmPiece;
 
+/* What a patch does. */
+typedef enum { MPM_PATCH_OPEN, MPM_PATCH_STICKS, MPM_PATCH_SLIDES } MpmPatchState;
+
 /* The facets of one cell at one boundary: one mean gap, one mean slip, one traction. */
 typedef struct {
-  PetscInt  boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
-  PetscReal area, stiffness;           /* m^(dim-1), Pa/m */
-  PetscReal strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
-  PetscBool foreign;                   /* some of its facets are pieces of other ranks, which add their forces there */
-  PetscReal shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
+  PetscInt      boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
+  PetscReal     area, stiffness;           /* m^(dim-1), Pa/m */
+  PetscReal     strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
+  PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
+  PetscBool     held;    /* touches, and sticks, whatever the law says (contact_states.c) */
+  MpmPatchState state;
+  PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
+  PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
 } MpmPatch;
 
 /* Those of this rank's points, and what they do. */
@@ -66,6 +72,8 @@ typedef struct MpmContacts {
   PetscReal  cell;  /* the smallest size of one, m */
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
+  PetscBool  secant;                                   /* Newton's method takes the secants of what slides */
+  PetscBool  holds;                                    /* and it holds patches, of any rank */
   PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet  *facet;
   MpmPatch  *patch;
@@ -97,7 +105,7 @@ PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, c
                                const PetscReal u[], PetscReal *material, PetscReal *boundary);
 /* What a patch does at displacements of its facets: those that the body sees where its boundary is free. */
 typedef struct {
-  PetscBool active, any;                                            /* the mean acts; a facet does */
+  PetscBool active, any, slides;                                    /* the mean acts; a facet does */
   PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
   PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: what is kept of it */
   PetscReal traction[MPM_MAX_DIM];                                  /* along the surface */
@@ -111,6 +119,14 @@ typedef struct {
   PetscReal
     *beyond; /* how far they are beyond what the patch may tilt: < 0 too deep; > 0, of a bilateral one, too far */
 } MpmPatchWork;
+
+/*
+  What patches do from one of Newton's iterates to the next (contact_states.c). Begin: at the first one, with the local unknowns u. Follow: at
+  another one, which has been accepted. End: all by the law, with its derivative. Collective.
+*/
+PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
+PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
+void           MpmContactsEnd(MpmContacts *contacts);
 
 /* One patch (contact_patch.c). */
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);

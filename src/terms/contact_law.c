@@ -6,13 +6,17 @@
   What has slid keeps s = t/k'. k' = k where nothing can slide, and a small part of k elsewhere: a change of pressure moves the bound
   L, and with equal stiffness the slip that follows would throw Newton's method from sticking to sliding and back.
 
+  What slides is not stiff along its way, so that a body which nothing but friction holds, a strip between two rollers, is free to go while
+  all of it slides; Newton's method then throws it from sliding one way to sliding the other. With the secant t/s in place of dt/ds it
+  comes to where some of it sticks; the solver takes that until nothing changes any more between two iterates (contact_states.c).
+
   The barrier is p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1. Source: Li, Fang, Li and Jiang (2022), BFEMP,
   doi:10.1016/j.cma.2021.114350.
 */
 #include "terms/contact_law.h"
 
-void MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
-                     MpmContactFriction *friction)
+PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
+                          MpmContactFriction *friction)
 {
   const PetscBool slides = (PetscBool)(!law->stick || law->strength < 0.5 * PETSC_INFINITY);
   const PetscReal k      = slides ? law->along * law->stiffness : law->stiffness; /* along the surface */
@@ -28,7 +32,7 @@ void MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure,
       friction->traction[a]   = k * slip[a];
       friction->by_slip[a][a] = k;
     }
-    return;
+    return PETSC_FALSE;
   }
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal along = slip[a] / size;
@@ -36,9 +40,10 @@ void MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure,
     friction->traction[a]    = limit * along;
     friction->by_pressure[a] = growth * along;
     for (PetscInt c = 0; c < dim; c++)
-      friction->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - along * slip[c] / size);
+      friction->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - (law->secant ? 0. : along * slip[c] / size));
   }
   for (PetscInt a = 0; a < dim; a++) slip[a] = friction->traction[a] / k;
+  return PETSC_TRUE;
 }
 
 PetscBool MpmContactBarrier(const MpmContactLaw *law, PetscReal reach, PetscReal gap, PetscReal *pressure,

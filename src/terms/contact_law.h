@@ -11,6 +11,7 @@ typedef struct {
   PetscReal friction, adhesion; /* Coulomb's coefficient; Pa */
   PetscReal strength;           /* of the material itself in shear, Pa; or infinite */
   PetscBool stick;              /* nothing but the strength bounds the traction */
+  PetscBool secant;             /* the derivative by the slip of what slides is its secant, t/s */
 } MpmContactLaw;
 
 /* Along the surface; the traction is the first body's on the second. */
@@ -26,9 +27,12 @@ static inline void MpmContactAcross(PetscInt dim, const PetscReal n[], PetscReal
   for (PetscInt a = 0; a < dim; a++) dot += v[a] * n[a];
   for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
 }
-/* Traction at a slip and a pressure, and its derivatives; the slip becomes what is kept of it: what the traction stretches. */
-void MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
-                     MpmContactFriction *friction);
+/*
+  Traction at a slip and a pressure, and its derivatives; the slip becomes what is kept of it: what the traction stretches.
+  Does it slide?
+*/
+PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
+                          MpmContactFriction *friction);
 /*
   A barrier's pressure at a gap, 0 from `reach` on, and its fall with the gap; PETSC_FALSE where there is none, the gap being gone.
 */

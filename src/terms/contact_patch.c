@@ -51,14 +51,17 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
 #define SLIDING 0.1 /* k'/k of what may slide */
 
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
-static void Friction(const MpmBoundary *boundary, const MpmPatch *patch, MpmPatchAnswer *answer)
+static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
-  const MpmContactLaw law      = {patch->stiffness,   SLIDING,         boundary->friction,
-                                  boundary->adhesion, patch->strength, boundary->stick};
+  const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
+  const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
+  const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
+  const MpmContactLaw law      = {patch->stiffness, SLIDING,         boundary->friction, adhesion,
+                                  strength,         boundary->stick, contacts->secant};
   const PetscReal     pressure = -patch->stiffness * answer->gap;
   MpmContactFriction  friction;
 
-  MpmContactSlide(&law, boundary->dim, pressure, answer->slip, &friction);
+  answer->slides = MpmContactSlide(&law, boundary->dim, pressure, answer->slip, &friction);
   for (PetscInt a = 0; a < boundary->dim; a++) {
     answer->traction[a] = friction.traction[a];
     answer->by_gap[a]   = -patch->stiffness * friction.by_pressure[a];
@@ -142,7 +145,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + at[a]);
   }
   answer->gap -= patch->shift;
-  if (!boundary->bilateral) answer->active = (PetscBool)(answer->gap <= contacts->touch);
+  if (!boundary->bilateral) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
   if (!answer->active) {
     answer->gap = 0.;
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
@@ -150,7 +153,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
   }
   answer->any       = PETSC_TRUE;
   answer->stiffness = patch->stiffness;
-  if (boundary->tangential) Friction(boundary, patch, answer);
+  if (boundary->tangential) Friction(contacts, patch, answer);
 }
 
 void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,

@@ -548,10 +548,9 @@ PetscErrorCode MpmStepFindReference(MpmModel model)
 }
 
 /* Newton from the prediction; where that fails, or there is none, from rest. */
-static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+static PetscErrorCode SolveFrom(MpmModel model, SNESConvergedReason *reason)
 {
   PetscFunctionBeginUser;
-  model->solver.newton = model->solver.linear = 0;
   if (model->solver.cache.predicted) {
     PetscCall(MpmSolverSolve(&model->solver, reason));
     if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
@@ -565,6 +564,28 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   }
   PetscCall(InitialGuess(model, PETSC_FALSE)); /* the Krylov method has been changed: once more */
   PetscCall(MpmSolverSolve(&model->solver, reason));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define WEARY 25 /* iterations in a step that the careful method does not spare */
+
+/*
+  Where contact makes Newton's method fail it is taken again with care, or without where it failed with it, before the step is cut. What
+  succeeded is how the next step starts.
+*/
+static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+{
+  MpmSolver *solver = &model->solver;
+
+  PetscFunctionBeginUser;
+  solver->newton = solver->linear = 0;
+  PetscCall(SolveFrom(model, reason));
+  if (*reason < 0 && MpmSolverHasContact(solver)) {
+    solver->careful = (PetscBool)!solver->careful;
+    PetscCall(InitialGuess(model, solver->cache.predicted));
+    if (solver->cache.predicted) PetscCall(MpmRelaxBodies(solver, NULL, solver->x));
+    PetscCall(SolveFrom(model, reason));
+  } else if (solver->newton > WEARY) solver->careful = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
