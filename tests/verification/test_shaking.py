@@ -74,7 +74,7 @@ mpm:
   track_level: {at: "42,0", nearest: 4}
   track_deep: {at: "%(deep)s", nearest: 4}
   stabilization: {ghost: "off", fbar: false}
-  time: {integrator: explicit, end: 49, step: 0.5}
+  time: {integrator: explicit, end: 49, step: 0.25}
   output: {prefix: oblique, every: 0}
 """
 FORMS = """
