@@ -60,9 +60,9 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *material = &sum->materials[points.material[p]];
-    const PetscReal *state = points.state ? &points.state[p * sum->state_size] : NULL, *F = &points.F[p * dim * dim];
-    const PetscReal  c  = MpmMaterialWaveSpeed(material, dim, state, F, &points.stress[p * MpmSymSize(dim)]);
-    const PetscReal  nu = MpmMaterialViscosity(material) * MpmPointVolumeRatio(material, dim, F) / material->density;
+    const PetscReal   *state = points.state ? &points.state[p * sum->state_size] : NULL, *F = &points.F[p * dim * dim];
+    const PetscReal    c  = MpmMaterialWaveSpeed(material, dim, state, F, &points.stress[p * MpmSymSize(dim)]);
+    const PetscReal    nu = MpmMaterialViscosity(material) * MpmPointVolumeRatio(material, dim, F) / material->density;
 
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal h     = model->disc.grid->h[a];
@@ -302,7 +302,6 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, model->disc.sum->dt);
   if (MpmDampingAny(model->disc.damping)) {
     PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
-    PetscCall(MpmAbsorbingDashpots(model->disc.damping, model->disc.sum, model->disc.damping->dashpot));
     model->disc.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);
