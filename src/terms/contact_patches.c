@@ -225,14 +225,15 @@ void MpmContactsDistance(const MpmContacts *contacts, PetscInt b, const PetscRea
 
 /*
   Distance of a facet inside a boundary with flat faces, from the plane of the face that it came through: the first on the way back along
-  its outward normal, which another one may be nearer than. The way goes from place to place by what is free of the surface.
+  its outward normal, which another one may be nearer than; no further than a cell: a face in a plane of symmetry under the middle of a
+  footing did not come through the footing's side. The way goes from place to place by what is free of the surface.
 */
 static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[], const MpmFacet *facet,
                           MpmSurface *surface)
 {
   const MpmBoundary *boundary        = &contacts->boundaries[facet->boundary];
   const PetscInt     dim             = boundary->dim;
-  PetscReal          at[MPM_MAX_DIM] = {0., 0., 0.}, size = 0.;
+  PetscReal          at[MPM_MAX_DIM] = {0., 0., 0.}, size = 0., way = 0.;
   MpmSurface         there = *surface;
 
   for (PetscInt a = 0; a < dim; a++) size += PetscSqr(outward[a]);
@@ -241,7 +242,8 @@ static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[]
   for (PetscInt k = 0; there.distance < -contacts->touch; k++) {
     const PetscReal step = PetscMax(-there.distance, ENTRY_STEP * contacts->cell) / size;
 
-    if (k == ENTRY_STEPS || !(size > 0.)) return;
+    way += step * size;
+    if (k == ENTRY_STEPS || !(size > 0.) || way > contacts->cell) return;
     for (PetscInt a = 0; a < dim; a++) at[a] -= step * outward[a];
     MpmBoundaryDistance(boundary, &contacts->before[facet->boundary], at, &there);
   }
