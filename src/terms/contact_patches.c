@@ -190,6 +190,30 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   return PETSC_TRUE;
 }
 
+/*
+  Where the surface cut a point's domain, all its faces that look at the surface are there because of the cut: domains of the parts that
+  are left do not fill the space between the points, so that some of their faces bound nothing. They keep their distance, too.
+*/
+static void KeepDistances(MpmContacts *contacts, PetscInt b, const MpmPoints *points, PetscInt count,
+                          const PetscInt face[], PetscInt touched)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[b];
+  const MpmPose      still    = {.growth = 0.};
+  const PetscInt     dim      = boundary->dim;
+
+  for (PetscInt k = 0; k < count && touched; k++) {
+    MpmFacet  *facet = &contacts->facet[contacts->facet_count - count + k];
+    PetscReal  at[MPM_MAX_DIM], unused[MPM_MAX_DIM];
+    MpmSurface surface;
+
+    if (touched & (1 << face[k])) continue;
+    InitialPlace(dim, points, facet->point, face[k], at);
+    MpmBoundaryDistance(boundary, &still, at, &surface);
+    facet->touches =
+      surface.distance * MpmOuterNormal(dim, &points->F[facet->point * dim * dim], surface.normal, unused);
+  }
+}
+
 PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part)
 {
   PetscInt64 number = part;
@@ -317,6 +341,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim = boundary->dim, p = start->point;
   Corner             corner = {0};
+  PetscInt           count = 0, added[2 * MPM_MAX_DIM], all = 0;
   MpmSurface         surface;
 
   PetscFunctionBeginUser;
@@ -348,7 +373,10 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     touched = TouchedAtStart(contacts, b, points, p, face, &facet.touches);
     if (boundary->bilateral && !touched) continue;
     PetscCall(MpmContactsAddFacet(contacts, &facet));
+    added[count++] = face;
+    if (touched) all |= 1 << face;
   }
+  if (contacts->cut[b]) KeepDistances(contacts, b, points, count, added, all);
   PetscCall(CornerFacet(contacts, b, margin, points, start, &corner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
