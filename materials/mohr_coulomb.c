@@ -134,9 +134,10 @@ MPM_FN double Noise(Lame lame)
 /*
   Whether the stress of strain e is surely elastic, without principal axes. First by its invariants: t1 - t3 = 2 sqrt(J2)
   cos(theta), t1 + t3 = 2 p - (2/sqrt 3) sqrt(J2) sin(theta) with Lode's angle theta make f at most 2 (p sin phi + sqrt(J2)
-  sqrt(1 + sin^2(phi)/3)) - 2 c cos phi. Then by its principal values, less what these may be off in 3D.
+  sqrt(1 + sin^2(phi)/3)) - 2 c cos phi. Then by its principal values, less what these may be off in 3D; where it is not, the
+  axes can follow from `split`.
 */
-MPM_FN int IsSurelyElastic(const Strength *strength, Lame lame, const Sym *e)
+MPM_FN int IsSurelyElastic(const Strength *strength, Lame lame, const Sym *e, SymSplit *split)
 {
   const double lambda = RealValue(lame.lambda), mu = RealValue(lame.mu), sine = DualValue(strength->sin_phi);
   const Sym    dev   = SymDev(e);
@@ -147,7 +148,8 @@ MPM_FN int IsSurelyElastic(const Strength *strength, Lame lame, const Sym *e)
   if (2. * (p * sine + root * sqrt(1. + sine * sine / 3.)) <= DualValue(strength->shear) &&
       (!strength->cut || p + 2. / sqrt(3.) * root <= DualValue(strength->tension)))
     return 1;
-  SymPrincipalValues(e, w);
+  *split = SymSplitCreate(e);
+  SymSplitValues(split, w);
   return Excess(strength, lambda * trace + 2. * mu * w[0], lambda * trace + 2. * mu * w[2]) + off <= Noise(lame);
 }
 
@@ -487,13 +489,14 @@ MPM_FN int MpmMaterialEvaluate_mohr_coulomb(const MpmLawPoint *point, const Tens
   const Strength strength = StrengthAt(point->parameter, part);
   const Sym      b        = SymPush(dF, &point->state_n[STATE_B]);
   SymPrincipal   principal;
+  SymSplit       split;
   Sym            e;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
-  if (!IsSurelyElastic(&strength, lame, &e)) {
+  if (!IsSurelyElastic(&strength, lame, &e, &split)) {
     double mean = 0.;
 
-    if (SymPrincipalCreate(&e, &principal)) return 1;
+    if (SymSplitPrincipal(&split, &principal)) return 1;
     for (int a = 0; a < 3; ++a) mean += RealValue(lame.lambda) * principal.value[a];
     if (Excess(&strength, mean + 2. * RealValue(lame.mu) * principal.value[0],
                mean + 2. * RealValue(lame.mu) * principal.value[2]) > Noise(lame))

@@ -112,7 +112,7 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **wh
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* Where a run would give up, once: a firmer ghost penalty from here on. */
 PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why);
-/* F-bar averages dilation, too, from here on: what a run falls back to where steps fail again and again. */
+/* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
 void MpmStepAverageDilation(MpmModel model, PetscBool average);
 /* The end of the step that starts now, and its length. */
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
