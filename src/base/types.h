@@ -54,6 +54,8 @@ typedef struct MpmPlacement      MpmPlacement;
 typedef struct MpmRigidBody      MpmRigidBody;
 typedef struct MpmSections       MpmSections;
 typedef struct MpmSurfaceFaces   MpmSurfaceFaces;
+typedef struct MpmTerm           MpmTerm;
+typedef struct MpmTermStep       MpmTermStep;
 typedef struct MpmTerms          MpmTerms;
 typedef struct MpmStage          MpmStage;
 typedef struct MpmWaterTable     MpmWaterTable;

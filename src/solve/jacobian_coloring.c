@@ -15,6 +15,7 @@
 #include "terms/action.h"
 #include "terms/sparsity.h"
 #include "solve/solve.h"
+#include "terms/terms.h"
 
 typedef struct {
   const MpmSum         *sum;

@@ -6,6 +6,7 @@
 #include "terms/action.h"
 #include "terms/discretization.h"
 #include "solve/solve.h"
+#include "terms/terms.h"
 
 typedef struct {
   MpmSolver *solver;

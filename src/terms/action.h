@@ -3,7 +3,6 @@
   The Jacobian's action on a vector.
 */
 #include "terms/cell_mean.h"
-#include "terms/terms.h"
 
 /*
   The Jacobian's action without a matrix. With `stored` each point keeps its tangent; otherwise one dual direction makes

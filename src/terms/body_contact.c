@@ -28,6 +28,7 @@
 #include "terms/body_contact.h"
 #include "terms/contact_law.h"
 #include "terms/sparsity.h"
+#include "terms/terms.h"
 
 #define SLIDING \
   0.02 /* k'/k of what may slide: both sides give way, and many patches turn from sticking to sliding at once */

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "terms/terms.h"
 
 /* Two bodies that touch, slide and part. */
 typedef struct {

@@ -22,6 +22,7 @@
 #include "space/sum.h"
 #include "terms/body_facets.h"
 #include "terms/contact.h"
+#include "terms/terms.h"
 
 #define TOUCH   1e-12 /* of a cell: rounding */
 #define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */

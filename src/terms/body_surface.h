@@ -5,7 +5,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "terms/terms.h"
 
 /*
   Faces of a body's points that bound the material, on one side of the lattice or on all; or those of any body that touch a drained

@@ -6,7 +6,6 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "terms/rigid.h"
-#include "terms/terms.h"
 
 /* A face of a point's domain that bounds the material and may touch a boundary in this step. */
 typedef struct {

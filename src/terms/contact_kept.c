@@ -4,6 +4,7 @@
 #include "particles/particles.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
+#include "terms/terms.h"
 
 /* A number that a facet's point keeps. */
 static PetscReal Kept(const MpmContacts *contacts, PetscInt f, const PetscReal field[], MpmPieceSlot slot)

@@ -4,7 +4,6 @@
   and tangent_diagonal.c.
 */
 #include "space/point_loop.h"
-#include "terms/terms.h"
 
 PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                  PetscInt *failed);

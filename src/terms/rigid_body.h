@@ -7,7 +7,6 @@
 #include "base/types.h"
 #include "terms/contact.h"
 #include "terms/rigid.h"
-#include "terms/terms.h"
 
 /* What is solved for, and what pushes; about the reference point. */
 typedef struct MpmFreedom {

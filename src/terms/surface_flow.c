@@ -30,6 +30,7 @@
 #include "terms/load.h"
 #include "terms/sparsity.h"
 #include "terms/water_table.h"
+#include "terms/terms.h"
 
 #define MOBILITY 2. /* of the least penalty, an axis */
 #define STORAGE  4.

@@ -16,6 +16,7 @@
 #include "space/sum.h"
 #include "terms/body_surface.h"
 #include "terms/sparsity.h"
+#include "terms/terms.h"
 
 /* The basis functions of a face's point, and the force on the face with its derivative by dF. */
 typedef struct {

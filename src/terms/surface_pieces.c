@@ -23,6 +23,7 @@
 #include "space/sum.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
+#include "terms/terms.h"
 
 #define FINE   0.4 /* of a cell: domains no longer than this leave it to the surface to touch */
 #define AROUND 4   /* cells about a piece's place, in which ranks learn of it */

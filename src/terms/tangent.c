@@ -4,6 +4,7 @@
   products of a few vectors over all of its nodes.
 */
 #include "terms/point_tangent.h"
+#include "terms/terms.h"
 
 /* to = sum_k factor_k row_k, added to what is there or in its place; the compiler must not unroll what it can vectorise */
 MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[], const PetscReal *const row[],

@@ -6,6 +6,7 @@
 #include "space/unit.h"
 #include "terms/action.h"
 #include "terms/point_term.h"
+#include "terms/terms.h"
 
 /* Central differences: the step that balances truncation and rounding for inputs of order one. */
 #define FD_STEP 6e-6

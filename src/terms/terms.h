@@ -6,11 +6,11 @@
 #include "base/types.h"
 
 /* A step, as terms prepare for it; the particles' arrays are lent to the sum. */
-typedef struct {
+struct MpmTermStep {
   const MpmRules *rules;
   const MpmSum   *sum;
   MpmParticles   *particles;
-} MpmTermStep;
+};
 
 /*
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
@@ -26,7 +26,7 @@ typedef struct {
   stage     what the term keeps of the first of two stages (sdirk.c), which counts `theta` times in what has flowed
   commit    what the term keeps of the converged step
 */
-typedef struct {
+struct MpmTerm {
   const char *name;
   PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
   PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
@@ -40,7 +40,7 @@ typedef struct {
                              PetscInt *failed);
   PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
   PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
-} MpmTerm;
+};
 
 extern const MpmTerm MpmTermPoints;      /* the physics at the points (residual.c, tangent.c) */
 extern const MpmTerm MpmTermCellMeans;   /* the same where it takes a mean over the cell */

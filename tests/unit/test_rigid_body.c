@@ -6,6 +6,7 @@
 */
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
+#include "terms/terms.h"
 #include "scene.h"
 
 static const char *const scene_2d =
