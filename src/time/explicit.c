@@ -60,9 +60,9 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *material = &sum->materials[points.material[p]];
-    const PetscReal *state = points.state ? &points.state[p * sum->state_size] : NULL, *F = &points.F[p * dim * dim];
-    const PetscReal  c  = MpmMaterialWaveSpeed(material, dim, state, F, &points.stress[p * MpmSymSize(dim)]);
-    const PetscReal  nu = MpmMaterialViscosity(material) * MpmPointVolumeRatio(material, dim, F) / material->density;
+    const PetscReal   *state = points.state ? &points.state[p * sum->state_size] : NULL, *F = &points.F[p * dim * dim];
+    const PetscReal    c  = MpmMaterialWaveSpeed(material, dim, state, F, &points.stress[p * MpmSymSize(dim)]);
+    const PetscReal    nu = MpmMaterialViscosity(material) * MpmPointVolumeRatio(material, dim, F) / material->density;
 
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal h     = model->disc.grid->h[a];
