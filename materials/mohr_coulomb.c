@@ -96,17 +96,16 @@ MPM_FN CoulombStrength StrengthAt(const Real *parameter, Dual part)
   return strength;
 }
 
-MPM_FN CoulombFlow FlowAt(const Real *parameter, const CoulombStrength *strength, Dual part)
+MPM_FN CoulombFlow FlowAt(const Real *parameter, Lame lame, const CoulombStrength *strength, Dual part)
 {
-  return CoulombFlowCreate(LameFromParameters(parameter), strength,
-                           DualSin(SoftAngle(parameter, DILATION, DILATION_RESIDUAL, part)));
+  return CoulombFlowCreate(lame, strength, DualSin(SoftAngle(parameter, DILATION, DILATION_RESIDUAL, part)));
 }
 
 /* ---- elastic or not ---- */
 
 /* Whether the stress of strain e is surely elastic, without principal axes: by its invariants, then by its principal values, less
-   what these may be off in 3D */
-MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym *e)
+   what these may be off in 3D; where it is not, the axes can follow from `split` */
+MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym *e, SymSplit *split)
 {
   const double lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
   const Sym    dev   = SymDev(e);
@@ -115,7 +114,8 @@ MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym
   double       w[3];
 
   if (CoulombIsSurelyInside(strength, p, root)) return 1;
-  SymPrincipalValues(e, w);
+  *split = SymSplitCreate(e);
+  SymSplitValues(split, w);
   return CoulombExcess(strength, lambda * trace + 2. * mu * w[0], lambda * trace + 2. * mu * w[2]) + off <=
          CoulombNoise(lame);
 }
@@ -123,57 +123,168 @@ MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym
 /* ---- softening ---- */
 
 /* Return with the strength at the end of a growth x of kappa; x becomes what the return makes it. */
-MPM_FN int ReturnWith(const MpmLawPoint *point, const Dual trial[3], Dual *x, Dual t[3])
+MPM_FN int ReturnWith(const MpmLawPoint *point, Lame lame, const Dual trial[3], Dual *x, Dual t[3])
 {
   const Dual            part     = SoftPart(point->parameter, DualShift(*x, point->state_n[STATE_KAPPA]));
   const CoulombStrength strength = StrengthAt(point->parameter, part);
-  const CoulombFlow     flow     = FlowAt(point->parameter, &strength, part);
+  const CoulombFlow     flow     = FlowAt(point->parameter, lame, &strength, part);
 
   for (int a = 0; a < 3; ++a) t[a] = trial[a];
   if (CoulombReturn(&strength, &flow, t)) return 1;
-  *x = CoulombPlasticStrain(flow.lame, trial, t);
+  *x = CoulombPlasticStrain(lame, trial, t);
   return 0;
+}
+
+/*
+  More than any return makes kappa grow by: no plane's multiplier exceeds f/(n . C r) <= most/(4 mu), for what the others take
+  along with it is never negative, no flow r is longer than 2, and at most four planes meet.
+*/
+MPM_FN double MostGrowth(Lame lame, const Dual trial[3])
+{
+  const double t1 = DualValue(trial[0]), t3 = DualValue(trial[2]), most = fmax(t1 - t3, 2. * t1);
+
+  return RealValue(lame.lambda) >= 0. ? 1.64 * most / RealValue(lame.mu) : HUGE_VAL;
+}
+
+/* Flow on the plane 13 alone, in plain numbers, to start from. Angles turn with kappa: friction and dilation. */
+typedef struct {
+  double sine[2], cosine[2], turn[2]; /* at the step's start, and radians by kappa */
+  double c, fall, sum, difference, lambda, mu;
+} Start;
+
+MPM_FN Start StartCreate(const Real *parameter, Lame lame, const CoulombStrength *strength, double kappa,
+                         const Dual trial[3])
+{
+  const double part = 1. / RealValue(parameter[SOFTENING_STRAIN]), radians = 3.14159265358979323846 / 180.;
+  double       angle;
+  Start        start;
+
+  start.turn[0]    = radians * part * RealValue(parameter[FRICTION_RESIDUAL] - parameter[FRICTION]);
+  start.turn[1]    = radians * part * RealValue(parameter[DILATION_RESIDUAL] - parameter[DILATION]);
+  angle            = radians * RealValue(parameter[DILATION]) + kappa * start.turn[1];
+  start.sine[0]    = DualValue(strength->sin_phi);
+  start.cosine[0]  = sqrt(1. - start.sine[0] * start.sine[0]);
+  start.sine[1]    = sin(angle);
+  start.cosine[1]  = cos(angle);
+  start.fall       = part * RealValue(parameter[COHESION_RESIDUAL] - parameter[COHESION]);
+  start.c          = RealValue(parameter[COHESION]) + kappa * start.fall;
+  start.sum        = DualValue(trial[0]) + DualValue(trial[2]);
+  start.difference = DualValue(trial[0]) - DualValue(trial[2]);
+  start.lambda     = RealValue(lame.lambda);
+  start.mu         = RealValue(lame.mu);
+  return start;
+}
+
+/* The growth of kappa with the strength at the end of a growth x, to the third power of the turns, and its slope at 0 */
+MPM_FN double StartGrowth(const Start *start, double x, double *slope)
+{
+  const double both = start->lambda + start->mu, c = start->c + start->fall * x;
+  double       sine[2], cosine[2], f, down, length, change;
+
+  for (int i = 0; i < 2; ++i) {
+    const double angle = start->turn[i] * x, even = 1. - 0.5 * angle * angle;
+    const double odd = angle - angle * angle * angle * (1. / 6.);
+
+    sine[i]   = start->sine[i] * even + start->cosine[i] * odd;
+    cosine[i] = start->cosine[i] * even - start->sine[i] * odd;
+  }
+  f      = start->difference + start->sum * sine[0] - 2. * c * cosine[0];
+  down   = 1. / (start->mu + both * sine[0] * sine[1]);
+  length = down * sqrt((1. + sine[1] * sine[1]) * (1. / 12.));
+  if (!slope) return length * f;
+  change = (start->sum * cosine[0] + 2. * c * sine[0]) * start->turn[0] - 2. * start->fall * cosine[0];
+  change -= f * down * both * (cosine[0] * start->turn[0] * sine[1] + sine[0] * cosine[1] * start->turn[1]);
+  change += f * sine[1] * cosine[1] * start->turn[1] / (1. + sine[1] * sine[1]);
+  *slope = length * change;
+  return length * f;
+}
+
+/* Where that is x: Newton's method, twice with the first slope */
+MPM_FN double StartFind(const Start *start)
+{
+  double       slope;
+  const double first = StartGrowth(start, 0., &slope), part = 1. / (1. - slope), x = part * first;
+
+  return x + part * (StartGrowth(start, x, NULL) - x);
+}
+
+/* The equation for the growth of kappa, and the return that was last looked at: stresses and growth with all derivatives,
+   direction 3 that by the growth x that it took */
+typedef struct {
+  const MpmLawPoint *point;
+  Lame               lame;
+  const Dual        *trial;
+  Dual              *t, *grown;
+  double            *taken;
+} Softening;
+
+MPM_FN int LookAt(const Softening *softening, double x)
+{
+  *softening->taken = x;
+  *softening->grown = DualSeed(x, 3); /* a direction that the stresses have not taken */
+  return ReturnWith(softening->point, softening->lame, softening->trial, softening->grown, softening->t);
 }
 
 MPM_FN int Growth(const void *problem, const Dual input[], const Dual x[], Dual r[])
 {
-  Dual t[3], grown = x[0];
+  const Softening *softening = (const Softening *)problem;
 
-  if (ReturnWith((const MpmLawPoint *)problem, input, &grown, t)) return 1;
-  r[0] = DualSub(x[0], grown);
+  (void)input;
+  if (LookAt(softening, DualValue(x[0]))) return 1;
+  r[0] = DualSub(x[0], DualChain(x[0], DualValue(*softening->grown), DualDirection(*softening->grown, 3)));
   return 0;
 }
 
-/* Return of trial stresses outside the yield surface, with the growth of kappa */
-MPM_FN int ReturnSoftening(const MpmLawPoint *point, const Dual trial[3], Dual *x, Dual t[3])
-{
-  const double   left   = RealValue(point->parameter[SOFTENING_STRAIN]) - RealValue(point->state_n[STATE_KAPPA]);
-  const Implicit growth = {Growth, point, trial, 3, 1, left};
-  double         grown, slope;
+/* Part of the softening strain over which nothing changes by more than the square root of rounding */
+#define LAST_GROWTH 1e-9
 
-  *x = DualConstant(left > 0. && left <= DBL_MAX ? left : 0.);
-  if (ReturnWith(point, trial, x, t)) return 1; /* with the residual strength, or one that does not change */
-  if (!(left > 0. && left <= DBL_MAX && DualValue(*x) < left)) return 0;
-  if (ImplicitFind(&growth, 0., left, DualValue(*x), &grown)) return 1;
-  *x = DualSeed(grown, 3); /* a direction that the stresses have not taken */
-  if (ReturnWith(point, trial, x, t)) return 1;
+/* Return of trial stresses outside the yield surface, with the growth of kappa; `strength` is that of the step's start. */
+MPM_FN int ReturnSoftening(const MpmLawPoint *point, Lame lame, const CoulombStrength *strength, const Dual trial[3],
+                           Dual *x, Dual t[3])
+{
+  const double    kappa = RealValue(point->state_n[STATE_KAPPA]);
+  const double    left  = RealValue(point->parameter[SOFTENING_STRAIN]) - kappa;
+  const int       soft  = left > 0. && left <= DBL_MAX;
+  double          root, taken, slope, step;
+  const Softening problem = {point, lame, trial, t, x, &taken};
+  const Implicit  growth  = {Growth, &problem, trial, 3, 1, LAST_GROWTH * left / (4. * DBL_EPSILON)};
+  Start           start;
+
+  if (!soft || MostGrowth(lame, trial) >= left) {
+    *x = DualConstant(soft ? left : 0.);
+    if (ReturnWith(point, lame, trial, x, t)) return 1; /* with the residual strength, or one that does not change */
+    if (!(soft && DualValue(*x) < left)) return 0;
+  }
+  start = StartCreate(point->parameter, lame, strength, kappa, trial);
+  root  = fmin(fmax(StartFind(&start), 0.), left);
+  if (LookAt(&problem, root)) return 1;
   slope = DualDirection(*x, 3);
-  *x    = DualChain(*x, grown, 1. / (1. - slope)); /* of x - grown(trial, x) = 0 */
-  for (int a = 0; a < 3; ++a) DualAddDirections(&t[a], DualDirection(t[a], 3), x);
+  step  = (DualValue(*x) - root) / (1. - slope);
+  if (fabs(step) <= LAST_GROWTH * left && root + step >= 0. && root + step < left) root += step;
+  else if (ImplicitFind(&growth, 0., left, root, &root)) return 1;
+  slope = DualDirection(*x, 3);
+  *x    = DualChain(*x, root, 1. / (1. - slope)); /* of x - grown(trial, x) = 0 */
+  for (int a = 0; a < 3; ++a) {
+    const double by_x = DualDirection(t[a], 3);
+
+    t[a] = DualShift(t[a], by_x * (root - taken)); /* Newton's last step */
+    DualAddDirections(&t[a], by_x, x);
+  }
   return fabs(1. - slope) < DBL_MIN;
 }
 
 /* ---- the law ---- */
 
 /* Takes the trial strain e to its stress, and writes the plastic history. */
-MPM_FN int Yield(const MpmLawPoint *point, Lame lame, const SymPrincipal *principal, const Sym *e, Sym *tau)
+MPM_FN int Yield(const MpmLawPoint *point, Lame lame, const CoulombStrength *strength, const SymPrincipal *principal,
+                 const Sym *e, Sym *tau)
 {
   Dual w[3], trial[3], t[3], mean, x;
 
   for (int a = 0; a < 3; ++a) w[a] = DualSeed(principal->value[a], a);
   mean = DualScale(lame.lambda, DualAdd(DualAdd(w[0], w[1]), w[2]));
   for (int a = 0; a < 3; ++a) trial[a] = DualAdd(mean, DualScale(2. * lame.mu, w[a]));
-  if (ReturnSoftening(point, trial, &x, t)) return 1;
+  if (ReturnSoftening(point, lame, strength, trial, &x, t)) return 1;
   *tau = SymIsotropic(e, principal, t);
   if (point->state) {
     Sym b;
@@ -194,17 +305,18 @@ MPM_FN int MpmMaterialEvaluate_mohr_coulomb(const MpmLawPoint *point, const Tens
   const CoulombStrength strength = StrengthAt(point->parameter, part);
   const Sym             b        = SymPush(dF, &point->state_n[STATE_B]);
   SymPrincipal          principal;
+  SymSplit              split;
   Sym                   e;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
-  if (!IsSurelyElastic(&strength, lame, &e)) {
+  if (!IsSurelyElastic(&strength, lame, &e, &split)) {
     double mean = 0.;
 
-    if (SymPrincipalCreate(&e, &principal)) return 1;
+    if (SymSplitPrincipal(&split, &principal)) return 1;
     for (int a = 0; a < 3; ++a) mean += RealValue(lame.lambda) * principal.value[a];
     if (CoulombExcess(&strength, mean + 2. * RealValue(lame.mu) * principal.value[0],
                       mean + 2. * RealValue(lame.mu) * principal.value[2]) > CoulombNoise(lame))
-      return Yield(point, lame, &principal, &e, tau);
+      return Yield(point, lame, &strength, &principal, &e, tau);
   }
   *tau = ElasticStress(lame, &e);
   if (point->state) {

@@ -390,7 +390,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
     model->disc.ghost         = ghost;
     model->state.rescue.ghost = may_rescue;
   }
-  if (leaves_dilation && !model->state.rescue.dilation) MpmStepAverageDilation(model);
+  if (leaves_dilation && !model->state.rescue.dilation) MpmStepAverageDilation(model, PETSC_TRUE);
   model->state.rescue.dilation    = (PetscBool)(leaves_dilation && model->state.rescue.dilation);
   model->solver.indefinite        = (PetscBool)(model->solver.indefinite && may_be_indefinite);
   model->solver.may_be_indefinite = (PetscBool)(may_be_indefinite && !model->solver.indefinite);

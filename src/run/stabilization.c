@@ -41,7 +41,8 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsHeading(&block, "Stabilization"));
   PetscCall(MpmOptionsText(&block, "ghost",
                            "penalty on the faces of edge cells, against small cuts: auto (1e-2 for every shape and "
-                           "solver; 1e-1 on all faces where bodies have one point a cell, and where a run would give "
+                           "solver; 1e-4 while a factor of safety is sought; 1e-1 on all faces where bodies have one "
+                           "point a cell, and where a run would give "
                            "up with less), off, or a factor times Young's modulus (error of a clamped beam's end over "
                            "its length, gimp, h = L/160: 1.5e-3 without, 7.7e-5 with auto)",
                            "auto", MPM_OPTIONAL, &ghost));

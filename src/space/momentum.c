@@ -10,6 +10,7 @@
   itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
 */
 #include "space/momentum.h"
+#include "space/motion.h"
 #include "space/stencil.h"
 
 const char *const MpmTransferTypes[] = {"apic", "flip", NULL};
@@ -225,5 +226,289 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
     }
   }
   PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ---- what an explicit step carries between points and nodes ----
+
+  The numbers of a node stand side by side in vectors of the processor: a point touches few nodes on an axis, and there are as
+  many numbers.
+*/
+#define SLIM 4
+typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
+
+/* Of a node in the first pass: momentum, and mass behind it; and force. */
+typedef struct {
+  Slim moving, force;
+} Sums;
+
+MPM_INLINE PetscReal Mass(const MpmSum *sum, PetscInt p)
+{
+  const MpmPoints *points = sum->points;
+
+  return points->mass ? points->mass[p] : points->volume0[p] * sum->materials[points->material[p]].density;
+}
+
+/* V_0 tau, or for a small-strain law what its derivatives by the initial position become by the present one: a force's stress. */
+MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p, Slim P[])
+{
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim    = known.dim;
+  const PetscReal *F = &points->F[p * dim * dim], *s = &points->stress[p * (dim == 2 ? 4 : 6)];
+  const PetscReal  volume   = points->volume0[p];
+  const Slim       sigma[3] = {dim == 2 ? (Slim){s[0], s[3], 0., 0.} : (Slim){s[0], s[3], s[5], 0.},
+                         dim == 2 ? (Slim){s[3], s[1], 0., 0.} : (Slim){s[3], s[1], s[4], 0.},
+                         dim == 2 ? (Slim){0., 0., 0., 0.} : (Slim){s[5], s[4], s[2], 0.}};
+
+  if (sum->materials[points->material[p]].info.traits & MPM_LAW_SMALL_STRAIN) {
+    for (PetscInt b = 0; b < dim; b++) {
+      P[b] = sigma[0] * (volume * F[b * dim]) + sigma[1] * (volume * F[b * dim + 1]);
+      if (dim == 3) P[b] += sigma[2] * (volume * F[b * dim + 2]);
+    }
+  } else
+    for (PetscInt b = 0; b < dim; b++) P[b] = sigma[b] * (volume * MpmDeterminant(dim, F));
+}
+
+/* What one point gives its nodes: momentum, with its mass behind it, the derivatives of that, and what makes its force. */
+typedef struct {
+  Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM];
+} Carried;
+
+/* Mass, momentum and force of one point, added to those of its group's nodes. */
+MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at, const Carried *of,
+                         Sums *restrict sums)
+{
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W], *gx = &sum->space->shape[0].gradient[p * dim * W];
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];
+
+    for (PetscInt j = 0; j < known.count[1]; j++) {
+      const PetscReal w = wx[W + j] * wz, gy = gx[W + j] * wz, g = wx[W + j] * gz;
+      Slim            row = of->momentum + of->slope[1] * at->away[1][j], across = of->P[1] * gy;
+      const Slim      along = of->P[0] * w, by_away = of->slope[0] * w;
+
+      if (dim == 3) row += of->slope[2] * at->away[2][l];
+      if (dim == 3) across += of->P[2] * g;
+      row *= w;
+      for (PetscInt k = 0; k < known.count[0]; k++, sums++) {
+        sums->moving += row * wx[k] + by_away * (wx[k] * at->away[0][k]);
+        sums->force -= across * wx[k] + along * gx[k];
+      }
+    }
+  }
+}
+
+/* A point's momentum, its mass behind it, and the derivatives of it that its affine velocity makes. */
+MPM_INLINE void Momentum(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
+                         const MpmStencil *at, Slim *momentum, Slim slope[])
+{
+  const PetscInt  dim  = known.dim;
+  const PetscReal mass = Mass(sum, p), *v = &sum->points->velocity[p * dim];
+  PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM];
+
+  *momentum =
+    dim == 2 ? (Slim){mass * v[0], mass * v[1], mass, 0.} : (Slim){mass * v[0], mass * v[1], mass * v[2], mass};
+  if (transfer->type != MPM_TRANSFER_APIC) {
+    for (PetscInt b = 0; b < dim; b++) slope[b] = (Slim){0.};
+    return;
+  }
+  MpmStencilAffine(known, sum, transfer, p, at->second, C);
+  for (PetscInt b = 0; b < dim; b++)
+    slope[b] = dim == 2 ? (Slim){mass * C[b], mass * C[dim + b], 0., 0.}
+                        : (Slim){mass * C[b], mass * C[dim + b], mass * C[2 * dim + b], 0.};
+}
+
+MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                        const MpmTransfer *transfer, Sums *restrict sums, PetscReal nodal[])
+{
+  const PetscInt  n = known.n, dim = known.dim, numbers = MPM_MOTION(dim);
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscInt        first[MPM_MAX_DIM];
+
+  MpmSpaceAt(sum->space, group->first, first);
+  for (PetscInt i = 0; i < n; i++) sums[i] = (Sums){{0.}, {0.}};
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s];
+    Carried        of;
+    MpmStencil     at;
+
+    MpmSumFetch(known, sum, s);
+    MpmFetch(sum->points->velocity, MpmSumAhead(sum, s), dim);
+    MpmStencilPlace(known, sum, first, p, &at);
+    Momentum(known, sum, transfer, p, &at, &of.momentum, of.slope);
+    PointStress(known, sum, p, of.P);
+    AddPoint(known, sum, p, &at, &of, sums);
+  }
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal *to = &nodal[nodes[i] * numbers];
+
+    to[0] += sums[i].moving[dim];
+    for (PetscInt c = 0; c < dim; c++) to[1 + c] += sums[i].moving[c];
+    for (PetscInt c = 0; c < dim; c++) to[1 + dim + c] += sums[i].force[c];
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal nodal[])
+{
+  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim);
+  Sums          *sums;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(most, &sums));
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToNodes, sum, &sum->space->groups[g], transfer, sums,
+                 nodal);
+  PetscCall(PetscFree(sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- and back ---- */
+
+/* Values at a group's nodes: [i][c]. */
+typedef struct {
+  Slim *v_new, *change, *a_new, *again;
+} Gathered;
+
+/* A field at a point, and its moments along the axes where `by` is not NULL. */
+MPM_INLINE Slim InterpolateSlim(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at,
+                                const Slim values[], Slim *by)
+{
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *wx    = &sum->space->shape[0].weight[p * dim * W];
+  Slim             total = {0.}, x = {0.}, y = {0.}, z = {0.};
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    Slim sheet = {0.}, along = {0.}, across = {0.};
+
+    for (PetscInt j = 0; j < known.count[1]; j++, values += known.count[0]) {
+      Slim row = values[0] * wx[0], moment = by ? values[0] * at->line[0][0] : row;
+
+      for (PetscInt k = 1; k < known.count[0]; k++) row += values[k] * wx[k];
+      for (PetscInt k = 1; by && k < known.count[0]; k++) moment += values[k] * at->line[0][k];
+      sheet += row * wx[W + j];
+      if (!by) continue;
+      along += moment * wx[W + j];
+      across += row * at->line[1][j];
+    }
+    if (dim == 2) {
+      total = sheet;
+      x     = along;
+      y     = across;
+    } else {
+      total += sheet * wx[2 * W + l];
+      x += along * wx[2 * W + l];
+      y += across * wx[2 * W + l];
+      if (by) z += sheet * at->line[2][l];
+    }
+  }
+  if (by) {
+    by[0] = x;
+    by[1] = y;
+    by[2] = z;
+  }
+  return total;
+}
+
+/* The points' momentum alone, as AddPoint() has it. */
+MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at, const Slim momentum,
+                         const Slim slope[], Slim *restrict sums)
+{
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W];
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++) {
+      const PetscReal w       = dim == 2 ? wx[W + j] : wx[W + j] * wx[2 * W + l];
+      const Slim      by_away = slope[0] * w;
+      Slim            row     = momentum + slope[1] * at->away[1][j];
+
+      if (dim == 3) row += slope[2] * at->away[2][l];
+      row *= w;
+      for (PetscInt k = 0; k < known.count[0]; k++, sums++) *sums += row * wx[k] + by_away * (wx[k] * at->away[0][k]);
+    }
+  }
+}
+
+MPM_INLINE Slim Load(PetscInt dim, const PetscReal v[])
+{
+  return dim == 2 ? (Slim){v[0], v[1], 0., 0.} : (Slim){v[0], v[1], v[2], 0.};
+}
+
+/* One point's velocity and acceleration; the stencil's lines are there where it has an affine one. */
+MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
+                          const MpmMotionStep *step, const MpmStencil *at, const Gathered *nodes)
+{
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim    = known.dim;
+  const PetscBool  apic   = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
+  Slim             by[MPM_MAX_DIM], change, moves;
+
+  if (apic) {
+    moves = InterpolateSlim(known, sum, p, at, nodes->v_new, by);
+    for (PetscInt k = 0; k < dim * dim; k++) points->affine[p * dim * dim + k] = by[k % dim][k / dim];
+    for (PetscInt c = 0; c < dim; c++) points->velocity[p * dim + c] = moves[c];
+  } else {
+    moves  = InterpolateSlim(known, sum, p, at, nodes->v_new, NULL);
+    change = InterpolateSlim(known, sum, p, at, nodes->change, NULL);
+    for (PetscInt c = 0; c < dim; c++) {
+      PetscReal *v = &points->velocity[p * dim + c];
+
+      *v = (1. - transfer->pic) * (*v + change[c]) + transfer->pic * moves[c];
+    }
+  }
+  for (PetscInt c = 0; c < dim; c++) step->moves[p * dim + c] = moves[c];
+  if (!step->a_new) return;
+  change = InterpolateSlim(known, sum, p, at, nodes->a_new, NULL);
+  for (PetscInt c = 0; c < dim; c++) points->acceleration[p * dim + c] = change[c];
+}
+
+MPM_INLINE PetscErrorCode MotionToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                         const MpmTransfer *transfer, const MpmMotionStep *step, const Gathered *at)
+{
+  const PetscInt  dim   = known.dim;
+  const PetscBool apic  = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscInt        first[MPM_MAX_DIM];
+
+  MpmSpaceAt(sum->space, group->first, first);
+  for (PetscInt i = 0; i < known.n; i++) {
+    at->v_new[i] = Load(dim, &step->v_new[nodes[i] * dim]);
+    at->again[i] = (Slim){0.};
+    if (!apic) at->change[i] = at->v_new[i] - Load(dim, &step->v_old[nodes[i] * dim]);
+    if (step->a_new) at->a_new[i] = Load(dim, &step->a_new[nodes[i] * dim]);
+  }
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
+    Slim           momentum, slope[MPM_MAX_DIM];
+    MpmStencil     stencil;
+
+    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
+    MpmFetch(sum->points->velocity, ahead, dim);
+    MpmStencilPlace(known, sum, first, p, &stencil);
+    if (apic) MpmStencilLines(known, sum, p, transfer->degree, &stencil);
+    MovePoint(known, sum, transfer, p, step, &stencil, at);
+    if (!step->again) continue;
+    Momentum(known, sum, transfer, p, &stencil, &momentum, slope);
+    AddAgain(known, sum, p, &stencil, momentum, slope, at->again);
+  }
+  for (PetscInt i = 0; step->again && i < known.n; i++)
+    for (PetscInt c = 0; c < dim; c++) step->again[nodes[i] * dim + c] += at->again[i][c];
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step)
+{
+  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim);
+  Gathered       at;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc4(most, &at.v_new, most, &at.change, most, &at.a_new, most, &at.again));
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], transfer, step, &at);
+  PetscCall(PetscFree4(at.v_new, at.change, at.a_new, at.again));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

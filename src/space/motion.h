@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What an explicit step carries between points and nodes, in two passes over the points (motion.c).
+  What an explicit step carries between points and nodes, in two passes over the points (momentum.c).
 */
 #include "base/base.h"
 #include "base/types.h"

@@ -8,6 +8,7 @@
 
 #define MPM_GHOST_FACTOR 1e-2 /* of the ghost penalty; */
 #define MPM_GHOST_REST   3e-7 /* in a geostatic stage, with iterative solvers; */
+#define MPM_GHOST_SAFETY 1e-4 /* while strength is reduced and no factor of safety found; */
 #define MPM_GHOST_SPARSE 1e-1 /* where points are sparse; */
 #define MPM_GHOST_RESCUE 1e-1 /* and where a run would give up with less */
 

@@ -85,7 +85,7 @@ typedef struct MpmContacts {
 
 /*
   For explicit steps dt: patches become so soft that none pushes further than out of its surface in a step, by the masses of the
-  local nodes (contact_limit.c).
+  local nodes (contact_patch.c).
 */
 void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 /* That whose place is solved for, or NULL. */

@@ -174,21 +174,18 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM], stretch;
   MpmSurface         surface, beyond;
 
-  *touches = 0.;
   InitialPlace(dim, points, p, face, at);
   MpmBoundaryDistance(boundary, &still, at, &surface);
-  stretch = MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
-  if (surface.distance <= 0.) {
-    *touches = stretch * surface.distance;
-    return PETSC_TRUE;
-  }
-  if (!contacts->cut[b] || -sign * surface.normal[axis] > 1. - ALIGNED)
+  stretch  = MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
+  *touches = stretch * surface.distance;
+  if (surface.distance <= 0.) return PETSC_TRUE;
+  if (!contacts->cut[b] || -sign * surface.normal[axis] > 1. - ALIGNED) {
+    *touches = 0.;
     return (PetscBool)(surface.distance <= MPM_TOLERANCE * half);
+  }
   at[axis] += sign * half;
   MpmBoundaryDistance(boundary, &still, at, &beyond);
-  if (beyond.distance > 0.) return PETSC_FALSE;
-  *touches = stretch * surface.distance;
-  return PETSC_TRUE;
+  return (PetscBool)(beyond.distance <= 0.);
 }
 
 PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part)
@@ -225,14 +222,15 @@ void MpmContactsDistance(const MpmContacts *contacts, PetscInt b, const PetscRea
 
 /*
   Distance of a facet inside a boundary with flat faces, from the plane of the face that it came through: the first on the way back along
-  its outward normal, which another one may be nearer than. The way goes from place to place by what is free of the surface.
+  its outward normal, which another one may be nearer than; no further than a cell: a face in a plane of symmetry under the middle of a
+  footing did not come through the footing's side. The way goes from place to place by what is free of the surface.
 */
 static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[], const MpmFacet *facet,
                           MpmSurface *surface)
 {
   const MpmBoundary *boundary        = &contacts->boundaries[facet->boundary];
   const PetscInt     dim             = boundary->dim;
-  PetscReal          at[MPM_MAX_DIM] = {0., 0., 0.}, size = 0.;
+  PetscReal          at[MPM_MAX_DIM] = {0., 0., 0.}, size = 0., way = 0.;
   MpmSurface         there = *surface;
 
   for (PetscInt a = 0; a < dim; a++) size += PetscSqr(outward[a]);
@@ -241,7 +239,8 @@ static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[]
   for (PetscInt k = 0; there.distance < -contacts->touch; k++) {
     const PetscReal step = PetscMax(-there.distance, ENTRY_STEP * contacts->cell) / size;
 
-    if (k == ENTRY_STEPS || !(size > 0.)) return;
+    way += step * size;
+    if (k == ENTRY_STEPS || !(size > 0.) || way > contacts->cell) return;
     for (PetscInt a = 0; a < dim; a++) at[a] -= step * outward[a];
     MpmBoundaryDistance(boundary, &contacts->before[facet->boundary], at, &there);
   }
@@ -318,6 +317,9 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim = boundary->dim, p = start->point;
   Corner             corner = {0};
+  PetscInt           count  = 0;
+  PetscReal          kept[2 * MPM_MAX_DIM];
+  PetscBool          cut = PETSC_FALSE;
   MpmSurface         surface;
 
   PetscFunctionBeginUser;
@@ -346,10 +348,15 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       corner.initial[face / 2] = (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
     }
     if (!boundary->bilateral && surface.distance > margin) continue;
-    touched = TouchedAtStart(contacts, b, points, p, face, &facet.touches);
+    touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
     if (boundary->bilateral && !touched) continue;
+    if (touched) facet.touches = kept[count];
     PetscCall(MpmContactsAddFacet(contacts, &facet));
+    cut = (PetscBool)(cut || (touched && contacts->cut[b]));
+    count++;
   }
+  /* what is left of cut domains does not fill the space: some of their faces bound nothing, and keep their distance, too */
+  for (PetscInt k = 0; k < count && cut; k++) contacts->facet[contacts->facet_count - count + k].touches = kept[k];
   PetscCall(CornerFacet(contacts, b, margin, points, start, &corner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -123,8 +123,12 @@ PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage)
 
 /* ---- dilation ---- */
 
-void MpmStepAverageDilation(MpmModel model)
+void MpmStepAverageDilation(MpmModel model, PetscBool average)
 {
-  for (PetscInt m = 0; m < model->scene.materials->count; m++) model->scene.materials->at[m].dilatancy = NULL;
-  model->state.rescue.dilation = PETSC_FALSE;
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    MpmMaterial *material = &model->scene.materials->at[m];
+
+    material->dilatancy = !average && material->dilation.most > 0. ? material->info.dilatancy : NULL;
+  }
+  model->state.rescue.dilation = (PetscBool)!average;
 }

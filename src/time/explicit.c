@@ -302,7 +302,6 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, model->disc.sum->dt);
   if (MpmDampingAny(model->disc.damping)) {
     PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
-    PetscCall(MpmAbsorbingDashpots(model->disc.damping, model->disc.sum, model->disc.damping->dashpot));
     model->disc.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);

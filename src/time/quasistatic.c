@@ -122,6 +122,17 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The ghost penalty's factor. It is a part of Young's modulus, on increments, so that a slope that slides feels it in proportion to
+  stiffness and step: while the factor of safety is sought, `auto` takes less.
+*/
+static PetscReal GhostFactor(const MpmModel model)
+{
+  const PetscBool seeks = (PetscBool)(model->state.rescue.ghost && MpmReductionSeeks(model));
+
+  return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
+}
+
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
@@ -136,7 +147,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                     .stretch    = model->scene.stretch,
                     .parts      = model->disc.parts,
                     .materials  = model->disc.sum->materials,
-                    .ghost      = solves ? model->disc.ghost : 0.,
+                    .ghost      = solves ? GhostFactor(model) : 0.,
                     .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                     .mean       = (PetscBool)(model->disc.layout->means > 0),
                     .put_back   = model->disc.put_back,

@@ -70,7 +70,7 @@ PetscBool MpmStagesRelax(const MpmModel model)
 
 void MpmRelaxationBegin(MpmModel model)
 {
-  model->state.relaxing = (MpmRelaxing){0};
+  model->state.relaxing = (MpmRelaxing){.ended = model->state.relaxing.ended}; /* stays for the whole run */
 }
 
 /* ---- a step ---- */

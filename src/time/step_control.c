@@ -106,11 +106,17 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
   return wanted;
 }
 
+/*
+  From here on or, while the factor of safety is sought, for one step: where all of it is averaged pressures drift apart, and
+  the slope would gain a hundredth of its strength within a few steps.
+*/
 static PetscErrorCode AverageDilation(MpmModel model, const char *why)
 {
+  const char *how_long = MpmReductionSeeks(model) ? "this step" : "from here on";
+
   PetscFunctionBeginUser;
-  MpmStepAverageDilation(model);
-  PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_fbar plain", why));
+  MpmStepAverageDilation(model, PETSC_TRUE);
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; %s with -mpm_stabilization_fbar plain", why, how_long));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,9 +144,10 @@ static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
-  PetscReal      next;
-  PetscBool      retryable, again = PETSC_FALSE;
-  PetscLogDouble since;
+  const PetscBool dilation = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
+  PetscReal       next;
+  PetscBool       retryable, again = PETSC_FALSE;
+  PetscLogDouble  since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMovingGridFollow(model, why));
@@ -182,7 +189,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmReductionObserve(model));
   if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->state.rescue.dilation) {
+  if (dilation) MpmStepAverageDilation(model, PETSC_FALSE);
+  else if (model->state.rescue.dilation) {
     PetscCall(HasStruggled(model, &again));
     if (again) PetscCall(AverageDilation(model, "a short step was hard, too"));
   }

@@ -34,6 +34,11 @@ PetscBool MpmStagesReduce(const MpmModel model)
   return PETSC_FALSE;
 }
 
+PetscBool MpmReductionSeeks(const MpmModel model)
+{
+  return (PetscBool)(model->scene.stages[model->state.stage].reduction.ramp && !(model->state.safety.factor > 0.));
+}
+
 /* ---- the factor ---- */
 
 PetscReal MpmReductionFactor(const MpmModel model, PetscReal time)

@@ -55,12 +55,14 @@ PetscErrorCode MpmStageResume(MpmModel model);
 /*
   Strength reduction (strength_reduction.c): Begin notes where the points stand as it
   begins, Apply sets the materials' strengths for a time of the stage under way, Observe looks after a step whether the
-  factor of safety is reached. Does any stage reduce, and the factor at a time: 1 where none does.
+  factor of safety is reached. Does any stage reduce, and the factor at a time: 1 where none does. Seeks: does the stage
+  under way reduce, without a factor of safety so far?
 */
 PetscErrorCode MpmReductionBegin(MpmModel model);
 void           MpmReductionApply(MpmModel model, PetscReal time);
 PetscErrorCode MpmReductionObserve(MpmModel model);
 PetscBool      MpmStagesReduce(const MpmModel model);
+PetscBool      MpmReductionSeeks(const MpmModel model);
 PetscReal      MpmReductionFactor(const MpmModel model, PetscReal time);
 /* The points' fields for it, one an axis. */
 extern const char *const MpmReductionFields[MPM_MAX_DIM];
@@ -110,8 +112,8 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **wh
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 /* Where a run would give up, once: a firmer ghost penalty from here on. */
 PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why);
-/* F-bar averages dilation, too, from here on: what a run falls back to where steps fail again and again. */
-void MpmStepAverageDilation(MpmModel model);
+/* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
+void MpmStepAverageDilation(MpmModel model, PetscBool average);
 /* The end of the step that starts now, and its length. */
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
 /* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */

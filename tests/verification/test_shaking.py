@@ -74,7 +74,7 @@ mpm:
   track_level: {at: "42,0", nearest: 4}
   track_deep: {at: "%(deep)s", nearest: 4}
   stabilization: {ghost: "off", fbar: false}
-  time: {integrator: explicit, end: 49, step: 0.5}
+  time: {integrator: explicit, end: 49, step: 0.25}
   output: {prefix: oblique, every: 0}
 """
 FORMS = """
@@ -193,6 +193,11 @@ def check_incoming(test):
             inside = np.abs(v[t < 1.9 * LENGTH / speed])
             test.near(f"incoming.{kind}.{shape}", np.max(inside), 0.01, 0.03)
             test.check(f"reflected.{kind}.{shape}", np.max(np.abs(v[t > 2.6 * LENGTH / speed])) / 0.01, None, 0.01)
+    run = test.run(write(test, bar(f'absorbing: true, components: "x", value: "0.01", ramp: "{PULSE}"')), mpm_quiet=None,
+                   mpm_time_integrator="explicit", mpm_time_step=0.005, mpm_time_end=3.3)
+    t, v = run.results.column("time"), run.results.column("track_middle_vx")
+    test.near("incoming.explicit", np.max(np.abs(v[t < 1.9])), 0.01, 0.03)
+    test.check("reflected.explicit", np.max(np.abs(v[t > 2.6])) / 0.01, None, 0.01)
     run = test.run(write(test, SPACE.replace("PULSE", PULSE)), mpm_quiet=None)
     t, v = run.results.column("time"), run.results.column("track_middle_vz")
     test.near("incoming.3d", np.max(np.abs(v)), 0.01, 0.08)

@@ -84,6 +84,22 @@ MPM_FN void IsotropicHyperbolic(double q, double *c, double *h, double *dh)
 #include "isotropic_solid.h"
 #endif
 
+/* Principal values of A, largest first, without axes, as SymSplitValues() has them */
+MPM_FN void SymPrincipalValues(const Sym *A, double w[3])
+{
+  const SymSplit split = SymSplitCreate(A);
+
+  SymSplitValues(&split, w);
+}
+
+/* Principal values and axes of A; non-zero when A is not finite */
+MPM_FN int SymPrincipalCreate(const Sym *A, SymPrincipal *principal)
+{
+  const SymSplit split = SymSplitCreate(A);
+
+  return SymSplitPrincipal(&split, principal);
+}
+
 /* ---- any isotropic function ---- */
 
 /*

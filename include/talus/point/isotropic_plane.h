@@ -101,20 +101,27 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   return 0;
 }
 
-/* Half the in-plane trace, the in-plane deviator (d, xy) and its norm r, all plain */
-MPM_FN double IsotropicPlaneValues(const Sym *A, double *m, double *d, double *xy)
+/* What principal values and axes follow from: half the in-plane trace, the in-plane deviator (d, xy), its norm r, and zz */
+typedef struct {
+  double m, d, xy, r, zz;
+} SymSplit;
+
+MPM_FN SymSplit SymSplitCreate(const Sym *A)
 {
-  *m  = 0.5 * (ScalarValue(A->a[0]) + ScalarValue(A->a[1]));
-  *d  = 0.5 * (ScalarValue(A->a[0]) - ScalarValue(A->a[1]));
-  *xy = ScalarValue(A->a[3]);
-  return sqrt(*d * *d + *xy * *xy);
+  SymSplit split;
+
+  split.m  = 0.5 * (ScalarValue(A->a[0]) + ScalarValue(A->a[1]));
+  split.d  = 0.5 * (ScalarValue(A->a[0]) - ScalarValue(A->a[1]));
+  split.xy = ScalarValue(A->a[3]);
+  split.r  = sqrt(split.d * split.d + split.xy * split.xy);
+  split.zz = ScalarValue(A->a[2]);
+  return split;
 }
 
 /* Principal values, largest first, without axes: to rounding */
-MPM_FN void SymPrincipalValues(const Sym *A, double w[3])
+MPM_FN void SymSplitValues(const SymSplit *split, double w[3])
 {
-  double       m, d, xy;
-  const double r = IsotropicPlaneValues(A, &m, &d, &xy), zz = ScalarValue(A->a[2]);
+  const double m = split->m, r = split->r, zz = split->zz;
 
   w[0] = fmax(m + r, zz);
   w[1] = fmax(fmin(m + r, zz), m - r);
@@ -122,10 +129,9 @@ MPM_FN void SymPrincipalValues(const Sym *A, double w[3])
 }
 
 /* Non-zero when A is not finite */
-MPM_FN int SymPrincipalCreate(const Sym *A, SymPrincipal *principal)
+MPM_FN int SymSplitPrincipal(const SymSplit *split, SymPrincipal *principal)
 {
-  double       m, d, xy;
-  const double r = IsotropicPlaneValues(A, &m, &d, &xy), zz = ScalarValue(A->a[2]);
+  const double m = split->m, d = split->d, xy = split->xy, r = split->r, zz = split->zz;
   const double c = r > 0. ? d / r : 1., s = r > 0. ? xy / r : 0.; /* of twice the angle from x to the larger one */
   const int    out = zz > m + r ? 0 : zz > m - r ? 1 : 2, large = out == 0 ? 1 : 0, small = out == 2 ? 1 : 2;
   const double large_basis[4] = {0.5 + 0.5 * c, 0.5 - 0.5 * c, 0., 0.5 * s};

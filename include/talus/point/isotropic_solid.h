@@ -374,34 +374,39 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   return 0;
 }
 
-/* The deviator of A over its norm, as plain numbers, and its largest principal value's third of Lode's angle: the
-   principal values are sqrt(2/3) cos(angle), .. cos(angle - 2 pi/3), .. cos(angle + 2 pi/3). Returns the norm, 0 where A is
-   isotropic to rounding. */
-MPM_FN double IsotropicDirection(const Sym *A, double *mean, double X[6], double *angle)
-{
-  double square[6], norm, J3 = 0.;
+/* What principal values and axes of a Sym follow from: its mean, the norm of its deviator, the deviator over that, and a third
+   of Lode's angle. Principal values are mean + sqrt(2/3) norm cos(angle), .. cos(angle - 2 pi/3), .. cos(angle + 2 pi/3). */
+typedef struct {
+  double mean, norm, angle, X[6];
+} SymSplit;
 
-  SymValues(X, A);
-  IsotropicSplitValues(X, mean, &norm);
-  for (int i = 0; i < 6; ++i) X[i] = norm > 0. ? (X[i] - (i < 3 ? *mean : 0.)) / norm : 0.;
-  IsotropicSquare(X, square);
-  for (int i = 0; i < 6; ++i) J3 += (i < 3 ? 1. : 2.) / 3. * square[i] * X[i]; /* tr(X^3)/3 is det X where tr X = 0 */
-  *angle = acos(fmax(-1., fmin(1., sqrt(54.) * J3))) / 3.;
-  return norm;
+/* The norm is 0 where A is isotropic to rounding. */
+MPM_FN SymSplit SymSplitCreate(const Sym *A)
+{
+  double   square[6], J3 = 0.;
+  SymSplit split;
+
+  SymValues(split.X, A);
+  IsotropicSplitValues(split.X, &split.mean, &split.norm);
+  for (int i = 0; i < 6; ++i) split.X[i] = split.norm > 0. ? (split.X[i] - (i < 3 ? split.mean : 0.)) / split.norm : 0.;
+  IsotropicSquare(split.X, square);
+  for (int i = 0; i < 6; ++i)
+    J3 += (i < 3 ? 1. : 2.) / 3. * square[i] * split.X[i]; /* tr(X^3)/3 is det X where tr X = 0 */
+  split.angle = acos(fmax(-1., fmin(1., sqrt(54.) * J3))) / 3.;
+  return split;
 }
 
 /*
   Principal values, largest first, without axes. Where two of them coincide they are off by up to 1e-7 |dev A|: good for a
   test with a margin.
 */
-MPM_FN void SymPrincipalValues(const Sym *A, double w[3])
+MPM_FN void SymSplitValues(const SymSplit *split, double w[3])
 {
-  double       X[6], mean, angle;
-  const double r = sqrt(2. / 3.) * IsotropicDirection(A, &mean, X, &angle);
+  const double r = sqrt(2. / 3.) * split->norm;
 
-  w[0] = mean + r * cos(angle);
-  w[2] = mean + r * cos(angle + 2.0943951023931954923); /* 2 pi/3 */
-  w[1] = fmax(w[2], fmin(w[0], 3. * mean - w[0] - w[2]));
+  w[0] = split->mean + r * cos(split->angle);
+  w[2] = split->mean + r * cos(split->angle + 2.0943951023931954923); /* 2 pi/3 */
+  w[1] = fmax(w[2], fmin(w[0], 3. * split->mean - w[0] - w[2]));
 }
 
 /* Unit vectors s, t and n, n along the axis of principal value w of X, which is the one farthest from the others */
@@ -450,12 +455,12 @@ MPM_FN double IsotropicBetween(const double X[6], const double a[3], const doubl
   matrix of two rows, which has them to rounding however close they are (Scherzinger and Dohrmann 2008,
   doi:10.1016/j.cma.2008.03.031). Of the deviator, so that differences are exact to rounding of it for any mean.
 */
-MPM_FN int SymPrincipalCreate(const Sym *A, SymPrincipal *principal)
+MPM_FN int SymSplitPrincipal(const SymSplit *split, SymPrincipal *principal)
 {
-  double       X[6], mean, angle, s[3] = {1., 0., 0.}, t[3] = {0., 1., 0.}, n[3] = {0., 0., 1.}, Q[9], value[3];
-  const double norm = IsotropicDirection(A, &mean, X, &angle);
-  const int    up   = angle < 0.52359877559829887308; /* pi/6: the largest is the one */
-  const int    a = up ? 1 : 0, b = a + 1, apart = up ? 0 : 2;
+  double        s[3] = {1., 0., 0.}, t[3] = {0., 1., 0.}, n[3] = {0., 0., 1.}, Q[9], value[3];
+  const double *X = split->X, norm = split->norm, mean = split->mean, angle = split->angle;
+  const int     up = angle < 0.52359877559829887308; /* pi/6: the largest is the one */
+  const int     a = up ? 1 : 0, b = a + 1, apart = up ? 0 : 2;
 
   if (!(norm <= DBL_MAX && fabs(mean) <= DBL_MAX)) return 1;
   if (norm > 0.) IsotropicDeflate(X, sqrt(2. / 3.) * cos(up ? angle : angle + 2.0943951023931954923), s, t, n);
