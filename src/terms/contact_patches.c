@@ -34,6 +34,7 @@
 #define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
 #define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
 #define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
+#define NUDGE   1e-3  /* of a cell: so far before a surface lies the cell beside it */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
@@ -310,9 +311,26 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The cell whose patch a facet joins: its point's own or, where the point's middle is beyond the surface, that before the surface. A
+  patch of its own would push it out in one step, which those beside it, as deep, are not: then it would be back in their cell, and so
+  on.
+*/
+static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
+                            const MpmFacet *facet, const PetscReal arm[], const MpmSurface *surface)
+{
+  const PetscReal *x     = &points->x[facet->point * grid->dim];
+  PetscReal        depth = -surface->distance, foot[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < grid->dim; a++) depth += arm[a] * surface->normal[a];
+  if (depth <= 0.) return facet->cell;
+  for (PetscInt a = 0; a < grid->dim; a++) foot[a] = x[a] + (depth + NUDGE * contacts->cell) * surface->normal[a];
+  return MpmContactsCell(grid, foot, points->part ? points->part[facet->point] : 0);
+}
+
 /* The facets of a point that may touch the boundary in this step. */
-static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points,
-                                    const MpmFacet *start)
+static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmGrid *grid,
+                                    const MpmPoints *points, const MpmFacet *start)
 {
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim = boundary->dim, p = start->point;
@@ -351,6 +369,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
     if (boundary->bilateral && !touched) continue;
     if (touched) facet.touches = kept[count];
+    facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
     cut = (PetscBool)(cut || (touched && contacts->cut[b]));
     count++;
@@ -418,7 +437,7 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
 
       if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim])) continue;
       facet.cell = MpmContactsCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
-      PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), points, &facet));
+      PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), grid, points, &facet));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
