@@ -98,8 +98,11 @@ class Scene:
         if "mpm_grid_cells" not in self.options:  # a laboratory's
             return {"mpm_output_prefix": "case", "mpm_point_steps": "2"}
         cells = [int(n) for n in self.options["mpm_grid_cells"].split(",")]
-        change = {"mpm_grid_cells": ",".join(str(max(n // divisor, 1)) for n in cells), "mpm_output_prefix": "case",
-                  "mpm_time_end": repr(2.0 * float(self.options["mpm_time_step"]))}
+        change = {"mpm_grid_cells": ",".join(str(max(n // divisor, 1)) for n in cells), "mpm_output_prefix": "case"}
+        if "mpm_time_step" in self.options:
+            change["mpm_time_end"] = repr(2.0 * float(self.options["mpm_time_step"]))
+        elif "mpm_time_end" in self.options:  # explicit steps may choose their length
+            change["mpm_time_end"] = repr(0.02 * float(self.options["mpm_time_end"]))
         for name, value in self.options.items():
             if name.endswith("_points_per_cell"):
                 change[name] = ",".join("2" for _ in value.split(","))

@@ -400,7 +400,7 @@ CASES = [
     ("track without a block", {"mpm_tracks": "top,toe"}, "-mpm_track_toe_at"),
     # units, and commas too many: the line says what is accepted
     ("number with a unit", {"mpm_material_soil_E": "12e6 Pa"}, "-mpm_material_soil_E 12e6 Pa: not a number: Young's modulus (Pa), > 0"),
-    ("number with a unit that touches it", {"mpm_time_step": "0.5s"}, "-mpm_time_step 0.5s: not a number: length of a step (s), > 0"),
+    ("number with a unit that touches it", {"mpm_time_step": "0.5s"}, "-mpm_time_step 0.5s: not a number: length of a step; explicit: by default as long as cfl allows (s), > 0"),
     ("number with a comma", {"mpm_material_soil_E": "12e6,"}, "12e6,: must have 1 value, has 2: Young's modulus (Pa), > 0"),
     ("number with a decimal comma", {"mpm_time_step": "0,5"}, "-mpm_time_step 0,5: must have 1 value, has 2: length of"),
     ("whole number with a unit", {"mpm_dim": "2D"}, "-mpm_dim 2D: not a whole number: dimension"),
