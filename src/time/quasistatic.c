@@ -581,17 +581,19 @@ static PetscErrorCode SolveFrom(MpmModel model, SNESConvergedReason *reason)
 #define WEARY 25 /* iterations in a step that the careful method does not spare */
 
 /*
-  Where contact makes Newton's method fail it is taken again with care, or without where it failed with it, before the step is cut. What
-  succeeded is how the next step starts.
+  Where contact makes Newton's method fail it is taken again with care, or without where it failed with it, before the step is cut, but
+  not where loads push along what nothing resists. What succeeded is how the next step starts.
 */
 static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
   MpmSolver *solver = &model->solver;
+  PetscBool  pushed = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   solver->newton = solver->linear = 0;
   PetscCall(SolveFrom(model, reason));
-  if (*reason < 0 && MpmSolverHasContact(solver)) {
+  if (*reason < 0 && MpmSolverHasContact(solver)) PetscCall(MpmUnconstrainedIsPushed(model, &pushed));
+  if (*reason < 0 && MpmSolverHasContact(solver) && !pushed) {
     solver->careful = (PetscBool)!solver->careful;
     PetscCall(InitialGuess(model, solver->cache.predicted));
     if (solver->cache.predicted) PetscCall(MpmRelaxBodies(solver, NULL, solver->x));

@@ -34,6 +34,8 @@ PetscErrorCode MpmStagesSelect(MpmModel model);
   loads push along such a motion and no boundary may catch it.
 */
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable);
+/* Do loads push a piece of the material along a motion that nothing resists? In the state that was last tried. */
+PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed);
 /*
   The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Follow puts the
   grid where it belongs for the points as they are, at a step's start or where points come and go; `why` is NULL, or the reason

@@ -339,29 +339,62 @@ static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freed
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The piece that loads push along a free motion, or the first that has one; `worst` is -1 where none has. Free `pieces` with Forget(). */
+static PetscErrorCode Examine(MpmModel model, Pieces *pieces, PetscInt *worst, Freedom *freedom)
+{
+  PetscFunctionBeginUser;
+  *worst          = -1;
+  freedom->pushed = PETSC_FALSE;
+  PetscCall(FindPieces(model, pieces));
+  PetscCall(FindCentres(pieces));
+  HoldByConditions(pieces);
+  HoldByBoundaries(pieces);
+  AddLoads(pieces);
+  PetscCall(SumPieces(pieces, sizeof(Sums) / sizeof(PetscReal), (PetscReal *)pieces->sums));
+  for (PetscInt k = 0; k < pieces->count; k++) {
+    PetscCall(FindFreedom(pieces, &pieces->sums[k], freedom));
+    if (!freedom->free_count || (*worst >= 0 && !freedom->pushed)) continue;
+    *worst = k;
+    if (freedom->pushed) break;
+  }
+  if (*worst >= 0) PetscCall(FindFreedom(pieces, &pieces->sums[*worst], freedom));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Forget(Pieces *pieces)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(pieces->of));
+  PetscCall(PetscFree3(pieces->centre, pieces->radius, pieces->sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
+{
+  Pieces   pieces;
+  Freedom  freedom;
+  PetscInt worst;
+
+  PetscFunctionBeginUser;
+  *pushed = PETSC_FALSE;
+  if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Examine(model, &pieces, &worst, &freedom));
+  *pushed = (PetscBool)(worst >= 0 && freedom.pushed);
+  PetscCall(Forget(&pieces));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable)
 {
   Pieces   pieces;
   Freedom  freedom;
-  PetscInt worst = -1;
-  char    *text  = NULL;
+  PetscInt worst;
+  char    *text = NULL;
 
   PetscFunctionBeginUser;
   if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindPieces(model, &pieces));
-  PetscCall(FindCentres(&pieces));
-  HoldByConditions(&pieces);
-  HoldByBoundaries(&pieces);
-  AddLoads(&pieces);
-  PetscCall(SumPieces(&pieces, sizeof(Sums) / sizeof(PetscReal), (PetscReal *)pieces.sums));
-  for (PetscInt k = 0; k < pieces.count; k++) {
-    PetscCall(FindFreedom(&pieces, &pieces.sums[k], &freedom));
-    if (!freedom.free_count || (worst >= 0 && !freedom.pushed)) continue;
-    worst = k;
-    if (freedom.pushed) break;
-  }
+  PetscCall(Examine(model, &pieces, &worst, &freedom));
   if (worst >= 0) {
-    PetscCall(FindFreedom(&pieces, &pieces.sums[worst], &freedom));
     PetscCall(Describe(&pieces, worst, &freedom, &text));
     PetscCall(MpmTextAppend(&text, " (%s)", *why));
     PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
@@ -369,7 +402,6 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
     *retryable = (PetscBool)(*retryable && !(freedom.pushed && !model->scene.boundaries->count));
     PetscCall(PetscFree(text));
   }
-  PetscCall(PetscFree(pieces.of));
-  PetscCall(PetscFree3(pieces.centre, pieces.radius, pieces.sums));
+  PetscCall(Forget(&pieces));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
