@@ -99,6 +99,8 @@ class Scene:
             return {"mpm_output_prefix": "case", "mpm_point_steps": "2"}
         cells = [int(n) for n in self.options["mpm_grid_cells"].split(",")]
         change = {"mpm_grid_cells": ",".join(str(max(n // divisor, 1)) for n in cells), "mpm_output_prefix": "case"}
+        if self.options.get("mpm_output_every") == "0":
+            change["mpm_output_every"] = "1"
         if "mpm_time_step" in self.options:
             change["mpm_time_end"] = repr(2.0 * float(self.options["mpm_time_step"]))
         elif "mpm_time_end" in self.options:  # explicit steps may choose their length
