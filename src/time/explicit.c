@@ -484,7 +484,9 @@ static PetscErrorCode RemoveGone(MpmModel model)
 /* Stress and history become the points', and the points go with the nodes' new velocities. */
 static PetscErrorCode Accept(MpmModel model)
 {
-  MpmSum        *sum = model->disc.sum;
+  MpmSum          *sum = model->disc.sum;
+  const PetscReal *at =
+    HasOthers(model) ? model->state.scheme.dynamics->a_start : model->disc.u; /* where contact acted */
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
@@ -494,7 +496,7 @@ static PetscErrorCode Accept(MpmModel model)
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
   sum->trial = NULL;
-  PetscCall(MpmTermsCommit(model->disc.terms, sum, model->disc.u, model->state.particles));
+  PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
   PetscCall(MpmStepFindReactions(model));
   if (!model->disc.grid->outflow) MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

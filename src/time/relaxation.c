@@ -29,7 +29,8 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
 {
   static const char *const dampings[] = {"kinetic", "viscous", "local", NULL};
   MpmRelaxation           *relaxation = &stage->relaxation;
-  PetscInt                 damping    = 0;
+  static const char *const masses[]   = {"physical", NULL};
+  PetscInt                 damping = 0, mass = 0;
 
   PetscFunctionBeginUser;
   relaxation->tolerance = 0.01;
@@ -46,6 +47,8 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                    ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &relaxation->tolerance, NULL));
   PetscCall(MpmOptionsReal(block, "hold", "s", "for so long without a break: with 0 it ends where they hold first",
                            MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &relaxation->hold, NULL));
+  PetscCall(MpmOptionsWord(block, "nodal_mass", "what the nodes' masses are: the material's", masses, MPM_OPTIONAL,
+                           &mass, NULL));
   if (damping == MPM_DAMPING_VISCOUS || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "xi", "1/s",
                              "of viscous damping; fastest near the angular frequency of the slowest mode",

@@ -74,34 +74,12 @@ def discs(test):
 
 def block(test):
     """On a slope of 45 degrees with a friction of 0.3, for a second."""
-    path = test.folder() / "block.yaml"
-    path.write_text(BLOCK, encoding="utf-8")
-    for name in ("backward_euler", "newmark"):
-        run = test.run(path, mpm_time_integrator=name, mpm_quiet=None)
-        exact = 0.5 * (1 - 0.3) * 9.81 * np.sqrt(0.5)
-        test.near(f"block.{name}", run.results.column("track_mid_ux")[-1], exact,
-                  relative=0.015 if name == "backward_euler" else 1e-3)
-
-
-BLOCK = """
-mpm:
-  dim: 2
-  physics: solid
-  grid: {lower: "0,-0.5", upper: "8,1", cells: "32,6"}
-  shape: gimp
-  materials: stone
-  material_stone: {type: neo_hookean, E: 1e7, nu: 0.3, density: 1000}
-  bodies: block
-  body_block: {region: box, lower: "0.5,0", upper: "1.5,0.5", points_per_cell: "2,2", material: stone}
-  boundaries: slope
-  boundary_slope: {type: plane, point: "0,0", normal: "0,1", friction: 0.3}
-  loads: weight
-  load_weight: {type: gravity, value: "6.9367,-6.9367", ramp: "0:1"}
-  time: {end: 1, step: 0.01}
-  tracks: mid
-  track_mid: {at: "1,0.25", nearest: 4}
-  output: {prefix: block, every: 0}
-"""
+    text = example("incline_slide").read_text(encoding="utf-8")
+    for name in ("generalized_alpha", "backward_euler", "explicit"):
+        path = test.folder() / "slide.yaml"
+        path.write_text(text.replace("generalized_alpha", name).replace(", step: 0.01" if name == "explicit" else "?", ""),
+                        encoding="utf-8")
+        test.check_example(f"block.{name}", test.run(path, mpm_output_every=50, mpm_quiet=None), "incline_slide")
 
 
 with Test() as check:
