@@ -25,6 +25,7 @@
 #include "particles/body.h"
 #include "space/rules.h"
 #include "bc/bc.h"
+#include "time/dynamics.h"
 #include "run/run.h"
 
 /* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn, and at last one more for true. */
@@ -191,7 +192,7 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     sparse = (PetscBool)(sparse || model->scene.materials->at[m].spacing >= 1.);
-  if (model->disc.ghost > 0.)
+  if (model->disc.ghost > 0. && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "%g%s%s", (double)model->disc.ghost,
                             model->state.rescue.ghost_auto ? " (auto)" : "",
                             sparse ? ", all faces where points are one a cell" : ""));

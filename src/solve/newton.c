@@ -38,7 +38,8 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
   solver->disc->sum->trial = solver->disc->sum->rest ? NULL : solver->disc->trial;
   PetscCall(MpmTermsResidual(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->residual));
-  solver->disc->trial->made = (PetscBool)(solver->disc->sum->trial != NULL);
+  solver->disc->trial->made   = (PetscBool)(solver->disc->sum->trial != NULL);
+  solver->disc->trial->framed = PETSC_FALSE;
   if (solver->disc->trial->made) PetscCall(PetscArraycpy(solver->disc->trial->u, solver->disc->u, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -98,6 +99,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   if (both) PetscCall(SumBoth(solver, x, &failed));
   else PetscCall(MpmSumResidual(solver, &failed));
   MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, solver->disc->residual);
+  solver->disc->trial->framed = PETSC_TRUE;
   PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));
   PetscCall(PetscArraycpy(values, solver->disc->residual, solver->disc->space->owned * bs));

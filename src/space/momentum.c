@@ -18,8 +18,6 @@ const char *const MpmTransferTypes[] = {"apic", "flip", NULL};
 typedef struct {
   const MpmTransfer *transfer;
   PetscReal         *storage, *sums;
-  const PetscReal   *v_old, *v_new, *a_new;
-  PetscReal         *gathered; /* [c][i], of v_new - v_old, v_new, a_new */
   MpmStencil         at;
 } Work;
 
@@ -29,10 +27,9 @@ static PetscErrorCode WorkCreate(const MpmSum *sum, const MpmTransfer *transfer,
 
   PetscFunctionBeginUser;
   work->transfer = transfer;
-  PetscCall(PetscMalloc1((most * (2 + 5 * dim)), &work->storage));
+  PetscCall(PetscMalloc1((most * (2 + 2 * dim)), &work->storage));
   work->at.weight = work->storage;
   work->sums      = work->at.weight + most;
-  work->gathered  = work->sums + most * (1 + 2 * dim);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,67 +94,6 @@ PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- and back ---- */
-
-MPM_INLINE PetscErrorCode ToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, Work *work)
-{
-  const MpmPoints *points = sum->points;
-  const PetscInt   n = known.n, dim = known.dim;
-  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
-  const PetscBool  apic   = (PetscBool)(work->transfer->type == MPM_TRANSFER_APIC);
-  const PetscReal  pic    = apic ? 1. : work->transfer->pic;
-  PetscReal       *change = work->gathered, *v_new = change + n * dim, *a_new = v_new + n * dim;
-  PetscInt         first[MPM_MAX_DIM];
-
-  MpmSpaceAt(sum->space, group->first, first);
-  for (PetscInt i = 0; i < n; i++) {
-    for (PetscInt c = 0; c < dim; c++) {
-      const PetscInt k = nodes[i] * dim + c;
-
-      v_new[c * n + i]  = work->v_new[k];
-      change[c * n + i] = work->v_new[k] - work->v_old[k];
-      if (work->a_new) a_new[c * n + i] = work->a_new[k];
-    }
-  }
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
-    PetscReal     *v = &points->velocity[p * dim];
-
-    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
-    MpmFetch(points->velocity, ahead, dim);
-    MpmStencilEvaluate(known, sum, first, p, &work->at);
-    if (apic) MpmStencilLines(known, sum, p, work->transfer->degree, &work->at);
-    for (PetscInt c = 0; c < dim; c++) {
-      PetscReal kept = 0., taken = 0.;
-
-      if (pic < 1.) kept = v[c] + MpmStencilInterpolate(known, sum, p, &work->at, &change[c * n], NULL);
-      if (pic > 0.)
-        taken = MpmStencilInterpolate(known, sum, p, &work->at, &v_new[c * n],
-                                      apic ? &points->affine[(p * dim + c) * dim] : NULL);
-      v[c] = (1. - pic) * kept + pic * taken;
-      if (work->a_new)
-        points->acceleration[p * dim + c] = MpmStencilInterpolate(known, sum, p, &work->at, &a_new[c * n], NULL);
-    }
-  }
-  return PETSC_SUCCESS;
-}
-
-PetscErrorCode MpmMomentumToPoints(const MpmSum *sum, const MpmTransfer *transfer, const PetscReal v_old[],
-                                   const PetscReal v_new[], const PetscReal a_new[])
-{
-  Work work;
-
-  PetscFunctionBeginUser;
-  PetscCall(WorkCreate(sum, transfer, &work));
-  work.v_old = v_old;
-  work.v_new = v_new;
-  work.a_new = a_new;
-  for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], ToPoints, sum, &sum->space->groups[g], &work);
-  PetscCall(PetscFree(work.storage));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- sums ---- */
 
 /* Adds m x v, and the moment m sum_b eps_cab B_ab of the affine part. */
@@ -169,21 +105,6 @@ static void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], const 
 
     angular[c] += mass * (x[a] * v[b] - x[b] * v[a]);
     if (B) angular[c] += mass * (B[b * dim + a] - B[a * dim + b]);
-  }
-}
-
-/* D_b alone */
-static void SecondMoments(const MpmSum *sum, const MpmGroup *group, const PetscInt first[], PetscInt p,
-                          PetscReal second[])
-{
-  const PetscInt dim = sum->space->dim, W = sum->space->width;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal *w     = &sum->space->shape[0].weight[(p * dim + a) * W];
-    const PetscReal  start = sum->grid->lower[a] + sum->grid->h[a] * (PetscReal)first[a] - sum->points->x[p * dim + a];
-
-    second[a] = 0.;
-    for (PetscInt k = 0; k < group->count[a]; k++) second[a] += w[k] * PetscSqr(start + sum->grid->h[a] * (PetscReal)k);
   }
 }
 
@@ -215,7 +136,7 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
       if (affine) {
         const MpmKnown known = KnownGeneral(sum->layout, group);
 
-        SecondMoments(sum, group, first, p, work.at.second);
+        MpmStencilPlace(known, sum, first, p, &work.at);
         MpmStencilAffine(known, sum, transfer, p, work.at.second, C);
         for (PetscInt k = 0; k < dim * dim; k++) {
           B[k] = C[k] * work.at.second[k % dim];
@@ -230,7 +151,7 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
 }
 
 /*
-  ---- what an explicit step carries between points and nodes ----
+  ---- what goes back to the points, and what an explicit step carries to the nodes ----
 
   The numbers of a node stand side by side in vectors of the processor: a point touches few nodes on an axis, and there are as
   many numbers.
@@ -242,13 +163,6 @@ typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), ali
 typedef struct {
   Slim moving, force;
 } Sums;
-
-MPM_INLINE PetscReal Mass(const MpmSum *sum, PetscInt p)
-{
-  const MpmPoints *points = sum->points;
-
-  return points->mass ? points->mass[p] : points->volume0[p] * sum->materials[points->material[p]].density;
-}
 
 /* V_0 tau, or for a small-strain law what its derivatives by the initial position become by the present one: a force's stress. */
 MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p, Slim P[])
@@ -306,7 +220,7 @@ MPM_INLINE void Momentum(const MpmKnown known, const MpmSum *sum, const MpmTrans
                          const MpmStencil *at, Slim *momentum, Slim slope[])
 {
   const PetscInt  dim  = known.dim;
-  const PetscReal mass = Mass(sum, p), *v = &sum->points->velocity[p * dim];
+  const PetscReal mass = MpmPointMass(sum->points, sum->materials, p), *v = &sum->points->velocity[p * dim];
   PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM];
 
   *momentum =
@@ -460,7 +374,7 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, const MpmTran
       *v = (1. - transfer->pic) * (*v + change[c]) + transfer->pic * moves[c];
     }
   }
-  for (PetscInt c = 0; c < dim; c++) step->moves[p * dim + c] = moves[c];
+  for (PetscInt c = 0; step->moves && c < dim; c++) step->moves[p * dim + c] = moves[c];
   if (!step->a_new) return;
   change = InterpolateSlim(known, sum, p, at, nodes->a_new, NULL);
   for (PetscInt c = 0; c < dim; c++) points->acceleration[p * dim + c] = change[c];

@@ -28,13 +28,6 @@ typedef struct {
 */
 PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
                                   PetscReal velocity[], PetscReal acceleration[]);
-/*
-  The points' velocities from those at the local nodes at the step's start and end, and their accelerations where `a_new` is
-  not NULL. Before the points are moved: the weights are those of the step's start.
-*/
-PetscErrorCode MpmMomentumToPoints(const MpmSum *sum, const MpmTransfer *transfer, const PetscReal v_old[],
-                                   const PetscReal v_new[], const PetscReal a_new[]);
-
 /* Sums over this rank's points. */
 typedef struct {
   PetscReal mass, kinetic;         /* kg, J: with the affine part */

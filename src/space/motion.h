@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What an explicit step carries between points and nodes, in two passes over the points (momentum.c).
+  What a step hands back to the points, and what an explicit one carries to the nodes, a pass over the points each (momentum.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -18,8 +18,8 @@ PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, 
 /* What the second pass takes from the local nodes, dim values each, and what it leaves. */
 typedef struct {
   const PetscReal *v_old, *v_new, *a_new; /* at the step's start and end; accelerations, or NULL */
-  PetscReal       *moves;                 /* of each point: velocity with which it moves, sum_i w_i v_new */
+  PetscReal       *moves;                 /* of each point: velocity with which it moves, sum_i w_i v_new; or NULL */
   PetscReal       *again; /* of each local node: the points' new momentum, of which this rank adds its part; or NULL */
 } MpmMotionStep;
-/* The points' new velocities, as MpmMomentumToPoints() has them; before the points are moved. */
+/* The points' new velocities and accelerations. Before the points are moved: the weights are those of the step's start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);

@@ -36,23 +36,15 @@ MPM_INLINE void MpmStencilPlace(const MpmKnown known, const MpmSum *sum, const P
   }
 }
 
+/* That, and the weights. */
 MPM_INLINE void MpmStencilEvaluate(const MpmKnown known, const MpmSum *sum, const PetscInt first[], PetscInt p,
                                    MpmStencil *at)
 {
-  const MpmGrid   *grid = sum->grid;
   const PetscInt   dim = known.dim, W = sum->space->width;
-  const PetscReal *w = &sum->space->shape[0].weight[p * dim * W], *x = &sum->points->x[p * dim];
+  const PetscReal *w      = &sum->space->shape[0].weight[p * dim * W];
   PetscReal       *weight = at->weight;
 
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal start = grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a];
-
-    at->second[a] = 0.;
-    for (PetscInt k = 0; k < known.count[a]; k++) {
-      at->away[a][k] = start + grid->h[a] * (PetscReal)k;
-      at->second[a] += w[a * W + k] * at->away[a][k] * at->away[a][k];
-    }
-  }
+  MpmStencilPlace(known, sum, first, p, at);
   for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
     for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
       const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
@@ -118,31 +110,4 @@ MPM_INLINE void MpmStencilLines(const MpmKnown known, const MpmSum *sum, PetscIn
 
     for (PetscInt k = 0; k < known.count[b]; k++) at->line[b][k] = thin ? g[k] : by * w[k] * at->away[b][k];
   }
-}
-
-/* One component of the nodes' values at a point, and its affine part where `affine` is not NULL. */
-MPM_INLINE PetscReal MpmStencilInterpolate(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at,
-                                           const PetscReal values[], PetscReal *affine)
-{
-  const PetscInt   dim = known.dim, W = sum->space->width;
-  const PetscReal *w[MPM_MAX_DIM] = {&sum->space->shape[0].weight[p * dim * W], NULL, NULL};
-  PetscReal        total = 0., by[MPM_MAX_DIM] = {0.};
-
-  w[1] = w[0] + W;
-  w[2] = w[1] + W;
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-    for (PetscInt j = 0; j < known.count[1]; j++, values += known.count[0]) {
-      PetscReal row = 0., moment = 0.;
-
-      for (PetscInt k = 0; k < known.count[0]; k++) row += w[0][k] * values[k];
-      total += (dim == 2 ? w[1][j] : w[1][j] * w[2][l]) * row;
-      if (!affine) continue;
-      for (PetscInt k = 0; k < known.count[0]; k++) moment += at->line[0][k] * values[k];
-      by[0] += (dim == 2 ? w[1][j] : w[1][j] * w[2][l]) * moment;
-      by[1] += (dim == 2 ? at->line[1][j] : at->line[1][j] * w[2][l]) * row;
-      if (dim == 3) by[2] += w[1][j] * at->line[2][l] * row;
-    }
-  }
-  for (PetscInt b = 0; affine && b < dim; b++) affine[b] = by[b];
-  return total;
 }

@@ -10,7 +10,8 @@
 /* What the points would be at the step's end, F, Cauchy stress and history, at the displacement u last evaluated. */
 typedef struct MpmTrial {
   PetscReal *F, *stress, *state, *own, *u;
-  PetscBool  made; /* it holds what goes with the model's residual */
+  PetscBool  made;   /* it holds what goes with the model's residual, */
+  PetscBool  framed; /* which is in the frames of nodes, not along the axes */
 } MpmTrial;
 
 /* Ground above a height, a coordinate up an axis, in which no water moves. */

@@ -4,14 +4,14 @@
 #include "terms/cell_mean.h"
 #include "terms/point_term.h"
 
-/* Residual of one group's points. */
+/* Residual of one group's points; or, where `residual` is NULL, only what they would be at the step's end. */
 MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        const PetscReal u[], MpmWorkspace *work, PetscReal residual[], PetscInt *failed)
+                                        const PetscReal u[], MpmWorkspace *work, PetscReal *residual, PetscInt *failed)
 {
   const PetscBool weights = work->weights;
 
   MpmSumGather(known, sum, group, u, work->values);
-  for (PetscInt k = 0; k < known.n * known.block; k++) work->force[k] = 0.;
+  for (PetscInt k = 0; residual && k < known.n * known.block; k++) work->force[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
     MpmKernelPoint point;
@@ -23,44 +23,10 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
     MpmSumPoint(sum, p, &point);
     MpmSumTrial(sum, p, &point);
     if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
-    else MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
+    else if (residual) MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
-  MpmSumScatter(known, sum, group, work->force, residual);
+  if (residual) MpmSumScatter(known, sum, group, work->force, residual);
   return PETSC_SUCCESS;
-}
-
-/* What one group's points would be at displacements u of the nodes, into the trial: without their forces. */
-MPM_INLINE PetscErrorCode UpdateGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                      const PetscReal u[], MpmWorkspace *work, PetscInt *failed)
-{
-  const PetscBool weights = work->weights;
-
-  MpmSumGather(known, sum, group, u, work->values);
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p = sum->space->order[s];
-    MpmKernelPoint point;
-    PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
-
-    MpmSumFetch(known, sum, s);
-    MpmSumBasis(known, sum->space, p, weights, &work->basis);
-    MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
-    MpmSumPoint(sum, p, &point);
-    MpmSumTrial(sum, p, &point);
-    if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
-  }
-  return PETSC_SUCCESS;
-}
-
-PetscErrorCode MpmPointsUpdate(const MpmSum *sum, const PetscReal u[], PetscInt *failed)
-{
-  MpmWorkspace work;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], UpdateGroup, sum, &sum->space->groups[g], u, &work, failed);
-  PetscCall(PetscFree(work.storage));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
@@ -94,4 +60,9 @@ PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const Petsc
   }
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointsUpdate(const MpmSum *sum, const PetscReal u[], PetscInt *failed)
+{
+  return MpmPointsResidual(NULL, sum, u, NULL, failed);
 }

@@ -26,6 +26,7 @@
 */
 #include "particles/particles.h"
 #include "point/layout.h"
+#include "space/motion.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/damping.h"
@@ -235,7 +236,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
 }
 
 /* The part of the points' forces that is the step's start's stands among the loads. */
-static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f)
+static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, const char **why)
 {
   const MpmTerm *points = model->disc.terms->term[0];
   const PetscInt count  = model->disc.inertia->local * model->disc.block;
@@ -254,6 +255,8 @@ static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f)
   model->disc.sum->part = 1. - alpha_f;
   for (PetscInt k = 0; k < count; k++) model->disc.force[k] -= alpha_f * force[k];
   PetscCall(PetscFree2(still, force));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  if (failed) *why = "a point's law has no answer at the step's start";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -283,7 +286,9 @@ static PetscErrorCode FindAcceleration(MpmModel model)
     dynamics->a_new[k] = free && mass > 0. ? -model->disc.residual[k] / mass : 0.;
   }
   MpmFramesToAxes(model->disc.constraints, dim, dynamics->local, dynamics->a_new);
-  PetscCall(MpmMomentumToPoints(model->disc.sum, &only, dynamics->v_old, dynamics->v_old, dynamics->a_new));
+  PetscCall(
+    MpmMotionToPoints(model->disc.sum, &only,
+                      &(MpmMotionStep){.v_old = dynamics->v_old, .v_new = dynamics->v_old, .a_new = dynamics->a_new}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -324,7 +329,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(EndConstrained(model, time));
   PetscCall(SetForces(model, &method));
   PetscCall(KeepLoads(model, time, method.alpha_f));
-  PetscCall(AddStart(model, method.alpha_f));
+  PetscCall(AddStart(model, method.alpha_f, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -398,8 +403,9 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
   PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual}));
-  PetscCall(MpmMomentumToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, dynamics->v_old, dynamics->v_new,
-                                dynamics->a_new));
+  PetscCall(
+    MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer,
+                      &(MpmMotionStep){.v_old = dynamics->v_old, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));
   PetscCall(MpmIntegratorQuasistatic.accept(model));
   if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.trial;
   model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;

@@ -490,7 +490,9 @@ PetscErrorCode MpmStepFindTrial(MpmModel model)
   if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.u, count, &same));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPIU_BOOL, MPI_LAND, model->comm));
   if (same) {
-    MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual);
+    if (model->disc.trial->framed)
+      MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual);
+    model->disc.trial->framed = PETSC_FALSE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmSumResidual(&model->solver, &failed));

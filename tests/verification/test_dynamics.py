@@ -82,9 +82,39 @@ def block(test):
         test.check_example(f"block.{name}", test.run(path, mpm_output_every=50, mpm_quiet=None), "incline_slide")
 
 
+def supports(test):
+    """What inclined conditions bear of a body that comes to rest: its weight, each along its own normal."""
+    path = test.folder() / "supports.yaml"
+    path.write_text(SUPPORTS, encoding="utf-8")
+    results = test.run(path, mpm_quiet=None).results
+    for name, normal in (("one", (0.6, 0.8)), ("two", (-0.8, 0.6))):
+        for axis, component in zip("xy", normal):
+            test.near(f"supports.{name}_{axis}", results.column(f"reaction_{name}_{axis}")[-1], 4000 * normal[1] * component,
+                      absolute=0.1)
+
+
+SUPPORTS = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "4,4", cells: "8,8"}
+  materials: soil
+  material_soil: {type: hencky, E: 1e6, nu: 0.3, density: 1000}
+  bodies: block
+  body_block: {region: box, lower: "0,0", upper: "2,2", points_per_cell: "2,2", material: soil}
+  bcs: one,two
+  bc_one: {region: box, lower: "0,0", upper: "4,0", normal: "0.6,0.8"}
+  bc_two: {region: box, lower: "0,0", upper: "4,0", normal: "-0.8,0.6"}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-1", ramp: "0:0,1:1"}
+  time: {integrator: backward_euler, end: 20, step: 0.2}
+  output: {prefix: supports, every: 0}
+"""
+
+
 with Test() as check:
     orders(check)
     bar(check)
     beam(check)
     discs(check)
     block(check)
+    supports(check)
