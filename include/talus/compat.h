@@ -12,8 +12,8 @@
 
 /* Renamed in 3.22; the old names draw deprecation warnings there. */
 #if PETSC_VERSION_LT(3, 22, 0)
-#define PETSC_INT_MIN PETSC_MIN_INT
-#define PETSC_INT_MAX PETSC_MAX_INT
+#define PETSC_INT_MIN            PETSC_MIN_INT
+#define PETSC_INT_MAX            PETSC_MAX_INT
 #define PetscOptionsCreateViewer PetscOptionsGetViewer
 #endif
 

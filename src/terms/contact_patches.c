@@ -156,8 +156,8 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
         contacts->cut[k / points->count] = PETSC_TRUE;
     }
   }
-  PetscCall(
-    MPIU_Allreduce(MPI_IN_PLACE, contacts->cut, (PetscMPIInt)contacts->boundary_count, MPM_MPI_BOOL, MPI_LOR, grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->cut, (PetscMPIInt)contacts->boundary_count, MPM_MPI_BOOL, MPI_LOR,
+                           grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
