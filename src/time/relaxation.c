@@ -28,6 +28,7 @@
 #include "bc/bc.h"
 #include "terms/inertia.h"
 #include "time/dynamics.h"
+#include "time/integrator.h"
 #include "time/model.h"
 #include "time/relaxation.h"
 #include "time/time.h"
@@ -75,6 +76,12 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
 PetscBool MpmModelRelaxes(const MpmModel model)
 {
   return model->scene.stages[model->state.stage].relaxation.on;
+}
+
+PetscBool MpmCouldRelax(const MpmModel model)
+{
+  return (PetscBool)(model->state.scheme.integrator == &MpmIntegratorQuasistatic &&
+                     model->disc.block == model->disc.dim);
 }
 
 PetscBool MpmStagesRelax(const MpmModel model)

@@ -13,6 +13,8 @@ void MpmRelaxationBegin(MpmModel model);
 /* Is the stage under way one, and is any? */
 PetscBool MpmModelRelaxes(const MpmModel model);
 PetscBool MpmStagesRelax(const MpmModel model);
+/* Could a stage of that type go on where the quasi-static one under way does not? */
+PetscBool MpmCouldRelax(const MpmModel model);
 /* Does the stage under way raise the masses of nodes, so that a long step is stable? */
 PetscBool MpmModelScales(const MpmModel model);
 /*

@@ -113,6 +113,13 @@ def scaled_masses(test):
     test.check("scaled.ranks", abs(runs["scaled.1.kinetic"] - runs["scaled.3.kinetic"]), 0, 0)
 
 
+def offered(test):
+    """Where Newton's method finds no state of rest, relaxation is named."""
+    run = test.run(HERE.parent.parent / "examples" / "collapse" / "case.yaml", status=3, mpm_quiet=None, mpm_time_step=1, mpm_time_step_min=0.9)
+    test.check("offered", "a stage of type relaxation may find it" in run.errors, 1, 1)
+    test.check("offered.lines", len(run.errors.strip().splitlines()), 1, 1)
+
+
 with Test() as test:
     vibration(test)
     stability(test)
@@ -122,5 +129,6 @@ with Test() as test:
     stages(test)
     relaxation(test)
     scaled_masses(test)
+    offered(test)
     test.check_example("relaxation_bar", test.run(HERE.parent.parent / "examples" / "relaxation_bar" / "case.yaml", mpm_quiet=None,
                                                   mpm_output_every=1000000), "relaxation_bar")
