@@ -108,9 +108,10 @@ PetscBool MpmModelScales(const MpmModel model)
 /* Masses of the local nodes, ghosts included, in place of the sums of the step's first pass. */
 static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
 {
-  const PetscReal cfl = model->scene.stages[model->state.stage].time.motion.cfl;
-  const PetscReal by  = 0.25 * PetscSqr(model->disc.sum->dt / cfl);
-  PetscReal      *to  = model->state.scheme.dynamics->sums;
+  const MpmMotionControl *motion = MpmModelMotion(model);
+  const PetscReal         cfl    = motion->cfl * MpmExplicitPart(motion);
+  const PetscReal         by     = 0.25 * PetscSqr(model->disc.sum->dt / cfl);
+  PetscReal              *to     = model->state.scheme.dynamics->sums;
 
   PetscFunctionBeginUser;
   PetscCall(MpmStiffnessRows(model->disc.sum, to));
