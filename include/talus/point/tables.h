@@ -95,7 +95,8 @@ typedef struct {
 /*
   How much a law dilates when it is sheared in plane strain from a state: the volume strain over the shear strain of plastic
   flow, in logarithmic strains, shear being the difference of the two principal values in the plane. 0 where the state lies
-  inside the yield surface. `elastic` becomes the elastic left Cauchy-Green tensor in the plane, xx, yy, xy.
+  well inside the yield surface, and continuous in the state up to it. `elastic` becomes the elastic left Cauchy-Green tensor in
+  the plane, xx, yy, xy.
 */
 typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table, const double *state,
                                double elastic[3]);
