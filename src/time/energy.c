@@ -3,11 +3,11 @@
 
     kinetic + elastic + dissipated - external - (kinetic + elastic at the start) = balance
 
-  kinetic     of the points, with the affine part of their velocities
+  kinetic     of the points, with the affine part of their velocities, and of rigid bodies with a mass
   elastic     what the points' elastic strain stores, by the law or by the stress, p^2/(2 K) + s:s/(4 G) a volume
   dissipated  the work of the points' stresses less what is stored of it, what contact has taken (the depth of a penalty, too,
               until it lets go), and what damping has taken
-  external    work of loads, of supports that move and of boundaries that move
+  external    work of loads, on free boundaries, too, of supports that move and of boundaries that move
 
   The work of a stress in a step is V_0 tau : d, tau the mean of its start and end and d the strain about the middle,
 
@@ -79,6 +79,7 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
   energy[1] = Elastic(model, &points);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  energy[0] += MpmRigidKinetic(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -193,7 +194,7 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
   const PetscInt       local    = model->disc.inertia->local;
   MpmEnergy           *energy   = &model->state.scheme.energy;
-  PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0.;
+  PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
 
   PetscFunctionBeginUser;
   if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
@@ -205,8 +206,9 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   sum[1] -= taken;
   PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->at ? work->at : work->u, work->u, &material,
                             &boundary));
-  sum[1] += boundary;
-  sum[2] += boundary - material;
+  pushed = MpmRigidPushWork(model->disc.contacts, model->disc.sum, work->u);
+  sum[1] += boundary + pushed;
+  sum[2] += boundary - material + pushed;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
     PetscCall(TakenBy(model, takers[k], work, &taken));
     sum[2] += taken;
@@ -238,7 +240,10 @@ PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(
     MPIU_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(sum), MPIU_REAL, MPIU_SUM, model->comm));
-  *report            = (MpmEnergyReport){.kinetic = sum[0], .elastic = sum[1], .external = energy->external};
+  *report            = (MpmEnergyReport){.kinetic  = sum[0] + MpmRigidKinetic(model->scene.boundaries->count,
+                                                                              model->scene.boundaries->at, model->state.placements),
+                                         .elastic  = sum[1],
+                                         .external = energy->external};
   report->dissipated = energy->dissipated + energy->internal - (sum[1] - energy->elastic);
   report->balance    = report->kinetic + report->elastic + report->dissipated - report->external - energy->start;
   PetscCall(PetscArraycpy(report->momentum, &sum[2], MPM_MAX_DIM));

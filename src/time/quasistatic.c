@@ -133,26 +133,44 @@ static PetscReal GhostFactor(const MpmModel model)
   return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
 }
 
+/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
+static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
+{
+  const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
+
+  return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
+}
+
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
-  const PetscBool solves = (PetscBool)!model->state.scheme.integrator->length;
+  const MpmIntegratorType motion = model->scene.stages[model->state.stage].time.motion.type;
+  const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
+  MpmRules                rules;
 
-  return (MpmRules){.grid       = model->disc.grid,
-                    .shape      = model->scene.shape,
-                    .edge       = model->scene.edge,
-                    .layout     = model->disc.layout,
-                    .wall_count = model->state.walls.count,
-                    .walls      = model->state.walls.at,
-                    .stretch    = model->scene.stretch,
-                    .parts      = model->disc.parts,
-                    .materials  = model->disc.sum->materials,
-                    .ghost      = solves ? GhostFactor(model) : 0.,
-                    .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-                    .mean       = (PetscBool)(model->disc.layout->means > 0),
-                    .put_back   = model->disc.put_back,
-                    .time_n     = model->state.time,
-                    .time       = time};
+  rules = (MpmRules){.grid       = model->disc.grid,
+                     .shape      = model->scene.shape,
+                     .edge       = model->scene.edge,
+                     .layout     = model->disc.layout,
+                     .wall_count = model->state.walls.count,
+                     .walls      = model->state.walls.at,
+                     .stretch    = model->scene.stretch,
+                     .parts      = model->disc.parts,
+                     .materials  = model->disc.sum->materials,
+                     .ghost      = solves ? GhostFactor(model) : 0.,
+                     .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .mean       = (PetscBool)(model->disc.layout->means > 0),
+                     .put_back   = model->disc.put_back,
+                     .time_n     = model->state.time,
+                     .time       = time,
+                     .dynamic    = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const MpmLoad *load = &model->scene.loads->at[l];
+
+    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
+      rules.gravity[a] += StepLoadFactor(model, l, time) * load->value[a];
+  }
+  return rules;
 }
 
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
@@ -270,14 +288,6 @@ static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
-static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
-{
-  const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
-
-  return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
-}
-
 /* Waves that come in through absorbing conditions in a step to `time`, like other loads. */
 static PetscErrorCode AddIncoming(MpmModel model, PetscReal time, PetscReal end, PetscReal start, PetscReal force[])
 {
@@ -325,15 +335,13 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   model->disc.sum->dry        = MpmWaterDry(model, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
-  PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));
+  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    const MpmLoad  *load   = &model->scene.loads->at[l];
-    const PetscReal factor = StepLoadFactor(model, l, time);
+    const MpmLoad *load = &model->scene.loads->at[l];
 
     if (load->type != MPM_LOAD_GRAVITY || !model->state.scheme.integrator->length)
-      PetscCall(MpmLoadApply(load, factor, rules, model->disc.sum, model->state.particles, model->disc.force));
-    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
-      model->disc.sum->gravity[a] += factor * load->value[a];
+      PetscCall(MpmLoadApply(load, StepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
+                             model->disc.force));
   }
   PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
                         model->disc.force));
