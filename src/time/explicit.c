@@ -421,27 +421,13 @@ static PetscErrorCode MoveNodes(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From this rank's part of the nodes' momentum to their velocities. */
-static PetscErrorCode FinishAgain(MpmModel model, PetscReal again[])
-{
-  const PetscReal *mass = model->disc.inertia->mass;
-  const PetscInt   dim  = model->disc.dim;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, again));
-  PetscCall(MpmSpaceToGhosts(model->disc.space, dim, again));
-  for (PetscInt k = 0; k < model->disc.space->local * dim; k++)
-    again[k] = mass[k / dim] > 0. ? again[k] / mass[k / dim] : 0.;
-  Prescribe(model, again);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The points' velocities; `again` becomes those at the nodes that follow from them, or is NULL. */
 static PetscErrorCode MovePoints(MpmModel model, PetscReal *again)
 {
-  MpmDynamics   *dynamics = model->state.scheme.dynamics;
-  const PetscInt count    = model->disc.space->local * model->disc.dim;
-  MpmMotionStep  step     = {dynamics->v_old, dynamics->v_new, NULL, dynamics->moves, again};
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *mass     = model->disc.inertia->mass;
+  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
+  MpmMotionStep    step = {dynamics->v_old, dynamics->v_new, NULL, dynamics->moves, again};
 
   PetscFunctionBeginUser;
   if (model->disc.points->acceleration) {
@@ -451,72 +437,11 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal *again)
   }
   if (again) PetscCall(PetscArrayzero(again, count));
   PetscCall(MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, &step));
-  if (again) PetscCall(FinishAgain(model, again));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- what FLIP keeps and nodes do not see ---- */
-
-#define NOISE_EVERY 4    /* steps from one look at the noise to the next */
-#define NOISE_MOST  1e-2 /* its part of the kinetic energy from which on all of it goes */
-
-/* At the points, what `velocity` of the nodes is there; `again` as in MpmMotionStep. */
-static PetscErrorCode VelocityAtPoints(MpmModel model, const PetscReal velocity[], PetscReal *again, PetscReal at[])
-{
-  const MpmTransfer   pic   = {.type = MPM_TRANSFER_FLIP, .pic = 1.};
-  const MpmMotionStep step  = {velocity, velocity, NULL, NULL, again};
-  PetscReal *const    lent  = model->disc.points->velocity;
-  const PetscInt      count = model->disc.space->local * model->disc.dim;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(at, model->disc.points->count * model->disc.dim));
-  if (again) PetscCall(PetscArrayzero(again, count));
-  model->disc.points->velocity = at;
-  PetscCall(MpmMotionToPoints(model->disc.sum, &pic, &step));
-  model->disc.points->velocity = lent;
-  if (again) PetscCall(FinishAgain(model, again));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  With P v the points' velocities by way of the nodes, (1 - P)^2 v is what hardly any node sees; of motion that nodes resolve it
-  is of the order (k h)^4. Its energy grows where points move by more than about a hundredth of a cell in each oscillation: a
-  share of it is taken out, in proportion to its part of the kinetic energy.
-
-  Source of the filter: Hammerquist, Nairn (2017), Comput. Methods Appl. Mech. Eng. 318, 724-738, doi:10.1016/j.cma.2017.01.035
-  (XPIC of order 2).
-*/
-static PetscErrorCode TakeNoise(MpmModel model, const PetscReal *again)
-{
-  MpmDynamics     *dynamics = model->state.scheme.dynamics;
-  const MpmPoints *points   = model->disc.points;
-  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
-  PetscReal       *twice = dynamics->a_rest, *seen, energy[2] = {0., 0.}, share;
-
-  PetscFunctionBeginUser;
-  if (MpmModelMotion(model)->transfer.type != MPM_TRANSFER_FLIP || MpmModelRelaxes(model) ||
-      model->state.step % NOISE_EVERY)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((points->count * dim), &seen));
-  if (!again) {
-    PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
-                                 dynamics->v_rest, NULL));
-    Prescribe(model, dynamics->v_rest);
-    again = dynamics->v_rest;
-  }
-  PetscCall(VelocityAtPoints(model, again, twice, seen));
-  for (PetscInt k = 0; k < count; k++) twice[k] = 2. * again[k] - twice[k];
-  PetscCall(VelocityAtPoints(model, twice, NULL, seen));
-  for (PetscInt k = 0; k < points->count * dim; k++) {
-    const PetscReal mass = MpmPointMass(points, model->disc.sum->materials, k / dim);
-
-    energy[0] += mass * PetscSqr(points->velocity[k] - seen[k]);
-    energy[1] += mass * PetscSqr(points->velocity[k]);
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
-  share = energy[1] > 0. ? PetscMin(1., energy[0] / (NOISE_MOST * energy[1])) : 0.;
-  for (PetscInt k = 0; k < points->count * dim; k++) points->velocity[k] -= share * (points->velocity[k] - seen[k]);
-  PetscCall(PetscFree(seen));
+  if (!again) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, again));
+  PetscCall(MpmSpaceToGhosts(model->disc.space, dim, again));
+  for (PetscInt k = 0; k < count; k++) again[k] = mass[k / dim] > 0. ? again[k] / mass[k / dim] : 0.;
+  Prescribe(model, again);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -563,7 +488,6 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   if (!model->disc.grid->outflow) PetscCall(MpmStepFindLost(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(model, again));
-  PetscCall(TakeNoise(model, again));
   PetscCall(Relax(model, again));
   PetscCall(UpdateStress(model, again, why));
   PetscFunctionReturn(PETSC_SUCCESS);
