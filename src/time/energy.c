@@ -20,6 +20,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/momentum.h"
+#include "space/point_loop.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/body_contact.h"
@@ -35,9 +36,12 @@
 
 /* ---- points ---- */
 
+/* The loops over points are written once, for a constant dimension. */
+#define BY_DIM(f, dim, ...) ((dim) == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
+
 /* Stored in a point per initial volume, J/m3. */
-static PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscReal stress[], const PetscReal state[],
-                        const PetscReal F[])
+MPM_INLINE PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscReal stress[],
+                            const PetscReal state[], const PetscReal F[])
 {
   const MpmLawInfo *info = &material->info;
   const PetscReal   J    = info->traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F);
@@ -47,8 +51,8 @@ static PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscRe
   for (PetscInt k = 0; k < size; k++) tau[k] = J * stress[k];
   if (info->energy) return info->energy(material->parameter, material->table, tau, F);
   if (!info->shear_modulus) return 0.;
-  shear = info->shear_modulus(material->parameter, material->table, state, F);
-  bulk  = MpmMaterialStiffness(material, state, F) - 4. / 3. * shear;
+  shear = MpmMaterialShearModulusAt(material, state, F);
+  bulk  = MpmMaterialStiffnessAt(material, state, F) - 4. / 3. * shear;
   mean  = (tau[0] + tau[1] + tau[2]) / 3.;
   for (PetscInt k = 0; k < size; k++) square += k < 3 ? PetscSqr(tau[k] - mean) : 2. * PetscSqr(tau[k]);
   if (!(shear > 0.)) return bulk > 0. ? 0.5 * mean * mean / bulk : 0.;
@@ -56,9 +60,9 @@ static PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscRe
 }
 
 /* Of this rank's points. */
-static PetscReal Elastic(const MpmModel model, const MpmPoints *points)
+MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const MpmPoints *points)
 {
-  const PetscInt dim = model->disc.dim, sym = MpmSymSize(dim), size = model->state.particles->state_size;
+  const PetscInt sym = MpmSymSize(dim), size = model->state.particles->state_size;
   PetscReal      sum = 0.;
 
   for (PetscInt p = 0; p < points->count; p++)
@@ -76,7 +80,7 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   energy[0] = MpmPointsKinetic(&points, model->scene.materials->at, model->disc.dim);
-  energy[1] = Elastic(model, &points);
+  energy[1] = BY_DIM(Elastic, model->disc.dim, model, &points);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
   energy[0] += MpmRigidKinetic(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
@@ -108,7 +112,7 @@ PetscErrorCode MpmEnergyRebase(MpmModel model)
 /* ---- work ---- */
 
 /* sym(G) : S of a gradient G and a symmetric S; plane strain has no part along z. */
-static PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
+MPM_INLINE PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
 {
   PetscReal sum = 0.;
 
@@ -119,27 +123,27 @@ static PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
 }
 
 /* (B - A) ((A + B)/2)^{-1}: with A = F_n and B = F_{n+1} the strain about the middle. */
-static void MiddleStrain(PetscInt dim, const PetscReal A[], const PetscReal B[], PetscReal d[])
+MPM_INLINE void MiddleStrain(PetscInt dim, const PetscReal A[], const PetscReal B[], PetscReal d[])
 {
-  PetscReal half[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], det;
+  PetscReal half[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], by;
 
   for (PetscInt k = 0; k < dim * dim; k++) half[k] = 0.5 * (A[k] + B[k]);
-  det = MpmCofactors(dim, half, cofactor);
+  by = 1. / MpmCofactors(dim, half, cofactor);
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
       d[i * dim + j] = 0.;
-      for (PetscInt k = 0; k < dim; k++)
-        d[i * dim + j] += (B[i * dim + k] - A[i * dim + k]) * cofactor[j * dim + k] / det;
+      for (PetscInt k = 0; k < dim; k++) d[i * dim + j] += (B[i * dim + k] - A[i * dim + k]) * cofactor[j * dim + k];
+      d[i * dim + j] *= by;
     }
   }
 }
 
 /* Of the stresses of this rank's points. */
-static PetscReal Internal(const MpmModel model)
+MPM_INLINE PetscReal Internal(const PetscInt dim, const MpmModel model)
 {
   const MpmPoints *points = model->disc.points;
   const MpmTrial  *trial  = model->disc.trial;
-  const PetscInt   dim = model->disc.dim, square = dim * dim, sym = MpmSymSize(dim);
+  const PetscInt   square = dim * dim, sym = MpmSymSize(dim);
   PetscReal        work = 0.;
 
   for (PetscInt p = 0; p < points->count; p++) {
@@ -165,7 +169,8 @@ static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal forc
   const PetscInt dim = model->disc.dim, bs = model->disc.block;
   PetscReal      work = 0.;
 
-  for (PetscInt k = 0; k < nodes * dim; k++) work += force[k / dim * bs + k % dim] * u[k / dim * bs + k % dim];
+  for (PetscInt i = 0; i < nodes; i++)
+    for (PetscInt a = 0; a < dim; a++) work += force[i * bs + a] * u[i * bs + a];
   return work;
 }
 
@@ -200,7 +205,7 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
-  sum[0] = Internal(model);
+  sum[0] = BY_DIM(Internal, model->disc.dim, model);
   sum[1] = Work(model, local, work->loads, work->u) + Work(model, model->disc.inertia->owned, work->supports, work->u);
   PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
   sum[1] -= taken;
@@ -234,7 +239,7 @@ PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
   PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
   if (motion->type != MPM_QUASISTATIC) PetscCall(MpmMotionSum(model->disc.sum, &motion->transfer, &sums));
   sum[0] = sums.kinetic;
-  sum[1] = Elastic(model, model->disc.points);
+  sum[1] = BY_DIM(Elastic, model->disc.dim, model, model->disc.points);
   PetscCall(PetscArraycpy(&sum[2], sums.momentum, MPM_MAX_DIM));
   PetscCall(PetscArraycpy(&sum[2 + MPM_MAX_DIM], sums.angular, 3));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));

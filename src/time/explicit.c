@@ -21,8 +21,10 @@
 #include "particles/points.h"
 #include "point/layout.h"
 #include "point/material.h"
+#include "point/wave_speed.h"
 #include "grid/grid.h"
 #include "space/motion.h"
+#include "space/point_loop.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
@@ -49,28 +51,38 @@
   The time in which a wave crosses a cell, the shortest over all points, s; with a law's viscosity nu = eta J/rho_0, m2/s, what
   is stable: h/(sqrt(c^2 + (nu/h)^2) + nu/h), h^2/(2 nu) where nothing but it acts.
 */
-static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
+MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const MpmPoints *points)
 {
-  const MpmSum  *sum = model->disc.sum;
-  const PetscInt dim = model->disc.dim;
-  MpmPoints      points;
+  const MpmSum    *sum           = model->disc.sum;
+  const PetscReal *h             = model->disc.grid->h;
+  PetscReal fastest[MPM_MAX_DIM] = {0., 0., 0.}, least = PETSC_MAX_REAL; /* m/s, where there is no viscosity; s */
 
-  PetscFunctionBeginUser;
-  *crossing = PETSC_MAX_REAL;
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) {
-    const MpmMaterial *material = &sum->materials[points.material[p]];
-    const PetscReal   *state = points.state ? &points.state[p * sum->state_size] : NULL, *F = &points.F[p * dim * dim];
-    const PetscReal    c  = MpmMaterialWaveSpeed(material, dim, state, F, &points.stress[p * MpmSymSize(dim)]);
-    const PetscReal    nu = MpmMaterialViscosity(material) * MpmPointVolumeRatio(material, dim, F) / material->density;
+  for (PetscInt p = 0; p < points->count; p++) {
+    const MpmMaterial *material = &sum->materials[points->material[p]];
+    const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = &points->F[p * dim * dim];
+    const PetscReal  c   = MpmWaveSpeed(dim, MpmMaterialStiffnessAt(material, state, F), material->density,
+                                        MpmDeterminant(dim, F), &points->stress[p * MpmSymSize(dim)]);
+    const PetscReal  eta = material->info.viscosity ? MpmMaterialViscosity(material) : 0.;
+    const PetscReal  nu  = eta > 0. ? eta * MpmPointVolumeRatio(material, dim, F) / material->density : 0.;
 
     for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal h     = model->disc.grid->h[a];
-      const PetscReal speed = c + PetscAbsReal(points.velocity[p * dim + a]), spread = nu / h;
+      const PetscReal speed = c + PetscAbsReal(points->velocity[p * dim + a]);
 
-      *crossing = PetscMin(*crossing, h / (PetscSqrtReal(speed * speed + spread * spread) + spread));
+      if (eta > 0.) least = PetscMin(least, h[a] / (PetscSqrtReal(speed * speed + PetscSqr(nu / h[a])) + nu / h[a]));
+      else fastest[a] = PetscMax(fastest[a], speed);
     }
   }
+  for (PetscInt a = 0; a < dim; a++) least = PetscMin(least, h[a] / fastest[a]);
+  return least;
+}
+
+static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  *crossing = model->disc.dim == 2 ? Crossing(2, model, &points) : Crossing(3, model, &points);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, crossing, 1, MPIU_REAL, MPIU_MIN, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

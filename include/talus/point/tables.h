@@ -71,6 +71,7 @@ typedef struct {
   MPM_LAW_PLASTIC       the law flows: its volume then follows from its shear, and low-order shapes lock without F-bar
   MPM_LAW_LAGGED        strength is that of the step's start: a point may go on flowing though nothing moves
   MPM_LAW_VISCOUS       stress depends on how fast the step deforms; the viscous part is gone once nothing moves
+  MPM_LAW_FIXED_MODULI  stiffness and shear modulus are those at rest at every state: nobody asks for them again
 */
 typedef enum {
   MPM_LAW_SYMMETRIC    = 1,
@@ -78,7 +79,8 @@ typedef enum {
   MPM_LAW_INTERNAL     = 4,
   MPM_LAW_PLASTIC      = 8,
   MPM_LAW_LAGGED       = 16,
-  MPM_LAW_VISCOUS      = 32
+  MPM_LAW_VISCOUS      = 32,
+  MPM_LAW_FIXED_MODULI = 64
 } MpmLawTrait;
 
 /*
