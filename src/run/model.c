@@ -730,8 +730,8 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
-  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
-                                   model->state.placements, model->state.particles->state_size));
+  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
+                                   model->scene.pairs, model->state.placements, model->state.particles->state_size));
   PetscCall(MpmSurfacesAdd(model));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));

@@ -84,8 +84,11 @@ static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, 
 }
 
 /* How far a facet is beyond what a patch may tilt. */
-static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary, PetscReal gap)
+static PetscReal Beyond(const MpmContacts *contacts, const MpmPatch *patch, PetscReal gap)
 {
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+
+  if (patch->round && !patch->held) return PetscMin(gap, 0.);
   if (gap < -contacts->tilt) return gap + contacts->tilt;
   return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
 }
@@ -136,23 +139,24 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     /* what rounding took from the place counts where a body's balance depends on its depth */
     for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
-    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches);
+    work->beyond[f - patch->begin] = Beyond(contacts, patch, surface->distance - facet->touches);
     if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
-    answer->gap += share * (surface->distance - facet->touches);
+    answer->gap += MpmFacetGapShare(contacts, patch, work, f) * (surface->distance - facet->touches);
     if (!boundary->tangential) continue;
     Relative(before, after, dim, facet->place, value, at);
     MpmContactAcross(dim, facet->normal, at);
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + at[a]);
   }
   answer->gap -= patch->shift;
-  if (!boundary->bilateral) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
+  if (patch->round && !patch->held) answer->active = answer->any;
+  else if (!boundary->bilateral) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
   if (!answer->active) {
     answer->gap = 0.;
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
     return;
   }
   answer->any       = PETSC_TRUE;
-  answer->stiffness = patch->stiffness;
+  answer->stiffness = patch->round && !patch->held ? 0. : patch->stiffness;
   if (boundary->tangential) Friction(contacts, patch, answer);
 }
 
@@ -188,7 +192,10 @@ PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, 
   patches, whose forces add up: each gets its part.
 */
 
-/* The inverse of the mass that the patch moves, 1/kg; nodes without mass do not count. */
+/*
+  The inverse of the mass that the patch moves, 1/kg; nodes without mass do not count. Facets that touch by themselves, of a round patch,
+  move no more than they would together if all of them did.
+*/
 static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch,
                              const PetscReal mass[])
 {
@@ -197,12 +204,14 @@ static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, con
   PetscReal       total = 0.;
 
   for (PetscInt i = 0; i < box->node_count; i++) {
-    PetscReal w = 0.;
+    PetscReal w = 0., square = 0.;
 
     if (nodes[i] < 0) continue;
-    for (PetscInt f = patch->begin; f < patch->end; f++)
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
       w += contacts->facet[f].area / patch->area * MpmFacetWeights(contacts, f)[i];
-    if (w != 0. && mass[nodes[i]] > 0.) total += w * w / mass[nodes[i]];
+      square += contacts->facet[f].area / patch->area * PetscSqr(MpmFacetWeights(contacts, f)[i]);
+    }
+    if (w != 0. && mass[nodes[i]] > 0.) total += (patch->round ? square : w * w) / mass[nodes[i]];
   }
   return total;
 }

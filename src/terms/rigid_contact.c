@@ -114,11 +114,11 @@ static void Change(const MpmContacts *contacts, const MpmPatch *patch, const Mpm
   for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet *facet = &contacts->facet[f];
-    const PetscReal share = facet->area / patch->area;
+    const PetscReal share = facet->area / patch->area, across = MpmFacetGapShare(contacts, patch, work, f);
     PetscReal       value[MPM_MAX_DIM];
 
     MpmPatchValue(contacts, sum, patch, f, du, value);
-    for (PetscInt a = 0; a < dim; a++) *gap += share * work->surface[f - patch->begin].normal[a] * value[a];
+    for (PetscInt a = 0; a < dim; a++) *gap += across * work->surface[f - patch->begin].normal[a] * value[a];
     MpmContactAcross(dim, facet->normal, value);
     for (PetscInt a = 0; a < dim; a++) slip[a] += share * value[a];
   }
@@ -182,13 +182,14 @@ static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, cons
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet  *facet  = &contacts->facet[f];
     const PetscReal *weight = MpmFacetWeights(contacts, f), *normal = work->surface[f - patch->begin].normal;
+    const PetscBool  touches = (PetscBool)(MpmFacetGapShare(contacts, patch, work, f) > 0.);
 
     if (own && facet->point < 0) continue;
     for (PetscInt i = 0; i < n; i++) {
       const PetscReal w = weight[i] * facet->area / patch->area;
 
       for (PetscInt c = 0; w != 0. && c < dim; c++) {
-        gap[i * dim + c] += w * normal[c];
+        if (touches) gap[i * dim + c] += w * normal[c];
         for (PetscInt e = 0; tangential && e < dim; e++)
           slip[(e * n + i) * dim + c] += w * ((e == c ? 1. : 0.) - facet->normal[e] * facet->normal[c]);
       }
@@ -401,7 +402,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
       contacts->moment[b][a] += arm[p] * force[q] - arm[q] * force[p];
     }
     if (work->beyond[f - patch->begin] != 0.)
-      *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
+      *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + (patch->round ? 0. : contacts->tilt));
   }
   *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
   MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
