@@ -12,8 +12,16 @@
 
 /* Renamed in 3.22; the old names draw deprecation warnings there. */
 #if PETSC_VERSION_LT(3, 22, 0)
-#define PETSC_INT_MIN PETSC_MIN_INT
-#define PETSC_INT_MAX PETSC_MAX_INT
+#define PETSC_INT_MIN            PETSC_MIN_INT
+#define PETSC_INT_MAX            PETSC_MAX_INT
+#define PetscOptionsCreateViewer PetscOptionsGetViewer
+#endif
+
+/* PetscBool in messages: an enumeration before 3.24, C's bool from there on. */
+#if PETSC_VERSION_LT(3, 24, 0)
+#define MPM_MPI_BOOL MPIU_BOOL
+#else
+#define MPM_MPI_BOOL MPI_C_BOOL
 #endif
 
 /* The shell line search's setter was renamed in 3.21. */

@@ -238,7 +238,7 @@ PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index, const char
 
   PetscFunctionBeginUser;
   output->started = PETSC_TRUE;
-  PetscCallMPI(MPI_Bcast(&grid, 1, MPIU_BOOL, 0, output->comm));
+  PetscCallMPI(MPI_Bcast(&grid, 1, MPM_MPI_BOOL, 0, output->comm));
   if (index) PetscCall(MpmTextFileAppend(&output->grids, "%s", index));
   if (grid_index) PetscCall(MpmTextFileAppend(&output->lattices, "%s", grid_index));
   PetscCall(WriteIndices(output, grid));

@@ -156,7 +156,7 @@ static PetscErrorCode GetDataset(MpmPointFile file, const char *name, PetscInt c
   *found = extent[0] >= 0 ? components : 0;
   if (!*found) PetscFunctionReturn(PETSC_SUCCESS);
   worked = MpmHdf5ReadRows(file->group, name, MpmHdf5Real(), file->first, file->count, components, values);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &worked, 1, MPIU_BOOL, MPI_LAND, file->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &worked, 1, MPM_MPI_BOOL, MPI_LAND, file->comm));
   MpmCheckInput(worked, "-%sfile %s: dataset %s cannot be read", file->prefix, file->path, name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -135,7 +135,7 @@ static PetscErrorCode NumberRows(MPI_Comm comm, PetscInt count, const PetscInt i
   PetscCall(PetscFree(found));
   PetscCall(PetscSFDestroy(&sf));
   PetscCall(PetscLayoutDestroy(&layout));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &once, 1, MPIU_BOOL, MPI_LAND, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &once, 1, MPM_MPI_BOOL, MPI_LAND, comm));
   PetscCheck(once, comm, PETSC_ERR_ARG_WRONG, "two points have the same id");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,7 +149,7 @@ static PetscErrorCode AgreeOnKinds(Writer *writer, PetscInt dataset_count, const
   PetscCall(PetscMPIIntCast(dataset_count, &count));
   PetscCall(PetscMalloc1(dataset_count, &writer->integer));
   for (PetscInt i = 0; i < dataset_count; ++i) writer->integer[i] = (PetscBool)(datasets[i].integer != NULL);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, writer->integer, count, MPIU_BOOL, MPI_LOR, writer->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, writer->integer, count, MPM_MPI_BOOL, MPI_LOR, writer->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -497,7 +497,7 @@ static PetscErrorCode ShareFailure(Writer *writer)
 {
   PetscFunctionBeginUser;
   if (writer->together) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Bcast(&writer->failed, 1, MPIU_BOOL, 0, writer->comm));
+  PetscCallMPI(MPI_Bcast(&writer->failed, 1, MPM_MPI_BOOL, 0, writer->comm));
   PetscCallMPI(MPI_Bcast(writer->reason, REASON_LENGTH, MPI_CHAR, 0, writer->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -66,7 +66,7 @@ static PetscErrorCode IsUsed(MPI_Comm comm, const char name[], PetscBool *used)
 {
   PetscFunctionBegin;
   PetscCall(PetscOptionsUsed(NULL, name, used));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, used, 1, MPIU_BOOL, MPI_LOR, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, used, 1, MPM_MPI_BOOL, MPI_LOR, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -136,7 +136,7 @@ static PetscErrorCode ReadTable(const MpmOptions *block, PetscInt dim, MpmPointP
   if (rank) PetscCall(PetscMalloc2(path->rows + 1, &path->time, (path->rows + 1) * MPM_SPACE_SYM, &path->value));
   PetscCallMPI(MPI_Bcast(path->time, (PetscMPIInt)path->rows, MPIU_REAL, 0, block->comm));
   PetscCallMPI(MPI_Bcast(path->value, (PetscMPIInt)path->rows * MPM_SPACE_SYM, MPIU_REAL, 0, block->comm));
-  PetscCallMPI(MPI_Bcast(path->stress, MPM_SPACE_SYM, MPIU_BOOL, 0, block->comm));
+  PetscCallMPI(MPI_Bcast(path->stress, MPM_SPACE_SYM, MPM_MPI_BOOL, 0, block->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

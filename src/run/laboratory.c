@@ -260,7 +260,7 @@ static PetscErrorCode IsInterrupted(MpmModel model, PetscBool *interrupted)
 {
   PetscFunctionBeginUser;
   *interrupted = MpmSignalsCaught();
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, interrupted, 1, MPIU_BOOL, MPI_LOR, model->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, interrupted, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
   if (model->state.time >= model->state.run_end) *interrupted = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

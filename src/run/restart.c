@@ -108,7 +108,7 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
   PetscCallMPI(MPI_Bcast(&points, 1, MPIU_INT64, 0, model->comm));
   MpmCheckInput(points > 0 && points <= PETSC_INT_MAX, "-mpm_restart %s: its points cannot be read", restart->path);
   restart->points = (PetscInt)points;
-  PetscCallMPI(MPI_Bcast(scalars->there, (PetscMPIInt)scalars->count, MPIU_BOOL, 0, model->comm));
+  PetscCallMPI(MPI_Bcast(scalars->there, (PetscMPIInt)scalars->count, MPM_MPI_BOOL, 0, model->comm));
   PetscCallMPI(MPI_Bcast(scalars->value, (PetscMPIInt)scalars->count, MPIU_REAL, 0, model->comm));
   PetscCallMPI(MPI_Bcast(scalars->number, (PetscMPIInt)scalars->count, MPIU_INT64, 0, model->comm));
   PetscCall(ReadBytes(model, group, "scene", PETSC_TRUE, &restart->scene));

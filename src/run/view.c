@@ -123,7 +123,7 @@ PetscErrorCode MpmModelViewFromOptions(MpmModel model)
   PetscBool         set;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsGetViewer(model->comm, NULL, NULL, "-mpm_view", &viewer, &format, &set));
+  PetscCall(PetscOptionsCreateViewer(model->comm, NULL, NULL, "-mpm_view", &viewer, &format, &set));
   if (!set) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscViewerPushFormat(viewer, format));
   PetscCall(MpmModelView(model, viewer));

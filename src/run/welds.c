@@ -59,7 +59,7 @@ static PetscErrorCode FindWelded(MpmModel model, PetscBool welded[])
     if (low[i] < high[i]) welded[low[i] * n + high[i]] = PETSC_TRUE;
   PetscCall(PetscFree3(body_of, low, high));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, welded, (PetscMPIInt)(n * n), MPIU_BOOL, MPI_LOR, model->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, welded, (PetscMPIInt)(n * n), MPM_MPI_BOOL, MPI_LOR, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -9,6 +9,8 @@
   D changes with the point's domain. With linear basis functions D goes from 0 to h^2/4 within a cell; there the gradient C
   itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
 */
+#include "point/layout.h"
+#include "point/material.h"
 #include "space/momentum.h"
 #include "space/motion.h"
 #include "space/stencil.h"
@@ -424,5 +426,48 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
   for (PetscInt g = 0; g < sum->space->group_count; g++)
     MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], transfer, step, &at);
   PetscCall(PetscFree4(at.v_new, at.change, at.a_new, at.again));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- stiffness ---- */
+
+PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])
+{
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, most = PetscPowInt(space->width, dim);
+  PetscReal       *storage, *basis[1 + MPM_MAX_DIM], *size;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(rows, space->local));
+  PetscCall(PetscMalloc1((most * (2 + MPM_MAX_DIM)), &storage));
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis[b] = &storage[b * most];
+  size = &storage[(1 + MPM_MAX_DIM) * most];
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const MpmKnown  known = KnownGeneral(sum->layout, group);
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt  p     = space->order[s];
+      const PetscReal speed = MpmMaterialWaveSpeed(&sum->materials[points->material[p]], dim,
+                                                   points->state ? &points->state[p * sum->state_size] : NULL,
+                                                   &points->F[p * dim * dim], &points->stress[p * MpmSymSize(dim)]);
+      PetscReal       total = 0.;
+
+      MpmShapeBasis(known, space, 0, p, PETSC_FALSE, basis);
+      for (PetscInt i = 0; i < known.n; i++) {
+        size[i] = 0.;
+        for (PetscInt a = 0; a < dim; a++) size[i] += PetscSqr(basis[1 + a][i]);
+        size[i] = PetscSqrtReal(size[i]);
+        total += size[i];
+      }
+      total *= MpmPointMass(points, sum->materials, p) * speed * speed;
+      for (PetscInt i = 0; i < known.n; i++) rows[nodes[i]] += total * size[i];
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscCall(MpmSpaceAddToOwners(space, 1, rows));
+  PetscCall(MpmSpaceToGhosts(space, 1, rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

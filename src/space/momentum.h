@@ -36,3 +36,9 @@ typedef struct {
 } MpmMotionSums;
 /* The space may be another one than that of the points' places: it is not used but where transfer->degree >= 2. */
 PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmMotionSums *sums);
+/*
+  A bound on the sums of the rows of the stiffness matrix, N/m, at all local nodes, ghosts included:
+
+    sum_p m_p c_p^2 |grad w_ip| sum_j |grad w_jp| ,  c_p the speed of waves at the point's state.
+*/
+PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[]);

@@ -158,8 +158,8 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
         contacts->cut[k / points->count] = PETSC_TRUE;
     }
   }
-  PetscCall(
-    MPIU_Allreduce(MPI_IN_PLACE, contacts->cut, (PetscMPIInt)contacts->boundary_count, MPIU_BOOL, MPI_LOR, grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->cut, (PetscMPIInt)contacts->boundary_count, MPM_MPI_BOOL, MPI_LOR,
+                           grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -421,7 +421,7 @@ static PetscErrorCode FindDrawn(MpmContacts *contacts, PetscInt b, const MpmGrid
     for (PetscInt a = 0; a < dim; a++) start *= a == face / 2 ? 1. : 2. * points->half_length[p * dim + a];
     drawn = (PetscBool)(PetscSqrtReal(square) > DRAWN * start || PetscSqrtReal(square) < start / DRAWN);
   }
-  PetscCall(MPIU_Allreduce(&drawn, &contacts->drawn[b], 1, MPIU_BOOL, MPI_LOR, grid->comm));
+  PetscCall(MPIU_Allreduce(&drawn, &contacts->drawn[b], 1, MPM_MPI_BOOL, MPI_LOR, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

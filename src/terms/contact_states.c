@@ -82,8 +82,8 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
       contacts->secant = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPIU_BOOL, MPI_LOR, sum->grid->comm));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->secant, 1, MPIU_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -108,7 +108,7 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
     if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) changed = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
-  PetscCall(MPIU_Allreduce(&changed, &contacts->secant, 1, MPIU_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(&changed, &contacts->secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -357,7 +357,7 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_C
     PetscCall(PetscArraycmp(old->column, pattern->column, pattern->row[count], &columns));
     *changed = (PetscBool) !(rows && columns);
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, changed, 1, MPIU_BOOL, MPI_LOR, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, changed, 1, MPM_MPI_BOOL, MPI_LOR, comm));
   PetscCall(MpmPatternDestroy(&old));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -84,12 +84,42 @@ static PetscReal Shortened(const MpmDampingControl *damping, PetscReal crossing)
   return crossing * (PetscSqrtReal(1. + xi * xi) - xi);
 }
 
+/* With scaled masses: the stage's step, or `cfl` of the time in which the slowest wave crosses a cell. */
+static PetscErrorCode FindScaledStep(MpmModel model)
+{
+  const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
+  const MpmSum         *sum     = model->disc.sum;
+  const PetscInt        dim     = model->disc.dim;
+  PetscReal             slowest = PETSC_MAX_REAL, h = PETSC_MAX_REAL;
+  MpmPoints             points;
+
+  PetscFunctionBeginUser;
+  model->state.dt_wanted = control->step;
+  if (control->step > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < points.count; p++) {
+    const PetscReal *state = points.state ? &points.state[p * sum->state_size] : NULL;
+
+    slowest = PetscMin(slowest, MpmMaterialWaveSpeed(&sum->materials[points.material[p]], dim, state,
+                                                     &points.F[p * dim * dim], &points.stress[p * MpmSymSize(dim)]));
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
+  for (PetscInt a = 0; a < dim; a++) h = PetscMin(h, model->disc.grid->h[a]);
+  model->state.dt_wanted = control->motion.cfl * h / slowest;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Length(MpmModel model, const char **why)
 {
   const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
   PetscReal             crossing;
 
   PetscFunctionBeginUser;
+  if (MpmModelScales(model)) {
+    PetscCall(FindScaledStep(model));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(FindCrossing(model, &crossing));
   if (crossing > 0.) crossing = Shortened(&control->motion.damping, crossing);
   model->state.dt_wanted = control->motion.cfl * crossing;

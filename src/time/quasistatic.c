@@ -488,7 +488,7 @@ PetscErrorCode MpmStepFindTrial(MpmModel model)
 
   PetscFunctionBeginUser;
   if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.u, count, &same));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPIU_BOOL, MPI_LAND, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPM_MPI_BOOL, MPI_LAND, model->comm));
   if (same) {
     if (model->disc.trial->framed)
       MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual);

@@ -11,14 +11,24 @@
     K_F = max_i |f_ext - f_int|_i / max_i |f_ext|_i ,  without prescribed components: there it is the reaction
     K_E = sum_p m_p v_p^2/2 / W ,  W += sum_i f_ext,i . u_i  the work of the loads since the stage began
 
+  With `nodal_mass: scaled` the nodes move with other masses, and the kinetic energy is theirs. A step dt is stable where
+  m_i >= dt^2/4 sum_j |K_ij|, since the sums of rows bound the largest eigenvalue of M^-1 K (Gershgorin), and a point adds to a block K_ij
+  no more than V (lambda + 2 mu) |grad w_i| |grad w_j|:
+
+    m'_i = max( m_i , (dt/cfl)^2/4 sum_p m_p c_p^2 |grad w_ip| sum_j |grad w_jp| )
+
+  The step is the one that the slowest material could take; what is stiff, and nodes that little material touches, become heavier.
+
   Sources: Cundall (1976, 1987); Jin, Yin et al., kinetic damping in the material point method, whose criteria these are; Barnes
-  (1999), Int. J. Space Struct. 14, 89-104, doi:10.1260/0266351991494722 (kinetic damping).
+  (1999), Int. J. Space Struct. 14, 89-104, doi:10.1260/0266351991494722 (kinetic damping); Underwood (1983), Dynamic relaxation, in: Belytschko, Hughes (eds.),
+  Computational Methods for Transient Analysis, 245-265 (masses).
 */
 #include "particles/particles.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/inertia.h"
 #include "time/dynamics.h"
+#include "time/integrator.h"
 #include "time/model.h"
 #include "time/relaxation.h"
 #include "time/time.h"
@@ -29,7 +39,7 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
 {
   static const char *const dampings[] = {"kinetic", "viscous", "local", NULL};
   MpmRelaxation           *relaxation = &stage->relaxation;
-  static const char *const masses[]   = {"physical", NULL};
+  static const char *const masses[]   = {"physical", "scaled", NULL};
   PetscInt                 damping = 0, mass = 0;
 
   PetscFunctionBeginUser;
@@ -47,8 +57,12 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                    ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &relaxation->tolerance, NULL));
   PetscCall(MpmOptionsReal(block, "hold", "s", "for so long without a break: with 0 it ends where they hold first",
                            MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &relaxation->hold, NULL));
-  PetscCall(MpmOptionsWord(block, "nodal_mass", "what the nodes' masses are: the material's", masses, MPM_OPTIONAL,
-                           &mass, NULL));
+  PetscCall(
+    MpmOptionsWord(block, "nodal_mass",
+                   "physical: the material's; scaled: raised where a node would ask for a shorter step than the "
+                   "slowest material does",
+                   masses, MPM_OPTIONAL, &mass, NULL));
+  relaxation->scaled = (PetscBool)(mass == 1);
   if (damping == MPM_DAMPING_VISCOUS || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "xi", "1/s",
                              "of viscous damping; fastest near the angular frequency of the slowest mode",
@@ -64,6 +78,12 @@ PetscBool MpmModelRelaxes(const MpmModel model)
   return model->scene.stages[model->state.stage].relaxation.on;
 }
 
+PetscBool MpmCouldRelax(const MpmModel model)
+{
+  return (PetscBool)(model->state.scheme.integrator == &MpmIntegratorQuasistatic &&
+                     model->disc.block == model->disc.dim);
+}
+
 PetscBool MpmStagesRelax(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
@@ -74,6 +94,57 @@ PetscBool MpmStagesRelax(const MpmModel model)
 void MpmRelaxationBegin(MpmModel model)
 {
   model->state.relaxing = (MpmRelaxing){.ended = model->state.relaxing.ended}; /* stays for the whole run */
+}
+
+/* ---- scaled masses ---- */
+
+PetscBool MpmModelScales(const MpmModel model)
+{
+  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+
+  return (PetscBool)(relaxation->on && relaxation->scaled);
+}
+
+/* Masses of the local nodes, ghosts included, in place of the sums of the step's first pass. */
+static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
+{
+  const PetscReal cfl = model->scene.stages[model->state.stage].time.motion.cfl;
+  const PetscReal by  = 0.25 * PetscSqr(model->disc.sum->dt / cfl);
+  PetscReal      *to  = model->state.scheme.dynamics->sums;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStiffnessRows(model->disc.sum, to));
+  for (PetscInt i = 0; i < model->disc.inertia->local; i++) to[i] = PetscMax(model->disc.inertia->mass[i], by * to[i]);
+  *mass = to;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Turns the forces at the local nodes, along the axes, into those that accelerate the material's masses as much as they would these; not
+  on prescribed unknowns, whose forces are reactions.
+*/
+static void ScaleForces(const MpmModel model, const PetscReal mass[], PetscReal force[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscInt        dim = model->disc.dim, local = model->disc.inertia->local;
+
+  if (constraints->any) MpmFramesToUnknowns(constraints, dim, local, force);
+  for (PetscInt k = 0; k < local * dim; k++)
+    if (mass[k / dim] > 0. && (!constraints->any || MpmConstraintsFree(constraints, k)))
+      force[k] *= model->disc.inertia->mass[k / dim] / mass[k / dim];
+  if (constraints->any) MpmFramesToAxes(constraints, dim, local, force);
+}
+
+/* Of this rank's nodes, with these masses, at the step's end, J. */
+static PetscReal NodesKinetic(const MpmModel model)
+{
+  const MpmDynamics *dynamics = model->state.scheme.dynamics;
+  const PetscInt     dim      = model->disc.dim;
+  PetscReal          kinetic  = 0.;
+
+  for (PetscInt k = 0; k < model->disc.inertia->owned * dim; k++)
+    kinetic += 0.5 * dynamics->sums[k / dim] * PetscSqr(dynamics->v_new[k]);
+  return kinetic;
 }
 
 /* ---- a step ---- */
@@ -121,8 +192,11 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
   const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
   const PetscReal     *mass = model->disc.inertia->mass, *v = model->state.scheme.dynamics->v_old;
   const PetscInt       dim = model->disc.dim, count = model->disc.inertia->local * dim;
+  PetscReal           *scaled = NULL;
 
   PetscFunctionBeginUser;
+  if (relaxation->scaled) PetscCall(ScaleMasses(model, &scaled));
+  if (scaled) mass = scaled;
   PetscCall(MpmNodesToOwners(&model->disc, dim, load));
   PetscCall(PetscArrayzero(&load[model->disc.inertia->owned * dim], count - model->disc.inertia->owned * dim));
   PetscCall(Compare(model, load, force));
@@ -130,6 +204,7 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
     force[k] -= 2. * relaxation->xi * mass[k / dim] * v[k];
   for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_LOCAL && k < count; k++)
     force[k] -= relaxation->factor * PetscAbsReal(force[k]) * (v[k] > 0. ? 1. : v[k] < 0. ? -1. : 0.);
+  if (scaled) ScaleForces(model, scaled, force);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -137,7 +212,8 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
 {
   MpmRelaxing   *relaxing = &model->state.relaxing;
   const PetscInt dim      = model->disc.dim;
-  PetscReal      kinetic  = MpmPointsKinetic(model->disc.points, model->disc.sum->materials, dim);
+  PetscReal      kinetic =
+    MpmModelScales(model) ? NodesKinetic(model) : MpmPointsKinetic(model->disc.points, model->disc.sum->materials, dim);
 
   PetscFunctionBeginUser;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &kinetic, 1, MPIU_REAL, MPIU_SUM, model->comm));

@@ -13,6 +13,10 @@ void MpmRelaxationBegin(MpmModel model);
 /* Is the stage under way one, and is any? */
 PetscBool MpmModelRelaxes(const MpmModel model);
 PetscBool MpmStagesRelax(const MpmModel model);
+/* Could a stage of that type go on where the quasi-static one under way does not? */
+PetscBool MpmCouldRelax(const MpmModel model);
+/* Does the stage under way raise the masses of nodes, so that a long step is stable? */
+PetscBool MpmModelScales(const MpmModel model);
 /*
   Within an explicit step. Damp: the forces at the local nodes are there, `force`, and take up what damps them, once they have
   been compared with the loads, `load` (this rank's part of them), which comes back whole. Observe: the points have their new

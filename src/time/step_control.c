@@ -156,7 +156,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  model->state.cuts = 0;
+  model->state.cuts              = 0;
+  model->state.rescue.relaxation = PETSC_FALSE;
   if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (;;) {
@@ -177,6 +178,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
       continue;
     }
     if (!again) {
+      model->state.rescue.relaxation = MpmCouldRelax(model);
       if (!model->state.rescue.ghost) PetscFunctionReturn(PETSC_SUCCESS);
       PetscCall(MpmStepRaiseGhost(model, *why));
       model->state.dt_wanted = model->state.dt_nominal;

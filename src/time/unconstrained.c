@@ -96,7 +96,7 @@ static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
     PetscCall(PetscSFBcastBegin(space->sf, MPIU_INT, label, label, MPI_REPLACE));
     PetscCall(PetscSFBcastEnd(space->sf, MPIU_INT, label, label, MPI_REPLACE));
     for (PetscInt i = 0; i < space->local && !changed; i++) changed = (PetscBool)(label[i] != label[Root(parent, i)]);
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPIU_BOOL, MPI_LOR, model->comm));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
   }
   PetscCall(PetscFree(parent));
   PetscFunctionReturn(PETSC_SUCCESS);

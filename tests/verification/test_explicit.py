@@ -98,6 +98,28 @@ def relaxation(test):
         test.near(f"relaxation.{update}.{damping}.always", time[~good][-1], always, relative=0.01)
 
 
+def scaled_masses(test):
+    """With scaled masses a bar whose fixed half is stiff comes to the same rest in a fraction of the steps, by any damping and on any ranks."""
+    static = 1e-3 * (5.0 / 400.0 + 4.875)
+    runs = {}
+    for mass, ranks, more in (("physical", 1, {}), ("scaled", 1, {}), ("scaled", 3, {}),
+                              ("scaled", 1, {"mpm_stage_rest_relaxation_damping": "viscous", "mpm_stage_rest_relaxation_xi": 0.3})):
+        run = test.run(HERE / "graded_bar.yaml", ranks=ranks, mpm_quiet=None, mpm_stage_rest_relaxation_nodal_mass=mass, **more)
+        key = f"{mass}.{ranks}.{'viscous' if more else 'kinetic'}"
+        runs[key] = run.results.column("step")[-1]
+        test.near(f"{key}.tip", run.results.column("track_tip_ux")[-1], static, relative=2e-3)
+        test.near(f"{key}.wall", run.results.column("reaction_wall_x")[-1], -1e-3, relative=1e-3)
+    test.check("scaled.steps", runs["scaled.1.kinetic"] / runs["physical.1.kinetic"], None, 0.2)
+    test.check("scaled.ranks", abs(runs["scaled.1.kinetic"] - runs["scaled.3.kinetic"]), 0, 0)
+
+
+def offered(test):
+    """Where Newton's method finds no state of rest, relaxation is named."""
+    run = test.run(HERE.parent.parent / "examples" / "collapse" / "case.yaml", status=3, mpm_quiet=None, mpm_time_step=1, mpm_time_step_min=0.9)
+    test.check("offered", "a stage of type relaxation may find it" in run.errors, 1, 1)
+    test.check("offered.lines", len(run.errors.strip().splitlines()), 1, 1)
+
+
 with Test() as test:
     vibration(test)
     stability(test)
@@ -106,5 +128,7 @@ with Test() as test:
     refused(test)
     stages(test)
     relaxation(test)
+    scaled_masses(test)
+    offered(test)
     test.check_example("relaxation_bar", test.run(HERE.parent.parent / "examples" / "relaxation_bar" / "case.yaml", mpm_quiet=None,
                                                   mpm_output_every=1000000), "relaxation_bar")
