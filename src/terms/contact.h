@@ -17,7 +17,7 @@ typedef struct {
   PetscInt  side;    /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
   PetscReal area;    /* projected on the boundary, m^(dim-1) */
   PetscInt  piece;   /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
-  PetscReal portion; /* and of its area that is this facet's */
+  PetscReal portion; /* and of its area that is this facet's; of round facets, of that of its point's which touch */
   PetscInt  round;   /* it stands on the round surface that cut its body's lattice (round_facets.c) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
 } MpmFacet;
@@ -50,7 +50,7 @@ typedef struct {
   PetscReal     area, stiffness;           /* m^(dim-1), Pa/m */
   PetscReal     strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
   PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
-  PetscBool     round;   /* of facets on a round surface, each of which touches by itself */
+  PetscBool     round;   /* a facet on a round surface, which touches by itself */
   PetscBool     held;    /* touches, and sticks, whatever the law says (contact_states.c) */
   MpmPatchState state;
   PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
@@ -141,13 +141,6 @@ void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
 /* What facet f adds on its own to the tangent, of directions c and d: its curvature, and what is beyond the tilt. */
 PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
                             const MpmPatchAnswer *answer, PetscInt c, PetscInt d);
-/* Its share in the mean gap: of a round patch's facets, those that touch. */
-static inline PetscReal MpmFacetGapShare(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchWork *work,
-                                         PetscInt facet)
-{
-  if (patch->round && !patch->held && work->beyond[facet - patch->begin] == 0.) return 0.;
-  return contacts->facet[facet].area / patch->area;
-}
 /* Its weights at the nodes of the patch's box, sum_i w_i u_i over them, and y_i += factor w_i force. */
 static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, PetscInt facet)
 {

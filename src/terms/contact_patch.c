@@ -48,7 +48,9 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
       y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
 }
 
-#define SLIDING 0.1 /* k'/k of what may slide */
+/* k'/k of what may slide. What rolls leaves its slip behind with the places that part: it creeps by as much as they give. */
+#define SLIDING 0.1
+#define ROLLING 1.
 
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
@@ -56,10 +58,11 @@ static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatc
   const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
   const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
   const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
-  const MpmContactLaw law      = {patch->stiffness, SLIDING,         boundary->friction, adhesion,
-                                  strength,         boundary->stick, contacts->secant};
-  const PetscReal     pressure = -patch->stiffness * answer->gap;
-  MpmContactFriction  friction;
+  const MpmContactLaw law      = {
+         patch->stiffness, patch->round ? ROLLING : SLIDING, boundary->friction, adhesion, strength, boundary->stick,
+         contacts->secant};
+  const PetscReal    pressure = -patch->stiffness * answer->gap;
+  MpmContactFriction friction;
 
   answer->slides = MpmContactSlide(&law, boundary->dim, pressure, answer->slip, &friction);
   for (PetscInt a = 0; a < boundary->dim; a++) {
@@ -84,11 +87,8 @@ static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, 
 }
 
 /* How far a facet is beyond what a patch may tilt. */
-static PetscReal Beyond(const MpmContacts *contacts, const MpmPatch *patch, PetscReal gap)
+static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary, PetscReal gap)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
-
-  if (patch->round && !patch->held) return PetscMin(gap, 0.);
   if (gap < -contacts->tilt) return gap + contacts->tilt;
   return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
 }
@@ -139,24 +139,23 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     /* what rounding took from the place counts where a body's balance depends on its depth */
     for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
-    work->beyond[f - patch->begin] = Beyond(contacts, patch, surface->distance - facet->touches);
+    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches);
     if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
-    answer->gap += MpmFacetGapShare(contacts, patch, work, f) * (surface->distance - facet->touches);
+    answer->gap += share * (surface->distance - facet->touches);
     if (!boundary->tangential) continue;
     Relative(before, after, dim, facet->place, value, at);
     MpmContactAcross(dim, facet->normal, at);
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + at[a]);
   }
   answer->gap -= patch->shift;
-  if (patch->round && !patch->held) answer->active = answer->any;
-  else if (!boundary->bilateral) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
+  if (!boundary->bilateral) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
   if (!answer->active) {
     answer->gap = 0.;
     for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
     return;
   }
   answer->any       = PETSC_TRUE;
-  answer->stiffness = patch->round && !patch->held ? 0. : patch->stiffness;
+  answer->stiffness = patch->stiffness;
   if (boundary->tangential) Friction(contacts, patch, answer);
 }
 
@@ -189,13 +188,11 @@ PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, 
 
   A patch sees the mean displacement of its facets, sum_i w_i u_i, behind which is the mass 1/sum_i w_i^2/m_i. With the force k A g at
   the gap g that the step would end with, k A <= m/dt^2 brings it to zero at most. Each node of a surface is shared by 2^(dim - 1)
-  patches, whose forces add up: each gets its part.
+  patches, whose forces add up: each gets its part. Facets on round surfaces are patches by themselves, many in a cell, with a cell's area
+  together.
 */
 
-/*
-  The inverse of the mass that the patch moves, 1/kg; nodes without mass do not count. Facets that touch by themselves, of a round patch,
-  move no more than they would together if all of them did.
-*/
+/* The inverse of the mass that the patch moves, 1/kg; nodes without mass do not count. */
 static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch,
                              const PetscReal mass[])
 {
@@ -204,14 +201,12 @@ static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, con
   PetscReal       total = 0.;
 
   for (PetscInt i = 0; i < box->node_count; i++) {
-    PetscReal w = 0., square = 0.;
+    PetscReal w = 0.;
 
     if (nodes[i] < 0) continue;
-    for (PetscInt f = patch->begin; f < patch->end; f++) {
+    for (PetscInt f = patch->begin; f < patch->end; f++)
       w += contacts->facet[f].area / patch->area * MpmFacetWeights(contacts, f)[i];
-      square += contacts->facet[f].area / patch->area * PetscSqr(MpmFacetWeights(contacts, f)[i]);
-    }
-    if (w != 0. && mass[nodes[i]] > 0.) total += (patch->round ? square : w * w) / mass[nodes[i]];
+    if (w != 0. && mass[nodes[i]] > 0.) total += w * w / mass[nodes[i]];
   }
   return total;
 }
@@ -223,8 +218,9 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch       *patch   = &contacts->patch[k];
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
+    const PetscReal area    = patch->round ? PetscPowRealInt(contacts->cell, sum->space->dim - 1) : patch->area;
 
-    if (!(patch->area > 0.) || !(inverse > 0.)) continue;
-    patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * patch->area));
+    if (!(area > 0.) || !(inverse > 0.)) continue;
+    patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
   }
 }

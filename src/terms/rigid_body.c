@@ -202,8 +202,7 @@ void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmR
     PetscReal        y[3];
 
     MpmRigidArmAfter(body, facet, q, work->u[f - patch->begin], y);
-    AddCovector(&frame, y, work->law.surface[f - patch->begin].normal, MpmFacetGapShare(contacts, patch, &work->law, f),
-                weight, n, work->left);
+    AddCovector(&frame, y, work->law.surface[f - patch->begin].normal, share, weight, n, work->left);
     for (PetscInt e = 0; e < slips; e++) {
       PetscReal along[3] = {0., 0., 0.};
 

@@ -9,8 +9,8 @@
   and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral; or pieces of the surface, surface_shares.c,
   for which g is what it was at the end of the last step, plus the change of d). Coulomb friction bounds the
   traction: where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k'. So a patch that sticks
-  gives by t/k', which is all the regularisation there is; k' = k where nothing may slide, and k/10 elsewhere. L is no more than what the material itself bears in shear where its law
-  says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
+  gives by t/k', which is all the regularisation there is; k' = k where nothing may slide and on round bodies, and k/10
+  elsewhere. L is no more than what the material itself bears in shear where its law says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
   surface, in a layer that no cell can resolve, and a pipe would carry half a cell of clay along. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
   the step's start; the reaction is the sum of these forces.
 
@@ -114,11 +114,11 @@ static void Change(const MpmContacts *contacts, const MpmPatch *patch, const Mpm
   for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet *facet = &contacts->facet[f];
-    const PetscReal share = facet->area / patch->area, across = MpmFacetGapShare(contacts, patch, work, f);
+    const PetscReal share = facet->area / patch->area;
     PetscReal       value[MPM_MAX_DIM];
 
     MpmPatchValue(contacts, sum, patch, f, du, value);
-    for (PetscInt a = 0; a < dim; a++) *gap += across * work->surface[f - patch->begin].normal[a] * value[a];
+    for (PetscInt a = 0; a < dim; a++) *gap += share * work->surface[f - patch->begin].normal[a] * value[a];
     MpmContactAcross(dim, facet->normal, value);
     for (PetscInt a = 0; a < dim; a++) slip[a] += share * value[a];
   }
@@ -182,14 +182,13 @@ static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, cons
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet  *facet  = &contacts->facet[f];
     const PetscReal *weight = MpmFacetWeights(contacts, f), *normal = work->surface[f - patch->begin].normal;
-    const PetscBool  touches = (PetscBool)(MpmFacetGapShare(contacts, patch, work, f) > 0.);
 
     if (own && facet->point < 0) continue;
     for (PetscInt i = 0; i < n; i++) {
       const PetscReal w = weight[i] * facet->area / patch->area;
 
       for (PetscInt c = 0; w != 0. && c < dim; c++) {
-        if (touches) gap[i * dim + c] += w * normal[c];
+        gap[i * dim + c] += w * normal[c];
         for (PetscInt e = 0; tangential && e < dim; e++)
           slip[(e * n + i) * dim + c] += w * ((e == c ? 1. : 0.) - facet->normal[e] * facet->normal[c]);
       }
@@ -346,17 +345,39 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
 {
   if (facet->point < 0) return;
-  if (facet->piece) kept[facet->point] += facet->portion * value;
+  if (facet->piece || facet->round) kept[facet->point] += facet->portion * value;
   else kept[facet->point] = value;
+}
+
+/* Portions by area of the round facets of a boundary that touch, among those of the same point. */
+static PetscErrorCode ShareRound(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
+                                 const MpmPatchAnswer answers[])
+{
+  PetscReal *area;
+
+  PetscFunctionBeginUser;
+  if (!contacts->shaped) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(sum->points->count, &area));
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmFacet *facet = &contacts->facet[contacts->patch[k].begin];
+
+      if (facet->boundary != b || !facet->round || !answers[k].active) continue;
+      if (pass) facet->portion = facet->area / area[facet->point];
+      else area[facet->point] += facet->area;
+    }
+  }
+  PetscCall(PetscFree(area));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The points of a patch keep its slip while it touches. */
 static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                 MpmParticles *particles)
 {
-
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    if (contacts->boundaries[b].tangential) PetscCall(ShareRound(contacts, b, sum, answers));
     for (PetscInt a = 0; contacts->boundaries[b].tangential && a < sum->space->dim; a++) {
       PetscReal *slip;
 
@@ -402,7 +423,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
       contacts->moment[b][a] += arm[p] * force[q] - arm[q] * force[p];
     }
     if (work->beyond[f - patch->begin] != 0.)
-      *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + (patch->round ? 0. : contacts->tilt));
+      *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
   }
   *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
   MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);

@@ -8,8 +8,8 @@
     z = x + F (z0 - x0) ,   n = F^-T N/|F^-T N| ,   dA = a . n ,
 
   x the point, a the area that the face has there. The sum of dA over the steps is the area of the surface. Each face has
-  SITES such places on each axis, where a boundary is near, each a facet that touches by itself: where a round surface
-  meets another one, only little of a cell's touches, and its mean distance there goes up and down as the body rolls over the cells.
+  SITES such places on each axis, where a boundary is near, each a facet and a patch by itself: where a round surface
+  meets another one, only little of a cell's touches, and its mean distance there would go up and down as the body rolls over the cells.
 
   A face belongs to the surface where that took the next point of the lattice; what parted later is as it was cut.
 */
@@ -19,7 +19,7 @@
 #include "particles/points.h"
 #include "terms/contact.h"
 
-#define SITES 4    /* places of a face on each axis */
+#define SITES 4    /* places of a face on each axis: a disc rolls on fewer like a polygon; with 8 nothing changes */
 #define SLACK 1.01 /* of the distance between points: domains may have been stretched */
 #define SAME  1e-6 /* of a domain: depths below one surface */
 
@@ -39,7 +39,7 @@ static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *poin
   const PetscReal *half = &points->half_length[p * dim];
   const PetscReal  size = half[face / 2];
   MpmRegion        region;
-  PetscInt         b  = 0, first, end;
+  PetscInt         b = 0, first, end;
   PetscReal        at[MPM_MAX_DIM], normal[MPM_MAX_DIM], N[MPM_MAX_DIM], depth, along;
 
   if (!contacts->shaped) return NULL;
