@@ -32,5 +32,6 @@ MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF
 }
 
 MPM_LAW_DEFINE(hencky, parameters, states, MpmMaterialEvaluate_hencky,
-               .summary = "large-strain elasticity, linear in the logarithmic strain", .traits = MPM_LAW_SYMMETRIC,
-               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus)
+               .summary = "large-strain elasticity, linear in the logarithmic strain",
+               .traits = MPM_LAW_SYMMETRIC | MPM_LAW_FIXED_MODULI, .stiffness = ElasticStiffness,
+               .shear_modulus = ElasticShearModulus)

@@ -42,5 +42,6 @@ MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Te
 /* Name (that of this file, and the option's value), tables, kernel; then members of MpmLawInfo: one line for -help, traits,
    constrained and shear modulus at a state, and, in other laws, .check of parameters against each other and more. */
 MPM_LAW_DEFINE(linear_elastic, parameters, states, MpmMaterialEvaluate_linear_elastic,
-               .summary = "linear elasticity at small strain", .traits = MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN,
-               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus)
+               .summary = "linear elasticity at small strain",
+               .traits = MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN | MPM_LAW_FIXED_MODULI, .stiffness = ElasticStiffness,
+               .shear_modulus = ElasticShearModulus)

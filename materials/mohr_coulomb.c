@@ -59,6 +59,8 @@ static const MpmParameter parameters[] = {
    "equivalent plastic strain at which the residual strengths are reached; without it nothing softens", NULL, 0.1,
    NULL}};
 
+#define MOBILISED 0.8 /* part of the strength from which on F-bar leaves dilation to the point */
+
 enum { STATE_B = 0, STATE_KAPPA = MPM_SYM };
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
@@ -369,7 +371,11 @@ static double MpmMaterialK0_mohr_coulomb(const double *parameter, const MpmLawTa
   return 1. - sin(parameter[FRICTION] * 3.14159265358979323846 / 180.);
 }
 
-/* On Mohr-Coulomb's plane, where flow in the plane dilates by sin(psi) of its shear */
+/*
+  On Mohr-Coulomb's plane flow in the plane dilates by sin(psi) of its shear. Inside, that fades to 0 where the shear is MOBILISED of
+  what the plane bears: if a stress a hair inside counted as elastic, forces of F-bar would jump between steps, and
+  geostatic stages not come to rest.
+*/
 static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const MpmLawTable *table, const double *state,
                                                 double elastic[3])
 {
@@ -383,26 +389,28 @@ static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const M
   const double  c       = parameter[COHESION] + part * (parameter[COHESION_RESIDUAL] - parameter[COHESION]);
   const double  phi     = degrees * (parameter[FRICTION] + part * (parameter[FRICTION_RESIDUAL] - parameter[FRICTION]));
   const double  psi     = degrees * (parameter[DILATION] + part * (parameter[DILATION_RESIDUAL] - parameter[DILATION]));
-  double        e[3], trace, high, low;
+  double        e[3], trace, high, low, shear, strength;
 
   (void)table;
   if (!(psi > 0. && mean > radius)) return 0.;
-  e[0]  = 0.5 * log(mean + radius);
-  e[1]  = 0.5 * log(mean - radius);
-  e[2]  = 0.5 * log(b[2]);
-  trace = lambda * (e[0] + e[1] + e[2]);
-  high  = trace + 2. * mu * fmax(e[0], e[2]);
-  low   = trace + 2. * mu * fmin(e[1], e[2]);
-  if (high - low + (high + low) * sin(phi) - 2. * c * cos(phi) < -1e-6 * (high - low) - CoulombNoise(lame)) return 0.;
+  e[0]     = 0.5 * log(mean + radius);
+  e[1]     = 0.5 * log(mean - radius);
+  e[2]     = 0.5 * log(b[2]);
+  trace    = lambda * (e[0] + e[1] + e[2]);
+  high     = trace + 2. * mu * fmax(e[0], e[2]);
+  low      = trace + 2. * mu * fmin(e[1], e[2]);
+  shear    = high - low;
+  strength = 2. * c * cos(phi) - (high + low) * sin(phi);
+  if (shear <= MOBILISED * strength || shear <= CoulombNoise(lame)) return 0.;
   elastic[0] = xx;
   elastic[1] = yy;
   elastic[2] = xy;
-  return sin(psi);
+  return shear < strength ? sin(psi) * (shear / strength - MOBILISED) / (1. - MOBILISED) : sin(psi);
 }
 
 MPM_LAW_DEFINE(mohr_coulomb, parameters, states, MpmMaterialEvaluate_mohr_coulomb,
                .summary = "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
-               .traits = MPM_LAW_PLASTIC, .check = MpmMaterialCheck_mohr_coulomb, .stiffness = ElasticStiffness,
-               .shear_modulus = ElasticShearModulus, .symmetric = MpmMaterialSymmetric_mohr_coulomb,
-               .history = ElasticHistory, .k0 = MpmMaterialK0_mohr_coulomb,
-               .dilatancy = MpmMaterialDilatancy_mohr_coulomb)
+               .traits = MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI, .check = MpmMaterialCheck_mohr_coulomb,
+               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus,
+               .symmetric = MpmMaterialSymmetric_mohr_coulomb, .history = ElasticHistory,
+               .k0 = MpmMaterialK0_mohr_coulomb, .dilatancy = MpmMaterialDilatancy_mohr_coulomb)

@@ -23,7 +23,7 @@
     m = det dF exp(-beta g) ,   g = gamma(dF b_n dF^T) - gamma(b_n)
 
   with b the elastic left Cauchy-Green tensor, gamma half the difference of the logarithms of its principal values in the
-  plane, thus g the plastic shear of a step that goes on flowing, and beta 0 at points that did not yield at the step's start.
+  plane, thus g the plastic shear of a step that goes on flowing, and beta that of the step's start: 0 well inside the yield surface.
   One condition a cell is left, as without dilation. g does not change when dF is scaled, so all that follows stays as it is;
   the point's own flux of m is now (tr tau/d) dm/m = (tr tau/d) (dF^{-T} - beta dg).
 

@@ -18,7 +18,7 @@ def parameters(results):
 
 
 def times(results):
-    """When both criteria hold first, and since when they do without a break."""
+    """When both criteria hold first, and since when they do without a break, from the columns; the summary says the same."""
     tolerance = results.numbers("mpm_stage_rest_relaxation_tolerance")[0]
     time = results.column("time")
     good = (results.column("K_F") < tolerance) & (results.column("K_E") < tolerance)
@@ -45,7 +45,9 @@ def check(results):
     quantities = [common.completed(results),
                   Quantity.near("displacement", results.column("track_middle_ux")[-1], displacement, relative=1e-3),
                   Quantity.near("stress", state["stress"][middle, 0] * stretch, load, relative=1e-3),
-                  Quantity("first", first, 0.0), Quantity("always", always, first)]
+                  Quantity("first", first, 0.0), Quantity("always", always, first),
+                  Quantity.near("summary_first", results.summary["criteria_first"], first, absolute=1e-6),
+                  Quantity.near("summary_since", results.summary["criteria_since"], always, absolute=1e-6)]
     if results.option("mpm_stage_rest_relaxation_damping") == "kinetic":
         heights = peaks(results)
         quantities += [Quantity.near("first_reset", resets(results)[0], FIRST_RESET, absolute=0.05),

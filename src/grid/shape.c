@@ -141,19 +141,31 @@ static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, Pets
   const PetscReal inverse = 0.5 / l, reach = l - 2. * l * MPM_SHAPE_TOUCH;
   const PetscReal knot = at.offset - at.local; /* distance from the point to the lower end of its interval */
   PetscInt        low = 0, high = 0, count;
-  PetscReal       from = -l;
+  PetscReal       from = -l, shared[2] = {0., 0.}; /* what linear functions' intervals add to the node between them */
 
   while (at.index + low > at.lower && knot + (PetscReal)low > -reach) low--;
   while (at.index + high < at.upper && knot + (PetscReal)(high + 1) < reach) high++;
   *first = at.index + low - degree / 2;
   count  = high - low + degree + 1;
-  for (PetscInt k = 0; k < count; k++) w[k] = g[k] = 0.;
+  for (PetscInt k = 0; degree > 1 && k < count; k++) w[k] = g[k] = 0.;
   for (PetscInt j = low; j <= high; j++) {
     const PetscReal to = (j == high) ? l : knot + (PetscReal)(j + 1);
+    const PetscReal t = at.local - (PetscReal)j + 0.5 * (from + to), f = (to - from) * inverse;
 
-    AddSegment(degree, at.local - (PetscReal)j + 0.5 * (from + to), to - from, (to - from) * inverse, w + (j - low),
-               g + (j - low));
+    if (degree == 1) { /* at once: a sum in memory would wait for the store before it */
+      PetscReal weight[2] = {shared[0], 0.}, slope[2] = {shared[1], 0.};
+
+      AddSegment(degree, t, to - from, f, weight, slope);
+      w[j - low] = weight[0];
+      g[j - low] = slope[0];
+      shared[0]  = weight[1];
+      shared[1]  = slope[1];
+    } else AddSegment(degree, t, to - from, f, w + (j - low), g + (j - low));
     from = to;
+  }
+  if (degree == 1) {
+    w[count - 1] = shared[0];
+    g[count - 1] = shared[1];
   }
   return count;
 }

@@ -171,7 +171,9 @@ typedef struct MpmSummary {
   PetscInt    rebalances;       /* how often the partition has moved */
   PetscBool   reduces;          /* strength */
   PetscReal   factor_of_safety; /* 0: not reached */
-  PetscReal   memory_max;       /* bytes, sum over ranks of each rank's maximum resident size */
+  PetscBool   relaxes;
+  PetscReal   criteria[2]; /* of the last relaxation: when they held first, and since when; s, -1: they do not */
+  PetscReal   memory_max;  /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 
 /* Makes one account of the ranks' own: times become the maximum over ranks, memory_max the sum of the processes'
@@ -180,7 +182,8 @@ typedef struct MpmSummary {
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
    active_dofs_max, steps, step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s,
-   time {setup, ...}, memory_max_bytes; where strength is reduced factor_of_safety, or null. */
+   time {setup, ...}, memory_max_bytes; where strength is reduced factor_of_safety, or null; where a stage relaxes
+   criteria_first and criteria_since, or null. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 
 /* ---- checkpoint_file.c ---- */

@@ -96,6 +96,11 @@ static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const 
     PetscCall(AppendNumber(text, summary->factor_of_safety > 0. ? summary->factor_of_safety : HUGE_VAL));
     PetscCall(MpmTextFileAppend(text, ",\n"));
   }
+  for (int i = 0; summary->relaxes && i < 2; i++) {
+    PetscCall(MpmTextFileAppend(text, "  \"criteria_%s\": ", i ? "since" : "first"));
+    PetscCall(AppendNumber(text, summary->criteria[i] >= 0. ? summary->criteria[i] : HUGE_VAL));
+    PetscCall(MpmTextFileAppend(text, ",\n"));
+  }
   PetscCall(MpmTextFileAppend(text, "  \"time_total_s\": "));
   PetscCall(AppendNumber(text, summary->time_total));
   PetscCall(MpmTextFileAppend(text, ",\n  \"time\": {"));

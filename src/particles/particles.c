@@ -10,6 +10,7 @@
 #include "grid/grid.h"
 #include "grid/partition.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 
 /* Another partition is taken when the fullest rank then holds this much less. */
@@ -478,11 +479,6 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
   parked->count = 0;
   PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial *materials, PetscInt p)
-{
-  return points->mass ? points->mass[p] : points->volume0[p] * materials[points->material[p]].density;
 }
 
 PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[])

@@ -32,9 +32,7 @@ typedef struct MpmPoints {
     *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
 } MpmPoints;
 
-/* A point's mass at the start, kg, which gravity's load takes. */
-PetscReal MpmPointMass(const MpmPoints *points, const MpmMaterial *materials, PetscInt p);
 /* J of a point, as what it takes up counts it: det F, or 1 + tr(F - I) at small strain. */
 PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[]);
-/* Its mass now, with the water that it has taken up since. */
+/* A point's mass now, with the water that it has taken up since the start. */
 PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials, const MpmLayout *layout, PetscInt p);

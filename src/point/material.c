@@ -4,6 +4,7 @@
 */
 #include "options/options.h"
 #include "point/material.h"
+#include "point/wave_speed.h"
 #include "point/parameter.h"
 #include "point/registry.h"
 
@@ -257,6 +258,8 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
       (material->info.traits & ~(unsigned)MPM_LAW_SYMMETRIC) | (symmetric ? MPM_LAW_SYMMETRIC : 0);
   }
   material->stiffness = MpmMaterialStiffness(material, NULL, NULL);
+  if (material->info.shear_modulus && material->info.traits & MPM_LAW_FIXED_MODULI)
+    material->shear_modulus = material->info.shear_modulus(material->parameter, material->table, NULL, NULL);
   if (material->penalty == 0.) material->penalty = material->stiffness;
   for (size_t i = 0; i < material->info.state_count; i++)
     material->state_size += MpmStateComponents(&material->info.states[i], dim);
@@ -358,29 +361,13 @@ PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal stat
   return material->info.stiffness(material->parameter, material->table, state, F);
 }
 
-/* A bound on the largest principal compression, by the rows of the stress (Gerschgorin); 0 where there is none */
-static PetscReal LargestCompression(PetscInt dim, const PetscReal stress[])
-{
-  const PetscInt shear[3][2] = {{3, 5}, {3, 4}, {4, 5}}; /* components beside each normal one */
-  PetscReal      largest     = 0.;
-
-  for (PetscInt i = 0; i < 3; i++) {
-    PetscReal sum = -stress[i];
-
-    for (PetscInt k = 0; k < 2; k++)
-      if (shear[i][k] < MpmSymSize(dim)) sum += PetscAbsReal(stress[shear[i][k]]);
-    largest = PetscMax(largest, sum);
-  }
-  return largest;
-}
-
 PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, PetscInt dim, const PetscReal state[], const PetscReal F[],
                                const PetscReal stress[])
 {
-  PetscReal modulus = MpmMaterialStiffness(material, state, F);
+  const PetscReal modulus = MpmMaterialStiffness(material, state, F);
 
-  if (stress) modulus += (F ? MpmDeterminant(dim, F) : 1.) * LargestCompression(dim, stress);
-  return PetscSqrtReal(modulus / material->density);
+  if (!stress) return PetscSqrtReal(modulus / material->density);
+  return MpmWaveSpeed(dim, modulus, material->density, F ? MpmDeterminant(dim, F) : 1., stress);
 }
 
 PetscReal MpmMaterialViscosity(const MpmMaterial *material)

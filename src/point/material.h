@@ -24,9 +24,9 @@ typedef struct MpmMaterial {
   struct {
     PetscReal least, most; /* of the dilation angle and the residual one, degrees; 0 where the law has none */
   } dilation;
-  PetscReal stiffness; /* at rest, Pa */
-  PetscReal penalty;   /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
-  PetscReal spacing;   /* most cells from point to point on an axis at the start; 0: unknown */
+  PetscReal stiffness, shear_modulus; /* at rest, Pa; the latter is 0 where the law has none */
+  PetscReal penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+  PetscReal spacing; /* most cells from point to point on an axis at the start; 0: unknown */
   PetscInt  state_size;
 } MpmMaterial;
 
@@ -61,6 +61,18 @@ PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *param
 PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const PetscReal state[]);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
+/* That and the law's shear modulus, which must have one, for loops over points: no call where all states have the same. */
+static inline PetscReal MpmMaterialStiffnessAt(const MpmMaterial *material, const PetscReal state[],
+                                               const PetscReal F[])
+{
+  return material->info.traits & MPM_LAW_FIXED_MODULI ? material->stiffness : MpmMaterialStiffness(material, state, F);
+}
+static inline PetscReal MpmMaterialShearModulusAt(const MpmMaterial *material, const PetscReal state[],
+                                                  const PetscReal F[])
+{
+  if (material->info.traits & MPM_LAW_FIXED_MODULI) return material->shear_modulus;
+  return material->info.shear_modulus(material->parameter, material->table, state, F);
+}
 /*
   A bound on the speed of elastic waves at a state, m/s, by lengths as they are there; `stress` is the Cauchy stress, in the
   components of `dim`. Infinite without density. `state`, `F` and `stress` may be NULL: at rest.

@@ -12,6 +12,8 @@
 
 int MpmStretchDiagonal_2d_0(const double *F, double *diagonal);
 int MpmStretchDiagonal_3d_0(const double *F, double *diagonal);
+int MpmStretchQuick_2d_0(const double *F, double *diagonal);
+int MpmStretchQuick_3d_0(const double *F, double *diagonal);
 
 static const struct {
   const char *name;
@@ -72,6 +74,11 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
 MpmStretch MpmStretchFind(PetscInt dim)
 {
   return dim == 2 ? MpmStretchDiagonal_2d_0 : MpmStretchDiagonal_3d_0;
+}
+
+MpmStretch MpmStretchFindQuick(PetscInt dim)
+{
+  return dim == 2 ? MpmStretchQuick_2d_0 : MpmStretchQuick_3d_0;
 }
 
 /* The shape that a field asks for, among those that others have asked for. */

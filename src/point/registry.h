@@ -14,6 +14,8 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
 PetscErrorCode MpmPhysicsList(char **words);
 /* The function that gives the diagonal of U = sqrt(F^T F). */
 MpmStretch MpmStretchFind(PetscInt dim);
+/* The same to rounding and in less time, for steps that are made of little else. */
+MpmStretch MpmStretchFindQuick(PetscInt dim);
 
 /* What has been registered besides what was compiled in; NULL behind the last. */
 const MpmLawInstance *MpmLawRegistered(PetscInt k);

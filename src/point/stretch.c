@@ -10,4 +10,9 @@ int MPM_INSTANCE(MpmStretchDiagonal)(const double *F, double *diagonal)
 {
   return TensorStretchDiagonal(F, diagonal);
 }
+int MPM_INSTANCE(MpmStretchQuick)(const double *F, double *diagonal);
+int MPM_INSTANCE(MpmStretchQuick)(const double *F, double *diagonal)
+{
+  return TensorStretchDiagonalQuick(F, diagonal);
+}
 #endif

@@ -404,7 +404,6 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
                              &model->scene.boundaries->count, &model->scene.boundaries->names));
   PetscCall(PetscCalloc1(model->scene.boundaries->count, &model->scene.boundaries->at));
   PetscCall(PetscCalloc1(model->scene.boundaries->count, &model->state.placements));
-  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) model->state.placements[k].turn[0] = 1.;
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
     for (PetscInt b = 0; b < model->scene.bcs->count && !MpmOptionsHelp(); b++) {
       MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.bcs->names[b]),
@@ -429,6 +428,7 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     if (model->scene.boundaries->at[k].friction > 0.)
       model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
   }
+  MpmRigidStart(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

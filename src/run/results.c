@@ -262,7 +262,9 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .imbalance         = model->state.particles->imbalance,
                             .rebalances        = model->state.particles->rebalances,
                             .reduces           = MpmStagesReduce(model),
-                            .factor_of_safety  = model->state.safety.factor};
+                            .factor_of_safety  = model->state.safety.factor,
+                            .relaxes           = MpmStagesRelax(model),
+                            .criteria          = {model->state.relaxing.first, model->state.relaxing.since}};
   char           path[PETSC_MAX_PATH_LEN];
   PetscLogDouble now;
 

@@ -40,14 +40,13 @@ static PetscErrorCode MapAllocate(NodeMap *map, PetscInt64 *size)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Calls for each node of a group, x fastest. */
-#define FOR_GROUP_NODES(group, node) \
+/* Calls for each row of a group's nodes along x: `row` is their places in the map. */
+#define FOR_GROUP_ROWS(map, group, row) \
   for (PetscInt k_ = 0; k_ < (group)->count[2]; k_++) \
-    for (PetscInt j_ = 0; j_ < (group)->count[1]; j_++) \
-      for (PetscInt i_ = 0; \
-           i_ < (group)->count[0] && \
-           (node[0] = (group)->first[0] + i_, node[1] = (group)->first[1] + j_, node[2] = (group)->first[2] + k_, 1); \
-           i_++)
+    for (PetscInt j_ = 0; \
+         j_ < (group)->count[1] && \
+         (row = MapAt(map, (const PetscInt[]){(group)->first[0], (group)->first[1] + j_, (group)->first[2] + k_}), 1); \
+         j_++)
 
 /* Marks the nodes that this rank's points touch. */
 static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
@@ -70,10 +69,11 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
   }
   PetscCall(MapAllocate(map, &size));
   for (PetscInt g = 0; g < space->box_count; g++) {
-    PetscInt node[MPM_MAX_DIM];
+    const MpmGroup *group = &space->groups[g];
+    PetscInt       *row;
 
-    if (space->groups[g].holes) continue;
-    FOR_GROUP_NODES(&space->groups[g], node) * MapAt(map, node) = 0;
+    if (group->holes) continue;
+    FOR_GROUP_ROWS(map, group, row) for (PetscInt i = 0; i < group->count[0]; i++) row[i] = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -267,9 +267,10 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
   for (PetscInt g = 0; g < space->box_count; g++) total += space->groups[g].node_count;
   PetscCall(PetscMalloc1(total, &space->group_nodes));
   for (PetscInt g = 0, fill = 0; g < space->box_count; g++) {
-    PetscInt node[MPM_MAX_DIM];
+    const MpmGroup *group = &space->groups[g];
+    PetscInt       *row;
 
-    FOR_GROUP_NODES(&space->groups[g], node) space->group_nodes[fill++] = *MapAt(&map, node);
+    FOR_GROUP_ROWS(&map, group, row) for (PetscInt i = 0; i < group->count[0]; i++) space->group_nodes[fill++] = row[i];
   }
   PetscCall(MpmListsDestroy(&foreign));
   PetscCall(MpmListsDestroy(&wanted));

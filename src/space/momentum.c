@@ -99,8 +99,8 @@ PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer
 /* ---- sums ---- */
 
 /* Adds m x v, and the moment m sum_b eps_cab B_ab of the affine part. */
-static void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], const PetscReal v[], const PetscReal *B,
-                       PetscReal angular[])
+MPM_INLINE void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], const PetscReal v[], const PetscReal *B,
+                           PetscReal angular[])
 {
   for (PetscInt c = dim == 2 ? 2 : 0; c < 3; c++) {
     const PetscInt a = (c + 1) % 3, b = (c + 2) % 3;
@@ -110,45 +110,45 @@ static void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], const 
   }
 }
 
-PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmMotionSums *sums)
+MPM_INLINE PetscErrorCode SumGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                   const MpmTransfer *transfer, MpmMotionSums *sums)
 {
   const MpmPoints *points = sum->points;
-  const PetscInt   dim    = sum->space->dim;
+  const PetscInt   dim    = known.dim;
   const PetscBool  affine = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
-  Work             work;
+  PetscInt         first[MPM_MAX_DIM];
 
+  MpmSpaceAt(sum->space, group->first, first);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = MpmPointMass(points, sum->materials, p), *v = &points->velocity[p * dim];
+    PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM], B[MPM_MAX_DIM * MPM_MAX_DIM];
+    MpmStencil      at;
+
+    sums->mass += mass;
+    for (PetscInt a = 0; a < dim; a++) {
+      sums->momentum[a] += mass * v[a];
+      sums->kinetic += 0.5 * mass * v[a] * v[a];
+    }
+    if (affine) {
+      MpmStencilPlace(known, sum, first, p, &at);
+      MpmStencilAffine(known, sum, transfer, p, at.second, C);
+      for (PetscInt k = 0; k < dim * dim; k++) {
+        B[k] = C[k] * at.second[k % dim];
+        sums->kinetic += 0.5 * mass * C[k] * B[k];
+      }
+    }
+    AddAngular(dim, mass, &points->x[p * dim], v, affine ? B : NULL, sums->angular);
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmMotionSums *sums)
+{
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(sums, sizeof(*sums)));
-  PetscCall(WorkCreate(sum, transfer, &work));
-  for (PetscInt g = 0; g < sum->space->group_count; g++) {
-    const MpmGroup *group = &sum->space->groups[g];
-    PetscInt        first[MPM_MAX_DIM];
-
-    MpmSpaceAt(sum->space, group->first, first);
-    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt  p    = sum->space->order[s];
-      const PetscReal mass = MpmPointMass(points, sum->materials, p), *v = &points->velocity[p * dim];
-      PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM], B[MPM_MAX_DIM * MPM_MAX_DIM];
-
-      sums->mass += mass;
-      for (PetscInt a = 0; a < dim; a++) {
-        sums->momentum[a] += mass * v[a];
-        sums->kinetic += 0.5 * mass * v[a] * v[a];
-      }
-      if (affine) {
-        const MpmKnown known = KnownGeneral(sum->layout, group);
-
-        MpmStencilPlace(known, sum, first, p, &work.at);
-        MpmStencilAffine(known, sum, transfer, p, work.at.second, C);
-        for (PetscInt k = 0; k < dim * dim; k++) {
-          B[k] = C[k] * work.at.second[k % dim];
-          sums->kinetic += 0.5 * mass * C[k] * B[k];
-        }
-      }
-      AddAngular(dim, mass, &points->x[p * dim], v, affine ? B : NULL, sums->angular);
-    }
-  }
-  PetscCall(PetscFree(work.storage));
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], SumGroup, sum, &sum->space->groups[g], transfer, sums);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -26,7 +26,9 @@ typedef struct MpmRules {
   PetscBool          mean;          /* points of one cell stand side by side, for means over it */
   PetscReal          time_n, time;  /* the step is from time_n to time */
   PetscBool          put_back;      /* the points were put back after the last step, which kept their stress */
-  PetscInt           parts;         /* of the material, with nodes of their own; 0 or 1: none */
+  PetscBool          dynamic;       /* a step with inertia that is solved for */
+  PetscReal          gravity[MPM_MAX_DIM]; /* m/s2 */
+  PetscInt           parts;                /* of the material, with nodes of their own; 0 or 1: none */
 } MpmRules;
 
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */

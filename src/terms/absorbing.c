@@ -15,6 +15,7 @@
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"

@@ -594,7 +594,7 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
   contacts->weighed = PETSC_FALSE;
   if (!contacts->cut) PetscCall(FindCuts(contacts, rules->grid, points));
   SetPoses(contacts, rules->time_n, rules->time);
-  MpmRigidBegin(contacts, rules->time);
+  MpmRigidBegin(contacts, rules->time, rules->dynamic ? rules->time - rules->time_n : 0., rules->gravity);
   do {
     PetscCall(FindPatches(contacts, rules, points, space));
     if (contacts->bodies) PetscCall(MpmRigidSettle(contacts, rules->grid, &moved));
@@ -732,7 +732,8 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
   Strengths(contacts, step->sum);
   PetscCall(MpmContactsLoad(contacts, step));
   if (!again || !contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmRigidBegin(contacts, step->rules->time);
+  MpmRigidBegin(contacts, step->rules->time, step->rules->dynamic ? step->rules->time - step->rules->time_n : 0.,
+                step->rules->gravity);
   while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,6 +2,8 @@
   The forces of inertia in an implicit step, with a mass that is lumped or consistent:
 
     M_ij = sum_p m_p w_i w_j ,     or its sums over j on the diagonal.
+
+  Nodes that are no grid's, those of rigid bodies, have a mass of their own, which is lumped in any case.
 */
 #include "space/point_loop.h"
 #include "terms/inertia.h"
@@ -52,16 +54,21 @@ MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum,
   return PETSC_SUCCESS;
 }
 
+/* The first owned node whose mass is lumped. */
+static PetscInt FirstLumped(const MpmInertia *inertia, const MpmSpace *space)
+{
+  return inertia->consistent ? PetscMin(space->extra.begin, space->owned) : 0;
+}
+
 PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
 {
   const PetscInt dim = sum->space->dim;
   MpmWorkspace   work;
 
   PetscFunctionBeginUser;
-  if (!inertia->consistent) {
-    for (PetscInt k = 0; k < sum->space->owned * dim; k++) y[k] += inertia->mass[k / dim] * a[k];
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  for (PetscInt k = FirstLumped(inertia, sum->space) * dim; k < sum->space->owned * dim; k++)
+    y[k] += inertia->mass[k / dim] * a[k];
+  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &work));
   for (PetscInt g = 0; g < sum->space->group_count; g++)
     MPM_DISPATCH(sum->layout, &sum->space->groups[g], MultiplyGroup, sum, &sum->space->groups[g], a, &work, y);
@@ -139,16 +146,14 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionBeginUser;
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
-  if (!inertia->consistent) {
-    for (PetscInt i = 0; i < sum->space->owned; i++) {
-      PetscReal block[MPM_MAX_BLOCK * MPM_MAX_BLOCK] = {0.};
+  for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++) {
+    PetscReal block[MPM_MAX_BLOCK * MPM_MAX_BLOCK] = {0.};
 
-      if (inertia->mass[i] == 0.) continue;
-      for (PetscInt c = 0; c < sum->space->dim; c++) block[c * bs + c] = inertia->factor * inertia->mass[i];
-      MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
-    }
-    PetscFunctionReturn(PETSC_SUCCESS);
+    if (inertia->mass[i] == 0.) continue;
+    for (PetscInt c = 0; c < sum->space->dim; c++) block[c * bs + c] = inertia->factor * inertia->mass[i];
+    MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
   }
+  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(PetscMalloc1((most * most * bs * bs), &element));
   for (PetscInt g = 0; g < sum->space->group_count; g++)
@@ -168,7 +173,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionBeginUser;
   (void)u, (void)failed;
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; !inertia->consistent && i < sum->space->owned; i++)
+  for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
     for (PetscInt c = 0; c < dim; c++) blocks[(i * bs + c) * bs + c] += inertia->factor * inertia->mass[i];
   if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &work));

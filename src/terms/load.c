@@ -7,6 +7,7 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "particles/selection.h"
 #include "space/rules.h"

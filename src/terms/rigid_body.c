@@ -52,7 +52,7 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmRigidBegin(MpmContacts *contacts, PetscReal time)
+void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[])
 {
   contacts->adrift = -1;
   for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
@@ -67,11 +67,86 @@ void MpmRigidBegin(MpmContacts *contacts, PetscReal time)
     MpmBoundaryReference(boundary, &contacts->after[b], body->travel);
     for (PetscInt a = 0; a < 3; a++) {
       body->travel[a] -= body->pivot[a];
-      body->load[a]   = factor * body->freedom->load[a];
+      body->load[a]   = factor * body->freedom->load[a] + body->freedom->mass * gravity[a];
       body->moment[a] = factor * body->freedom->moment[a];
     }
-    for (PetscInt k = 0; k < 6; k++) body->guess[k] = 0.;
+    body->dt = body->freedom->mass > 0. ? dt : 0.;
+    for (PetscInt k = 0; k < 6; k++)
+      body->guess[k] = body->dt * (body->placement->velocity[k] + 0.5 * body->dt * body->placement->acceleration[k]);
   }
+}
+
+/* ---- inertia ---- */
+
+void MpmRigidToNodes(const MpmContacts *contacts, PetscReal mass[], PetscReal velocity[], PetscReal acceleration[])
+{
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+    const PetscInt      dim  = body->dim;
+
+    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
+    mass[body->node]     = body->freedom->mass;
+    mass[body->node + 1] = body->freedom->inertia / PetscSqr(body->freedom->size);
+    for (PetscInt n = 0; n < 2; n++) {
+      for (PetscInt a = 0; a < dim; a++) {
+        velocity[(body->node + n) * dim + a]     = body->placement->velocity[3 * n + a];
+        acceleration[(body->node + n) * dim + a] = body->placement->acceleration[3 * n + a];
+      }
+    }
+  }
+}
+
+/* Six numbers of a body from its two nodes; what is not free stays 0. */
+static void FromNodes(const MpmRigidBody *body, const PetscReal nodal[], PetscReal values[])
+{
+  for (PetscInt n = 0; n < 2; n++)
+    for (PetscInt a = 0; a < body->dim; a++)
+      values[3 * n + a] = body->freedom->free[n] >> a & 1 ? nodal[(body->node + n) * body->dim + a] : 0.;
+}
+
+void MpmRigidFromNodes(MpmContacts *contacts, const PetscReal velocity[], const PetscReal acceleration[])
+{
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+
+    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
+    if (velocity) FromNodes(body, velocity, body->placement->velocity);
+    if (acceleration) FromNodes(body, acceleration, body->placement->acceleration);
+  }
+}
+
+void MpmRigidRest(MpmContacts *contacts)
+{
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    MpmPlacement *placement = contacts->bodies[b].placement;
+
+    if (!placement) continue;
+    for (PetscInt k = 0; k < 6; k++) placement->velocity[k] = placement->acceleration[k] = 0.;
+  }
+}
+
+void MpmRigidStart(PetscInt count, const MpmBoundary boundaries[], MpmPlacement placements[])
+{
+  for (PetscInt b = 0; b < count; b++) {
+    placements[b].turn[0] = 1.;
+    for (PetscInt a = 0; boundaries[b].freedom && a < boundaries[b].dim; a++)
+      placements[b].velocity[a] = boundaries[b].freedom->velocity[a];
+  }
+}
+
+PetscReal MpmRigidKinetic(PetscInt count, const MpmBoundary boundaries[], const MpmPlacement placements[])
+{
+  PetscReal kinetic = 0.;
+
+  for (PetscInt b = 0; b < count; b++) {
+    const MpmFreedom *freedom = boundaries[b].freedom;
+
+    if (!freedom || !(freedom->mass > 0.)) continue;
+    for (PetscInt k = 0; k < 6; k++)
+      kinetic += 0.5 * (k < 3 ? freedom->mass : freedom->inertia / PetscSqr(freedom->size)) *
+                 PetscSqr(placements[b].velocity[k]);
+  }
+  return kinetic;
 }
 
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt b)
@@ -333,6 +408,24 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
       for (PetscInt a = 0; a < Components(body, n); a++) residual[(body->node + n) * bs + a] += load[n][a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmRigidPushWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[])
+{
+  PetscReal work = 0.;
+
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = MpmContactsBody(contacts, b);
+    MpmRigidIncrement   q;
+    PetscReal           load[2][3], unused[3][3];
+
+    if (!body) continue;
+    MpmRigidIncrementAt(body, sum->block, u, &q);
+    MpmRigidLoad(body, &q, load, unused);
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < Components(body, n); a++) work -= load[n][a] * u[(body->node + n) * sum->block + a];
+  }
+  return work;
 }
 
 /* The matrix of a body's own: what its load does, and the lift. */

@@ -13,13 +13,15 @@ typedef struct MpmFreedom {
   PetscInt  free[2];                                /* a bit for each axis: translations, rotations */
   PetscReal load[MPM_MAX_DIM], moment[MPM_MAX_DIM]; /* N and N m (2D: per metre; z), times ramp */
   PetscReal size;                                   /* m: a rotation's unknown is the angle times this */
+  PetscReal mass, inertia, velocity[MPM_MAX_DIM];   /* kg, kg m2 about any axis; m/s as the scene begins */
   MpmRamp   ramp;
 } MpmFreedom;
 
 /* How far a body has come besides its prescribed motion: x -> c + shift + Q (x - c), c the reference point; Q a quaternion. */
 struct MpmPlacement {
   PetscReal shift[MPM_MAX_DIM], turn[4];
-  PetscReal last[6]; /* the unknowns of the last step, without the way to the material */
+  PetscReal last[6];                      /* the unknowns of the last step, without the way to the material */
+  PetscReal velocity[6], acceleration[6]; /* of the unknowns, where the body has a mass */
 };
 
 /* An increment of a body's place, as the unknowns have it: translation, Rodrigues' parameters and their rotation. */
@@ -37,6 +39,7 @@ struct MpmRigidBody {
   PetscReal travel[3];          /* and what that motion adds in the step */
   PetscReal load[3], moment[3]; /* at the step's end */
   PetscReal guess[6];           /* unknowns from which Newton starts */
+  PetscReal dt;                 /* s, in a step in which the body's inertia counts; otherwise 0 */
 };
 
 /* Of a facet by itself: the force on the material, and minus its derivative by the facet's own displacement. */
@@ -105,8 +108,23 @@ void MpmRigidMode(const MpmRigidBody *body, const PetscReal origin[], const Pets
 
 /* Takes over the places of the bodies, which are the state's; borrowed. */
 PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements);
-/* Where bodies stand as a step to `time` begins; before its contacts are looked for. */
-void MpmRigidBegin(MpmContacts *contacts, PetscReal time);
+/*
+  Where bodies stand as a step to `time` begins; before its contacts are looked for. dt: its length, where inertia counts in it,
+  otherwise 0; gravity in m/s2.
+*/
+void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[]);
+/*
+  Bodies with a mass: their extra nodes among the nodes' masses, velocities and accelerations, dim values each; and back, from what is
+  not NULL. Rest: they stand still.
+*/
+void MpmRigidToNodes(const MpmContacts *contacts, PetscReal mass[], PetscReal velocity[], PetscReal acceleration[]);
+void MpmRigidFromNodes(MpmContacts *contacts, const PetscReal velocity[], const PetscReal acceleration[]);
+void MpmRigidRest(MpmContacts *contacts);
+/* How boundaries begin, by boundary; and the kinetic energy of those with a mass, J. */
+void      MpmRigidStart(PetscInt count, const MpmBoundary boundaries[], MpmPlacement placements[]);
+PetscReal MpmRigidKinetic(PetscInt count, const MpmBoundary boundaries[], const MpmPlacement placements[]);
+/* The work of what pushes free bodies in a step at the local unknowns u, J, on the rank that owns these. */
+PetscReal MpmRigidPushWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 
 /* Room for one patch of a free body: its facets' displacements along the axes, what the law says, and the mean's derivatives. */
 typedef struct {

@@ -4,6 +4,9 @@
     free       components of its motion that are solved for: x, y, z, rx, ry, rz (2D: x, y, rz); the others follow `motion`
     load       force on it, N (2D: per metre), times load_ramp
     moment     about its reference point, N m (2D: one number), times load_ramp
+    mass       kg (2D: per metre): its weight where gravity acts, and its inertia in implicit dynamics
+    inertia    its moment of inertia, kg m2, about any axis (2D: z, per metre); the reference point is its centre of mass
+    velocity   as the scene begins, m/s
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -43,6 +46,28 @@ PetscReal MpmBoundarySize(const MpmBoundary *boundary)
   return size > 0. ? size : 1.;
 }
 
+/* Mass, and what goes with it. */
+static PetscErrorCode ReadMass(const MpmOptions *block, PetscInt dim, MpmFreedom *freedom)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsReal(block, "mass", "kg", "its mass (2D: per metre), with `free`: weight and inertia",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &freedom->mass, NULL));
+  PetscCall(
+    MpmOptionsReal(block, "inertia", "kg m2",
+                   "its moment of inertia about its reference point (2D: per metre), which is its centre of mass",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &freedom->inertia, NULL));
+  PetscCall(MpmOptionsReals(block, "velocity", "m/s", "its velocity as the scene begins, with a mass", MPM_RANGE_ANY,
+                            MPM_OPTIONAL, dim, freedom->velocity, NULL));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!(freedom->mass > 0.) || !freedom->free[1] || freedom->inertia > 0.,
+                "-%sinertia: is missing; a body with a mass that turns has one, kg m2", block->prefix);
+  for (PetscInt a = 0; a < dim; a++)
+    MpmCheckInput(freedom->velocity[a] == 0. || (freedom->mass > 0. && freedom->free[0] >> a & 1),
+                  "-%svelocity: needs a mass, and a component of the motion that is among -%sfree", block->prefix,
+                  block->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Without `free`, or along what is not free, nothing can push. */
 static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, const PetscReal push[], PetscInt free,
                                 PetscInt count)
@@ -57,7 +82,7 @@ static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, con
 
 static PetscErrorCode CheckAbsent(const MpmOptions *block)
 {
-  static const char *const options[] = {"load", "moment", "load_ramp"};
+  static const char *const options[] = {"load", "moment", "load_ramp", "mass", "inertia", "velocity"};
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options); k++) {
@@ -103,6 +128,7 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
     freedom->moment[2] = freedom->moment[0];
     freedom->moment[0] = 0.;
   }
+  PetscCall(ReadMass(block, dim, freedom));
   PetscCall(MpmRampCreate(block, "load_ramp", "0:0,1:1", &freedom->ramp));
   freedom->size = MpmBoundarySize(boundary);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -244,7 +244,7 @@ PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscB
     Balance       balance = {.grid = grid};
     PetscBool     further = PETSC_FALSE;
 
-    if (!body->freedom) continue;
+    if (!body->freedom || body->dt > 0.) continue;
     PetscCall(Rest(contacts, b, &balance, Norm(MOST, body->guess) > 0. ? SETTLED : NEGLIGIBLE, body->guess, &further));
     if (Norm(MOST, body->guess) > Diagonal(grid)) contacts->adrift = b;
     *moved = (PetscBool)(*moved || further);
@@ -279,7 +279,7 @@ PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, con
     PetscReal           values[MOST], step[MOST] = {0.}, far;
     PetscBool           moved = PETSC_FALSE;
 
-    if (!body->freedom) continue;
+    if (!body->freedom || body->dt > 0.) continue;
     Take(body, bs, u, values);
     if (last && sum->grid->rank == owner) Take(body, bs, last, step);
     for (PetscInt k = 0; last && k < MOST; k++) step[k] = values[k] - step[k];

@@ -31,6 +31,7 @@
 #include "bc/bc.h"
 #include "terms/damping.h"
 #include "terms/inertia.h"
+#include "terms/rigid_body.h"
 #include "terms/terms.h"
 #include "time/dynamics.h"
 #include "time/energy.h"
@@ -91,6 +92,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
       model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesRest(model->state.particles));
+  MpmRigidRest(model->disc.contacts);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,6 +129,7 @@ static PetscErrorCode Project(MpmModel model)
   dynamics = model->state.scheme.dynamics;
   PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
                                dynamics->v_old, dynamics->a_start));
+  MpmRigidToNodes(model->disc.contacts, model->disc.inertia->mass, dynamics->v_old, dynamics->a_start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -286,6 +289,7 @@ static PetscErrorCode FindAcceleration(MpmModel model)
     dynamics->a_new[k] = free && mass > 0. ? -model->disc.residual[k] / mass : 0.;
   }
   MpmFramesToAxes(model->disc.constraints, dim, dynamics->local, dynamics->a_new);
+  MpmRigidFromNodes(model->disc.contacts, NULL, dynamics->a_new);
   PetscCall(
     MpmMotionToPoints(model->disc.sum, &only,
                       &(MpmMotionStep){.v_old = dynamics->v_old, .v_new = dynamics->v_old, .a_new = dynamics->a_new}));
@@ -402,6 +406,7 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->v_new[k] = dynamics->v_factor * u[k] + dynamics->v_rest[k];
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
+  MpmRigidFromNodes(model->disc.contacts, dynamics->v_new, dynamics->a_new);
   PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual}));
   PetscCall(
     MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer,

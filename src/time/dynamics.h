@@ -44,5 +44,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model);
 /* Room for the nodes of the step's space, in model->state.scheme.dynamics and in the inertia's arrays. */
 PetscErrorCode MpmDynamicsResize(MpmModel model);
 PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics);
+/* An explicit step's longest, over the time in which a wave crosses a cell (explicit.c). */
+PetscReal MpmExplicitPart(const MpmMotionControl *motion);
 /* Of the stage under way. */
 const MpmMotionControl *MpmModelMotion(const MpmModel model);

@@ -3,11 +3,11 @@
 
     kinetic + elastic + dissipated - external - (kinetic + elastic at the start) = balance
 
-  kinetic     of the points, with the affine part of their velocities
+  kinetic     of the points, with the affine part of their velocities, and of rigid bodies with a mass
   elastic     what the points' elastic strain stores, by the law or by the stress, p^2/(2 K) + s:s/(4 G) a volume
   dissipated  the work of the points' stresses less what is stored of it, what contact has taken (the depth of a penalty, too,
               until it lets go), and what damping has taken
-  external    work of loads, of supports that move and of boundaries that move
+  external    work of loads, on free boundaries, too, of supports that move and of boundaries that move
 
   The work of a stress in a step is V_0 tau : d, tau the mean of its start and end and d the strain about the middle,
 
@@ -20,6 +20,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/momentum.h"
+#include "space/point_loop.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/body_contact.h"
@@ -35,9 +36,12 @@
 
 /* ---- points ---- */
 
+/* The loops over points are written once, for a constant dimension. */
+#define BY_DIM(f, dim, ...) ((dim) == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
+
 /* Stored in a point per initial volume, J/m3. */
-static PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscReal stress[], const PetscReal state[],
-                        const PetscReal F[])
+MPM_INLINE PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscReal stress[],
+                            const PetscReal state[], const PetscReal F[])
 {
   const MpmLawInfo *info = &material->info;
   const PetscReal   J    = info->traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F);
@@ -47,8 +51,8 @@ static PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscRe
   for (PetscInt k = 0; k < size; k++) tau[k] = J * stress[k];
   if (info->energy) return info->energy(material->parameter, material->table, tau, F);
   if (!info->shear_modulus) return 0.;
-  shear = info->shear_modulus(material->parameter, material->table, state, F);
-  bulk  = MpmMaterialStiffness(material, state, F) - 4. / 3. * shear;
+  shear = MpmMaterialShearModulusAt(material, state, F);
+  bulk  = MpmMaterialStiffnessAt(material, state, F) - 4. / 3. * shear;
   mean  = (tau[0] + tau[1] + tau[2]) / 3.;
   for (PetscInt k = 0; k < size; k++) square += k < 3 ? PetscSqr(tau[k] - mean) : 2. * PetscSqr(tau[k]);
   if (!(shear > 0.)) return bulk > 0. ? 0.5 * mean * mean / bulk : 0.;
@@ -56,9 +60,9 @@ static PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscRe
 }
 
 /* Of this rank's points. */
-static PetscReal Elastic(const MpmModel model, const MpmPoints *points)
+MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const MpmPoints *points)
 {
-  const PetscInt dim = model->disc.dim, sym = MpmSymSize(dim), size = model->state.particles->state_size;
+  const PetscInt sym = MpmSymSize(dim), size = model->state.particles->state_size;
   PetscReal      sum = 0.;
 
   for (PetscInt p = 0; p < points->count; p++)
@@ -76,9 +80,10 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   energy[0] = MpmPointsKinetic(&points, model->scene.materials->at, model->disc.dim);
-  energy[1] = Elastic(model, &points);
+  energy[1] = BY_DIM(Elastic, model->disc.dim, model, &points);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  energy[0] += MpmRigidKinetic(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,7 +112,7 @@ PetscErrorCode MpmEnergyRebase(MpmModel model)
 /* ---- work ---- */
 
 /* sym(G) : S of a gradient G and a symmetric S; plane strain has no part along z. */
-static PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
+MPM_INLINE PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
 {
   PetscReal sum = 0.;
 
@@ -118,27 +123,27 @@ static PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
 }
 
 /* (B - A) ((A + B)/2)^{-1}: with A = F_n and B = F_{n+1} the strain about the middle. */
-static void MiddleStrain(PetscInt dim, const PetscReal A[], const PetscReal B[], PetscReal d[])
+MPM_INLINE void MiddleStrain(PetscInt dim, const PetscReal A[], const PetscReal B[], PetscReal d[])
 {
-  PetscReal half[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], det;
+  PetscReal half[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], by;
 
   for (PetscInt k = 0; k < dim * dim; k++) half[k] = 0.5 * (A[k] + B[k]);
-  det = MpmCofactors(dim, half, cofactor);
+  by = 1. / MpmCofactors(dim, half, cofactor);
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
       d[i * dim + j] = 0.;
-      for (PetscInt k = 0; k < dim; k++)
-        d[i * dim + j] += (B[i * dim + k] - A[i * dim + k]) * cofactor[j * dim + k] / det;
+      for (PetscInt k = 0; k < dim; k++) d[i * dim + j] += (B[i * dim + k] - A[i * dim + k]) * cofactor[j * dim + k];
+      d[i * dim + j] *= by;
     }
   }
 }
 
 /* Of the stresses of this rank's points. */
-static PetscReal Internal(const MpmModel model)
+MPM_INLINE PetscReal Internal(const PetscInt dim, const MpmModel model)
 {
   const MpmPoints *points = model->disc.points;
   const MpmTrial  *trial  = model->disc.trial;
-  const PetscInt   dim = model->disc.dim, square = dim * dim, sym = MpmSymSize(dim);
+  const PetscInt   square = dim * dim, sym = MpmSymSize(dim);
   PetscReal        work = 0.;
 
   for (PetscInt p = 0; p < points->count; p++) {
@@ -164,7 +169,8 @@ static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal forc
   const PetscInt dim = model->disc.dim, bs = model->disc.block;
   PetscReal      work = 0.;
 
-  for (PetscInt k = 0; k < nodes * dim; k++) work += force[k / dim * bs + k % dim] * u[k / dim * bs + k % dim];
+  for (PetscInt i = 0; i < nodes; i++)
+    for (PetscInt a = 0; a < dim; a++) work += force[i * bs + a] * u[i * bs + a];
   return work;
 }
 
@@ -193,20 +199,21 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
   const PetscInt       local    = model->disc.inertia->local;
   MpmEnergy           *energy   = &model->state.scheme.energy;
-  PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0.;
+  PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
 
   PetscFunctionBeginUser;
   if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
-  sum[0] = Internal(model);
+  sum[0] = BY_DIM(Internal, model->disc.dim, model);
   sum[1] = Work(model, local, work->loads, work->u) + Work(model, model->disc.inertia->owned, work->supports, work->u);
   PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
   sum[1] -= taken;
   PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->at ? work->at : work->u, work->u, &material,
                             &boundary));
-  sum[1] += boundary;
-  sum[2] += boundary - material;
+  pushed = MpmRigidPushWork(model->disc.contacts, model->disc.sum, work->u);
+  sum[1] += boundary + pushed;
+  sum[2] += boundary - material + pushed;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
     PetscCall(TakenBy(model, takers[k], work, &taken));
     sum[2] += taken;
@@ -232,13 +239,16 @@ PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
   PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
   if (motion->type != MPM_QUASISTATIC) PetscCall(MpmMotionSum(model->disc.sum, &motion->transfer, &sums));
   sum[0] = sums.kinetic;
-  sum[1] = Elastic(model, model->disc.points);
+  sum[1] = BY_DIM(Elastic, model->disc.dim, model, model->disc.points);
   PetscCall(PetscArraycpy(&sum[2], sums.momentum, MPM_MAX_DIM));
   PetscCall(PetscArraycpy(&sum[2 + MPM_MAX_DIM], sums.angular, 3));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(
     MPIU_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(sum), MPIU_REAL, MPIU_SUM, model->comm));
-  *report            = (MpmEnergyReport){.kinetic = sum[0], .elastic = sum[1], .external = energy->external};
+  *report            = (MpmEnergyReport){.kinetic  = sum[0] + MpmRigidKinetic(model->scene.boundaries->count,
+                                                                              model->scene.boundaries->at, model->state.placements),
+                                         .elastic  = sum[1],
+                                         .external = energy->external};
   report->dissipated = energy->dissipated + energy->internal - (sum[1] - energy->elastic);
   report->balance    = report->kinetic + report->elastic + report->dissipated - report->external - energy->start;
   PetscCall(PetscArraycpy(report->momentum, &sum[2], MPM_MAX_DIM));

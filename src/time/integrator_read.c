@@ -179,7 +179,7 @@ PetscBool MpmStagesAreAffine(const MpmModel model)
   return PETSC_FALSE;
 }
 
-/* An explicit step that is given must not be longer than a wave takes through a cell in material at rest. */
+/* An explicit step that is given must not be longer than a wave allows in material at rest, where nodes do not take the masses it wants. */
 static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
 {
   const MpmTimeControl *time = &stage->time;
@@ -193,15 +193,16 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
                   "-mpm_boundary_%s_free: its place is solved for; explicit steps solve for nothing",
                   model->scene.boundaries->names[b]);
   for (PetscInt a = 0; a < model->disc.dim; a++) cell = PetscMin(cell, model->disc.h[a]);
-  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+  for (PetscInt b = 0; !stage->relaxation.scaled && b < model->scene.bodies->count; b++) {
     const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
-    const PetscReal    crossing = cell / PetscSqrtReal(material->stiffness / material->density);
+    const PetscReal    crossing =
+      MpmExplicitPart(&time->motion) * cell / PetscSqrtReal(material->stiffness / material->density);
 
     MpmCheckInput(
       time->step <= crossing * (1. + PETSC_SQRT_MACHINE_EPSILON),
-      "-mpm_%s%s%stime_step %g: must not exceed %.6g, s: the time in which a wave in material %s crosses a cell",
+      "-mpm_%s%s%stime_step %g: must not exceed %.6g, s: the time in which a wave in material %s crosses a cell%s",
       stage->name ? "stage_" : "", stage->name ? stage->name : "", stage->name ? "_" : "", (double)time->step,
-      (double)crossing, material->name);
+      (double)crossing, material->name, time->motion.update == MPM_UPDATE_USL ? ", by sqrt(2) for usl" : "");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,7 @@
 */
 #include "base/newton_reason.h"
 #include "point/layout.h"
+#include "point/registry.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -133,26 +134,44 @@ static PetscReal GhostFactor(const MpmModel model)
   return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
 }
 
+/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
+static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
+{
+  const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
+
+  return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
+}
+
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
-  const PetscBool solves = (PetscBool)!model->state.scheme.integrator->length;
+  const MpmIntegratorType motion = model->scene.stages[model->state.stage].time.motion.type;
+  const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
+  MpmRules                rules;
 
-  return (MpmRules){.grid       = model->disc.grid,
-                    .shape      = model->scene.shape,
-                    .edge       = model->scene.edge,
-                    .layout     = model->disc.layout,
-                    .wall_count = model->state.walls.count,
-                    .walls      = model->state.walls.at,
-                    .stretch    = model->scene.stretch,
-                    .parts      = model->disc.parts,
-                    .materials  = model->disc.sum->materials,
-                    .ghost      = solves ? GhostFactor(model) : 0.,
-                    .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-                    .mean       = (PetscBool)(model->disc.layout->means > 0),
-                    .put_back   = model->disc.put_back,
-                    .time_n     = model->state.time,
-                    .time       = time};
+  rules = (MpmRules){.grid       = model->disc.grid,
+                     .shape      = model->scene.shape,
+                     .edge       = model->scene.edge,
+                     .layout     = model->disc.layout,
+                     .wall_count = model->state.walls.count,
+                     .walls      = model->state.walls.at,
+                     .stretch    = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
+                     .parts      = model->disc.parts,
+                     .materials  = model->disc.sum->materials,
+                     .ghost      = solves ? GhostFactor(model) : 0.,
+                     .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .mean       = (PetscBool)(model->disc.layout->means > 0),
+                     .put_back   = model->disc.put_back,
+                     .time_n     = model->state.time,
+                     .time       = time,
+                     .dynamic    = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const MpmLoad *load = &model->scene.loads->at[l];
+
+    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
+      rules.gravity[a] += StepLoadFactor(model, l, time) * load->value[a];
+  }
+  return rules;
 }
 
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
@@ -270,14 +289,6 @@ static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
-static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
-{
-  const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
-
-  return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
-}
-
 /* Waves that come in through absorbing conditions in a step to `time`, like other loads. */
 static PetscErrorCode AddIncoming(MpmModel model, PetscReal time, PetscReal end, PetscReal start, PetscReal force[])
 {
@@ -325,15 +336,13 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   model->disc.sum->dry        = MpmWaterDry(model, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
-  PetscCall(PetscArrayzero(model->disc.sum->gravity, MPM_MAX_DIM));
+  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    const MpmLoad  *load   = &model->scene.loads->at[l];
-    const PetscReal factor = StepLoadFactor(model, l, time);
+    const MpmLoad *load = &model->scene.loads->at[l];
 
     if (load->type != MPM_LOAD_GRAVITY || !model->state.scheme.integrator->length)
-      PetscCall(MpmLoadApply(load, factor, rules, model->disc.sum, model->state.particles, model->disc.force));
-    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
-      model->disc.sum->gravity[a] += factor * load->value[a];
+      PetscCall(MpmLoadApply(load, StepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
+                             model->disc.force));
   }
   PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
                         model->disc.force));
@@ -413,26 +422,39 @@ static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
   return PETSC_TRUE;
 }
 
+/* The longest displacement of any local node along each axis, m; infinite where one is no number. */
+static void FindLongest(const MpmModel model, PetscReal longest[])
+{
+  const PetscInt dim = model->disc.dim, bs = model->disc.block;
+
+  for (PetscInt a = 0; a < dim; a++) longest[a] = 0.;
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal u = PetscAbsReal(model->disc.u[i * bs + a]);
+
+      if (!(u <= longest[a])) longest[a] = u <= PETSC_MAX_REAL ? u : PETSC_INFINITY;
+    }
+}
+
 /*
   Can no point of a group reach the grid's edge? They lie between its nodes, and none moves further than three times what
-  a node does, by any shape.
+  a node does, by any shape. `longest` bounds that for all nodes.
 */
-static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group)
+static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group, const PetscReal longest[])
 {
   const MpmGrid *grid = model->disc.grid;
-  const PetscInt bs   = model->disc.block;
+  const PetscInt bs = model->disc.block, *nodes = &model->disc.space->group_nodes[group->node_offset];
   PetscInt       first[MPM_MAX_DIM];
 
   MpmSpaceAt(model->disc.space, group->first, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
-    PetscReal reach = 0.;
+    const PetscReal room  = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
+    PetscReal       reach = 0.;
 
+    if (3. / grid->h[a] * longest[a] < room) continue;
     for (PetscInt i = 0; i < group->node_count; i++)
-      reach =
-        PetscMax(reach, PetscAbsReal(model->disc.u[model->disc.space->group_nodes[group->node_offset + i] * bs + a]));
-    reach *= 3. / grid->h[a];
-    if (!(reach < (PetscReal)first[a])) return PETSC_FALSE;
-    if (!((PetscReal)(first[a] + group->count[a] - 1) + reach < (PetscReal)grid->cells[a])) return PETSC_FALSE;
+      reach = PetscMax(reach, PetscAbsReal(model->disc.u[nodes[i] * bs + a]));
+    if (!(3. / grid->h[a] * reach < room)) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
@@ -443,17 +465,19 @@ PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
   PetscMPIInt    rank = model->size;
   PetscReal     *storage;
   MpmBasis       basis;
+  PetscReal      longest[MPM_MAX_DIM];
   MpmGrid        next;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMovingGridNext(model, &next));
+  FindLongest(model, longest);
   PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
   for (PetscInt g = 0; g < model->disc.space->group_count && rank == model->size; g++) {
     const MpmGroup *group = &model->disc.space->groups[g];
     const PetscInt *nodes = &model->disc.space->group_nodes[group->node_offset];
 
-    if (model->scene.follow.what == MPM_FOLLOW_NOTHING && FarFromEdge(model, group)) continue;
+    if (model->scene.follow.what == MPM_FOLLOW_NOTHING && FarFromEdge(model, group, longest)) continue;
     for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
       const PetscInt p              = model->disc.space->order[s];
       PetscReal      x[MPM_MAX_DIM] = {0.};
@@ -520,11 +544,13 @@ PetscErrorCode MpmStepFindReactions(MpmModel model)
 
 void MpmStepClip(MpmModel model)
 {
-  const PetscInt dim = model->disc.dim;
+  const PetscInt   dim = model->disc.dim, count = model->disc.points->count * dim;
+  const PetscReal *lower = model->disc.grid->lower, *upper = model->disc.grid->upper;
+  PetscReal       *x = model->disc.points->x;
 
-  for (PetscInt k = 0; k < model->disc.points->count * dim && model->scene.follow.what == MPM_FOLLOW_NOTHING; k++)
-    model->disc.points->x[k] =
-      PetscMin(PetscMax(model->disc.points->x[k], model->disc.grid->lower[k % dim]), model->disc.grid->upper[k % dim]);
+  if (model->scene.follow.what != MPM_FOLLOW_NOTHING) return;
+  for (PetscInt k = 0; k < count; k += dim)
+    for (PetscInt a = 0; a < dim; a++) x[k + a] = PetscMin(PetscMax(x[k + a], lower[a]), upper[a]);
 }
 
 /* The converged step becomes the state. */

@@ -6,10 +6,18 @@
     viscous  f_i -= 2 xi m_i v_i ; xi is a rate, 1/s, critical for a mode whose angular frequency it is
     local    f_i -= alpha |f_i| sign(v_i), by component
 
-  The stage ends where both are below the tolerance:
+  The stage ends where both have been below the tolerance for long enough:
 
     K_F = max_i |f_ext - f_int|_i / max_i |f_ext|_i ,  without prescribed components: there it is the reaction
     K_E = sum_p m_p v_p^2/2 / W ,  W += sum_i f_ext,i . u_i  the work of the loads since the stage began
+
+  K_F of 1 % at a node says little of a slow mode, whose forces are spread over all of them. How long is long enough, without `hold`:
+
+    kinetic  half a period, and then to the next reset, where what vibrates is in its static place; where no reset comes, since what moves
+             creeps, a whole period. That is 2 and 4 times what the first motion from rest took to the peak of its energy, which
+             is a quarter of the period of the mode that the loads excite most
+    viscous  2/xi: what vibrates has become e^-2 of what it was
+    local    as long again as the stage took until they held: this damping has no rate
 
   With `nodal_mass: scaled` the nodes move with other masses, and the kinetic energy is theirs. A step dt is stable where
   m_i >= dt^2/4 sum_j |K_ij|, since the sums of rows bound the largest eigenvalue of M^-1 K (Gershgorin), and a point adds to a block K_ij
@@ -45,6 +53,7 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
   PetscFunctionBeginUser;
   relaxation->tolerance = 0.01;
   relaxation->factor    = 0.8;
+  relaxation->hold      = -1.;
   PetscCall(MpmOptionsWord(block, "damping",
                            "kinetic: velocities become zero where the kinetic energy passes a peak; viscous: a force "
                            "2 xi m v; local: a part of each force that drives a node, against its velocity",
@@ -55,7 +64,9 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                    "the stage ends where the largest force out of balance over the largest load, and the kinetic "
                    "energy over the work of the loads, are below",
                    ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &relaxation->tolerance, NULL));
-  PetscCall(MpmOptionsReal(block, "hold", "s", "for so long without a break: with 0 it ends where they hold first",
+  PetscCall(MpmOptionsReal(block, "hold", "s",
+                           "for so long without a break: with 0 it ends where they hold first; by default as long as "
+                           "the slowest motion asks for",
                            MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &relaxation->hold, NULL));
   PetscCall(
     MpmOptionsWord(block, "nodal_mass",
@@ -93,7 +104,11 @@ PetscBool MpmStagesRelax(const MpmModel model)
 
 void MpmRelaxationBegin(MpmModel model)
 {
-  model->state.relaxing = (MpmRelaxing){.ended = model->state.relaxing.ended}; /* stays for the whole run */
+  const MpmRelaxing before = model->state.relaxing;
+
+  model->state.relaxing = (MpmRelaxing){.first = before.first, .since = before.since, .ended = before.ended};
+  if (MpmModelRelaxes(model)) model->state.relaxing.first = model->state.relaxing.since = -1.;
+  model->state.relaxing.reset = model->state.time;
 }
 
 /* ---- scaled masses ---- */
@@ -108,9 +123,10 @@ PetscBool MpmModelScales(const MpmModel model)
 /* Masses of the local nodes, ghosts included, in place of the sums of the step's first pass. */
 static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
 {
-  const PetscReal cfl = model->scene.stages[model->state.stage].time.motion.cfl;
-  const PetscReal by  = 0.25 * PetscSqr(model->disc.sum->dt / cfl);
-  PetscReal      *to  = model->state.scheme.dynamics->sums;
+  const MpmMotionControl *motion = MpmModelMotion(model);
+  const PetscReal         cfl    = motion->cfl * MpmExplicitPart(motion);
+  const PetscReal         by     = 0.25 * PetscSqr(model->disc.sum->dt / cfl);
+  PetscReal              *to     = model->state.scheme.dynamics->sums;
 
   PetscFunctionBeginUser;
   PetscCall(MpmStiffnessRows(model->disc.sum, to));
@@ -208,6 +224,12 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Of the step under way. */
+static PetscReal End(const MpmModel model)
+{
+  return model->state.time + model->disc.sum->span;
+}
+
 PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
 {
   MpmRelaxing   *relaxing = &model->state.relaxing;
@@ -222,10 +244,28 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
   if (*stopped) {
     kinetic = 0.;
     relaxing->resets++;
+    if (!(relaxing->quarter > 0.) && End(model) - relaxing->reset > 2.5 * model->disc.sum->dt)
+      relaxing->quarter = End(model) - relaxing->reset; /* one that falls at once has begun in motion */
+    relaxing->reset = End(model);
     PetscCall(MpmPointsStop(model->disc.points, dim));
   }
   relaxing->kinetic = kinetic;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Have the criteria held for long enough? */
+static PetscBool HaveHeld(const MpmModel model)
+{
+  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+  const MpmRelaxing   *relaxing   = &model->state.relaxing;
+  const PetscReal      held       = End(model) - relaxing->since;
+
+  if (relaxing->since < 0.) return PETSC_FALSE;
+  if (relaxation->hold >= 0.) return (PetscBool)(held >= relaxation->hold);
+  if (relaxation->damping == MPM_DAMPING_VISCOUS) return (PetscBool)(held >= 2. / relaxation->xi);
+  if (relaxation->damping == MPM_DAMPING_LOCAL) return (PetscBool)(held >= relaxing->since - model->state.time_start);
+  return (PetscBool)(held >= (relaxing->kinetic > 0. ? 4. : 2.) * relaxing->quarter &&
+                     (relaxing->quarter > 0. || !(relaxing->kinetic > 0.)));
 }
 
 PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
@@ -242,8 +282,16 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
   most             = PetscAbsReal(relaxing->work);
   relaxing->energy = most > 0. ? relaxing->kinetic / most : (relaxing->kinetic > 0. ? PETSC_MAX_REAL : 0.);
   holds            = (PetscBool)(relaxing->force < relaxation->tolerance && relaxing->energy < relaxation->tolerance);
-  relaxing->held   = holds ? relaxing->held + model->disc.sum->dt : 0.;
-  relaxing->rests  = (PetscBool)(holds && relaxing->held >= relaxation->hold);
+  if (holds && relaxing->first < 0.) relaxing->first = End(model);
+  if (!holds) relaxing->since = -1.;
+  else if (relaxing->since < 0.) relaxing->since = model->state.time;
+  relaxing->rests = HaveHeld(model);
+  if (relaxing->rests)
+    PetscCall(MpmMonitorNote(&model->monitor,
+                             "at rest at %.6g: K_F and K_E are below %g, first at %.6g, without a break since %.6g; "
+                             "%" PetscInt_FMT " reset%s",
+                             (double)End(model), (double)relaxation->tolerance, (double)relaxing->first,
+                             (double)relaxing->since, relaxing->resets, relaxing->resets == 1 ? "" : "s"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

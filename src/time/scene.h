@@ -64,7 +64,7 @@ typedef enum { MPM_DAMPING_KINETIC, MPM_DAMPING_VISCOUS, MPM_DAMPING_LOCAL } Mpm
 typedef struct {
   PetscBool            on;
   MpmRelaxationDamping damping;
-  PetscReal            tolerance, hold; /* the criteria hold below it, for so long, s */
+  PetscReal            tolerance, hold; /* the criteria hold below it, for so long, s; -1: by the damping */
   PetscReal            xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
   PetscBool            scaled;          /* nodes have the masses that a long step wants (relaxation.c) */
 } MpmRelaxation;

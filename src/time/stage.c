@@ -402,6 +402,7 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
   PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.relaxing.ended));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.relaxing.ended[k] = -1.;
+  model->state.relaxing.first = model->state.relaxing.since = -1.;
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     MpmStage *stage = &model->scene.stages[k];
 

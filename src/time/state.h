@@ -17,9 +17,12 @@ typedef struct {
 typedef struct {
   PetscReal  force, energy; /* out of balance over the loads; kinetic over their work */
   PetscReal  kinetic, work; /* J; of the points after the last step, and of the loads since the stage began */
-  PetscReal  held;          /* s, for which the criteria have held without a break */
+  PetscReal  first;         /* s, the run's time when the criteria held first; -1: they have not */
+  PetscReal  since;         /* s, the run's time since when they have held without a break; -1: they do not */
+  PetscReal  reset;         /* s, the run's time when velocities last became zero */
+  PetscReal  quarter;       /* s, of the first motion from rest to the peak of its energy; 0: not known yet */
   PetscInt   resets;        /* of all velocities to zero */
-  PetscBool  rests;         /* the criteria hold */
+  PetscBool  rests;         /* the criteria have held for long enough */
   PetscReal *ended;         /* by stage: when it ended, where that was before its time was over; otherwise negative */
 } MpmRelaxing;
 

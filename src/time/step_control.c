@@ -11,7 +11,9 @@
 /* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
 #define STUBBORN 0.15
 
-#define CUTS_WITH_DILATION 1 /* of one step, before F-bar averages dilation, too */
+/* Cuts of one step before F-bar averages dilation, too; while the factor of safety is sought. */
+#define CUTS_WITH_DILATION 1
+#define CUTS_IN_REDUCTION  5
 
 /*
   Is the error in time of the step that has been solved for too large? Not where a shorter step has not made it smaller: it
@@ -145,6 +147,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
   const PetscBool dilation = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
+  const PetscInt  most     = dilation ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION;
   PetscReal       next;
   PetscBool       retryable, again = PETSC_FALSE;
   PetscLogDouble  since;
@@ -171,7 +174,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
       continue;
     }
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
-    if (model->state.rescue.dilation && (!again || model->state.cuts >= CUTS_WITH_DILATION)) {
+    if (model->state.rescue.dilation && (!again || model->state.cuts >= most)) {
       PetscCall(AverageDilation(model, *why));
       model->state.dt_wanted = model->state.dt_nominal;
       again                  = PETSC_FALSE;

@@ -59,6 +59,22 @@ START_TEST(test_tables)
 }
 END_TEST
 
+/* Moduli that are claimed to be the same at all states are */
+START_TEST(test_fixed_moduli)
+{
+  const Law *law = LawGet(_i);
+
+  RandomSeed(16);
+  for (int sample = 0; sample < SAMPLES && law->info[PLAIN].traits & MPM_LAW_FIXED_MODULI; ++sample) {
+    Point point;
+
+    Sample(law, sample, &point);
+    ck_assert(PointStiffnessAt(&point) == PointStiffness(&point));
+    ck_assert(PointShearModulus(&point, 0) == PointShearModulus(&point, 1));
+  }
+}
+END_TEST
+
 /* Central difference of tau by component c of dF, step h */
 static void Difference(const Point *point, const double *dF, int c, double h, double *derivative)
 {
@@ -732,6 +748,7 @@ static Suite *LawsSuite(void)
                                 test_no_answer,
                                 test_stiffness,
                                 test_shear_modulus,
+                                test_fixed_moduli,
                                 test_large_increments,
                                 test_history_from_stress};
 

@@ -8,6 +8,7 @@ typedef int (*MPM_INSTANCE(SymFunction))(const Sym *A, Sym *result);
 
 int    MPM_INSTANCE(TestSymFunction)(int which, const double *A, double *f, double *df);
 int    MPM_INSTANCE(TestStretchDiagonal)(const double *F, double *diagonal);
+int    MPM_INSTANCE(TestStretchDiagonalQuick)(const double *F, double *diagonal);
 double MPM_INSTANCE(TestPrincipalValues)(const double *A, double w[3]);
 double MPM_INSTANCE(TestAlgebra)(const double *A, const double *B, double *product, double *inverse, double *stress);
 double MPM_INSTANCE(TestScalar)(int which, double x, double *derivative);
@@ -70,6 +71,11 @@ double MPM_INSTANCE(TestPrincipalValues)(const double *A, double w[3])
 int MPM_INSTANCE(TestStretchDiagonal)(const double *F, double *diagonal)
 {
   return TensorStretchDiagonal(F, diagonal);
+}
+
+int MPM_INSTANCE(TestStretchDiagonalQuick)(const double *F, double *diagonal)
+{
+  return TensorStretchDiagonalQuick(F, diagonal);
 }
 
 /* A B, A^{-1}, (A A^T) B^{-T} in plane; returns det A. With directions, their derivatives along dA = A, dB = 0 replace

@@ -22,6 +22,7 @@
 #define DECLARE(AT) \
   int    AT(TestSymFunction)(int which, const double *A, double *f, double *df); \
   int    AT(TestStretchDiagonal)(const double *F, double *diagonal); \
+  int    AT(TestStretchDiagonalQuick)(const double *F, double *diagonal); \
   double AT(TestPrincipalValues)(const double *A, double w[3]); \
   double AT(TestAlgebra)(const double *A, const double *B, double *product, double *inverse, double *stress); \
   double AT(TestScalar)(int which, double x, double *derivative); \
@@ -274,6 +275,27 @@ START_TEST(test_isotropic_by_principal_values)
 }
 END_TEST
 
+/* By a series or by principal axes, on either side of where the one ends, the stretch is the same. */
+START_TEST(test_stretch_diagonal_quick)
+{
+  double F[DIM2], expected[DIM], diagonal[DIM];
+
+  random_state = 5;
+  for (int sample = 0; sample < 200; ++sample) {
+    const double size = pow(10., -0.05 * sample);
+
+    for (int i = 0; i < DIM2; ++i) F[i] = 1.7 * ((i % (DIM + 1) == 0) + size * Uniform(-0.5, 0.5));
+    ck_assert_int_eq(PLAIN(TestStretchDiagonal)(F, expected), 0);
+    ck_assert_int_eq(PLAIN(TestStretchDiagonalQuick)(F, diagonal), 0);
+    ExpectNear("quick", DIM, diagonal, expected, 4e-15);
+  }
+  for (int i = 0; i < DIM; ++i) F[i] = 0.;
+  ck_assert(PLAIN(TestStretchDiagonalQuick)(F, diagonal));
+  F[0] = NAN;
+  ck_assert(PLAIN(TestStretchDiagonalQuick)(F, diagonal));
+}
+END_TEST
+
 /* U of a simple shear, and of a rotated stretch */
 START_TEST(test_stretch_diagonal)
 {
@@ -425,6 +447,7 @@ int main(void)
   tcase_add_test(tcase, test_not_positive_definite);
   tcase_add_test(tcase, test_isotropic_by_principal_values);
   tcase_add_test(tcase, test_stretch_diagonal);
+  tcase_add_test(tcase, test_stretch_diagonal_quick);
   tcase_add_test(tcase, test_algebra);
   tcase_add_test(tcase, test_scalar);
   tcase_add_test(tcase, test_implicit_bracket);

@@ -30,9 +30,11 @@ def vibration(test):
 
 def stability(test):
     """With steps near the limit no energy grows, and little is lost."""
-    run = test.run(BAR, mpm_quiet=None, mpm_time_cfl=0.9, mpm_time_end=20 * PERIOD, mpm_time_transfer="apic")
-    energy, time = run.results.column("energy_kinetic") + run.results.column("energy_elastic"), run.results.column("time")
-    test.check("stable.energy", energy[time > 19 * PERIOD].max() / energy[time < PERIOD].max(), 0.95, 1.0)
+    for update, shape in (("musl", "gimp"), ("usl", "gimp"), ("musl", "linear"), ("usl", "bspline2")):
+        run = test.run(BAR, mpm_quiet=None, mpm_time_cfl=0.9, mpm_time_end=20 * PERIOD, mpm_time_transfer="apic", mpm_time_update=update,
+                       mpm_shape=shape)
+        energy, time = run.results.column("energy_kinetic") + run.results.column("energy_elastic"), run.results.column("time")
+        test.check(f"stable.{update}.{shape}", energy[time > 19 * PERIOD].max() / energy[time < PERIOD].max(), 0.9, 1.0)
 
 
 def no_matrix(test):
@@ -98,6 +100,18 @@ def relaxation(test):
         test.near(f"relaxation.{update}.{damping}.always", time[~good][-1], always, relative=0.01)
 
 
+def rests(test):
+    """Without `hold` a relaxation ends in its static state, and with zero where the criteria hold first."""
+    case = HERE.parent.parent / "examples" / "relaxation_bar" / "case.yaml"
+    for damping, update in (("kinetic", "usl"), ("0.157", "musl")):
+        more = {} if damping == "kinetic" else {"mpm_stage_rest_relaxation_damping": "viscous", "mpm_stage_rest_relaxation_xi": damping}
+        run = test.run(case, mpm_stage_rest_time_update=update, mpm_quiet=None, **more)
+        test.near(f"rests.{damping}.{update}", run.results.column("track_middle_ux")[-1], 4.75e-3, relative=1e-3)
+    run = test.run(case, mpm_stage_rest_relaxation_hold=0, mpm_quiet=None)
+    test.near("rests.passing", run.results.column("time")[-1], 16.96, absolute=0.02)
+    test.check("rests.not", run.results.column("track_middle_ux")[-1] / 4.75e-3, 1.02, 1.05)
+
+
 def scaled_masses(test):
     """With scaled masses a bar whose fixed half is stiff comes to the same rest in a fraction of the steps, by any damping and on any ranks."""
     static = 1e-3 * (5.0 / 400.0 + 4.875)
@@ -128,6 +142,7 @@ with Test() as test:
     refused(test)
     stages(test)
     relaxation(test)
+    rests(test)
     scaled_masses(test)
     offered(test)
     test.check_example("relaxation_bar", test.run(HERE.parent.parent / "examples" / "relaxation_bar" / "case.yaml", mpm_quiet=None,

@@ -85,6 +85,13 @@ def slopes(test):
     return associated
 
 
+def rests(test):
+    """Ground whose points yield as it comes to rest, in few iterations: F-bar's forces do not jump between them."""
+    run = test.run(example("slope_reduction"), **COARSE, mpm_material_soil_nu=0.2, mpm_stage_rest_geostatic_iterations=12,
+                   mpm_stage_fail_time_end=0.02)
+    test.check("rests.completed", float(run.results.summary["status"] == "completed"), 1, 1)
+
+
 def restarts(test, whole):
     """From a checkpoint before failure, on other numbers of ranks."""
     first = test.run(example("slope_reduction"), **COARSE, **FAIL, mpm_checkpoint_every=10, mpm_checkpoint_keep=100)
@@ -101,6 +108,7 @@ def restarts(test, whole):
 with Test() as test:
     confined(test, "mohr_coulomb", {"cohesion": 0, "friction": FRICTION, "dilation": 5}, coulomb, np.min)
     confined(test, "j2", {"yield_stress": 6e4, "hardening": 1e6}, mises, np.max)
+    rests(test)
     restarts(test, slopes(test))
     slope(test, "clay", {"options_file": EXAMPLES / "slope_reduction" / "clay.yaml", "mpm_grid_cells": "90,21",
                          "mpm_stage_fail_reduction": "0:1,0.2:1.36,1:1.6"}, 1.42, 1.52)

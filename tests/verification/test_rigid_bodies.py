@@ -144,6 +144,29 @@ def disc(test):
                       absolute=0.0 if ranks == 1 else 1e-8)
 
 
+def mass(test):
+    """A plate let go on a column swings as a mass on a spring; above it a disc flies and turns as in a book; and the account of energy closes."""
+    scene, options = Path(__file__).resolve().parent / "rigid_mass.yaml", {"mpm_quiet": None}
+    names = ("position_plate_y", "position_disc_x", "position_disc_y", "rotation_disc_z")
+    first = test.run(scene, mpm_checkpoint_every=50, mpm_checkpoint_keep=3, **options)
+    for label, run in (("newmark", first), ("consistent", test.run(scene, mpm_time_mass="consistent", **options)),
+                       ("alpha", test.run(scene, mpm_time_integrator="generalized_alpha", **options))):
+        time, sunk = run.results.column("time"), 1.25 - run.results.column("position_plate_y")
+        test.near(f"mass_{label}.depth", sunk.max(), 0.02, relative=2e-3)
+        test.check(f"mass_{label}.back", abs(np.interp(2e-1 * np.pi * np.sqrt(0.1), time, sunk)), None, 5e-4 * 0.02)
+        test.near(f"mass_{label}.force", np.max(-run.results.column("reaction_plate_y")), 2e4, relative=2e-3)
+        test.near(f"mass_{label}.turn", run.results.column("rotation_disc_z")[-1], np.degrees(0.75 * 0.04), relative=1e-6)
+        for name, value in (("x", 0.6), ("y", 4.8)):
+            test.near(f"mass_{label}.disc_{name}", run.results.column(f"position_disc_{name}")[-1], value, relative=1e-12)
+        test.check(f"mass_{label}.balance", np.max(np.abs(run.results.column("energy_balance"))), None, 0.5)
+    half = test.folder() / "half.h5"
+    shutil.copy(f"{first.prefix}_checkpoint_000050.h5", half)
+    for label, ranks, more in (("ranks", 3, {}), ("restart", 2, {"mpm_restart": half, "mpm_output_prefix": "again"})):
+        run = test.run(scene, ranks=ranks, **options, **more)
+        for name in names:
+            test.near(f"mass_{label}.{name}", run.results.column(name)[-1], first.results.column(name)[-1], relative=1e-11)
+
+
 def refusals(test):
     """Exit status 2 and one line that names the option; 3 where the run gives up."""
     path = example("two_supports")
@@ -152,6 +175,9 @@ def refusals(test):
             ("not_free", 2, "disc_load", {"mpm_boundary_disc_free": "x"}),
             ("moment", 2, "disc_moment", {"mpm_boundary_disc_moment": 5}),
             ("inside", 2, "behind it", {"mpm_boundary_disc_center": "1.2,1.5"}),
+            ("no_inertia", 2, "disc_inertia: is missing", {"mpm_boundary_disc_free": "x,y,rz", "mpm_boundary_disc_mass": 2}),
+            ("negative_mass", 2, "disc_mass -2", {"mpm_boundary_disc_mass": -2}),
+            ("velocity", 2, "disc_velocity", {"mpm_boundary_disc_velocity": "1,0"}),
             ("adrift", 3, "nothing holds boundary disc", {"mpm_boundary_disc_center": "5.5,2.5"})):
         run = test.run(path, status=status, mpm_quiet=None, mpm_output_every=0, **options)
         lines = [line for line in run.errors.splitlines() if line.startswith("talus")]
@@ -164,4 +190,5 @@ with Test() as check:
     lid(check)
     plate(check)
     augmented(check)
+    mass(check)
     refusals(check)

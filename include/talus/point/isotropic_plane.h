@@ -167,3 +167,9 @@ MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
   for (int i = 0; i < 2; ++i) diagonal[i] = (C[i] + root) / scale;
   return !(root > 0. && scale <= DBL_MAX);
 }
+
+/* The same: there are no principal axes in it. */
+MPM_FN int TensorStretchDiagonalQuick(const double *F, double *diagonal)
+{
+  return TensorStretchDiagonal(F, diagonal);
+}

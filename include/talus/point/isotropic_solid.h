@@ -491,6 +491,17 @@ MPM_FN int SymSplitPrincipal(const SymSplit *split, SymPrincipal *principal)
   return 0;
 }
 
+/* C = F^T F of a plain F, row-major */
+MPM_FN void TensorRightCauchyGreen(const double *F, double C[6])
+{
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+
+    C[i]     = F[i] * F[i] + F[3 + i] * F[3 + i] + F[6 + i] * F[6 + i];
+    C[3 + i] = F[i] * F[j] + F[3 + i] * F[3 + j] + F[6 + i] * F[6 + j];
+  }
+}
+
 /*
   TensorStretchDiagonal - diagonal of the right stretch U = (F^T F)^1/2 of a plain F, row-major, for the update of
   particle domains
@@ -503,16 +514,46 @@ MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
   IsotropicFrame frame;
   double         C[6];
 
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-
-    C[i]     = F[i] * F[i] + F[3 + i] * F[3 + i] + F[6 + i] * F[6 + i];
-    C[3 + i] = F[i] * F[j] + F[3 + i] * F[3 + j] + F[6 + i] * F[6 + j];
-  }
+  TensorRightCauchyGreen(F, C);
   if (MpmDeterminant(MPM_DIM, F) == 0. || IsotropicFrameCreate(C, &frame)) return 1;
   for (int i = 0; i < 3; ++i) {
     diagonal[i] = 0.;
     for (int a = 0; a < 3; ++a) { diagonal[i] += sqrt(fmax(frame.w[a], 0.)) * frame.Q[3 * i + a] * frame.Q[3 * i + a]; }
   }
+  return 0;
+}
+
+/* The same to rounding, by a series where principal stretches are close to each other: what has no time for principal axes. */
+MPM_FN int TensorStretchDiagonalQuick(const double *F, double *diagonal)
+{
+  const double a[20] = {0., /* sqrt(1 + x) = 1 + sum_k a[k] x^k */
+                        1. / 2.,
+                        -1. / 8.,
+                        1. / 16.,
+                        -5. / 128.,
+                        7. / 256.,
+                        -21. / 1024.,
+                        33. / 2048.,
+                        -429. / 32768.,
+                        715. / 65536.,
+                        -2431. / 262144.,
+                        4199. / 524288.,
+                        -29393. / 4194304.,
+                        52003. / 8388608.,
+                        -185725. / 33554432.,
+                        334305. / 67108864.,
+                        -9694845. / 2147483648.,
+                        17678835. / 4294967296.,
+                        -64822395. / 17179869184.,
+                        119409675. / 34359738368.};
+  double       C[6], X[6], value[6], M[6][6], mean, norm;
+
+  TensorRightCauchyGreen(F, C);
+  IsotropicSplitValues(C, &mean, &norm);
+  if (!(norm <= ISOTROPIC_SERIES_RANGE * mean && mean >= DBL_MIN && mean <= DBL_MAX))
+    return TensorStretchDiagonal(F, diagonal);
+  for (int i = 0; i < 6; ++i) X[i] = (C[i] - (i < 3 ? mean : 0.)) / mean;
+  IsotropicPolynomial(a, X, norm / mean, value, M);
+  for (int i = 0; i < 3; ++i) diagonal[i] = sqrt(mean) * (1. + value[i]);
   return 0;
 }

@@ -71,6 +71,7 @@ typedef struct {
   MPM_LAW_PLASTIC       the law flows: its volume then follows from its shear, and low-order shapes lock without F-bar
   MPM_LAW_LAGGED        strength is that of the step's start: a point may go on flowing though nothing moves
   MPM_LAW_VISCOUS       stress depends on how fast the step deforms; the viscous part is gone once nothing moves
+  MPM_LAW_FIXED_MODULI  stiffness and shear modulus are those at rest at every state: nobody asks for them again
 */
 typedef enum {
   MPM_LAW_SYMMETRIC    = 1,
@@ -78,7 +79,8 @@ typedef enum {
   MPM_LAW_INTERNAL     = 4,
   MPM_LAW_PLASTIC      = 8,
   MPM_LAW_LAGGED       = 16,
-  MPM_LAW_VISCOUS      = 32
+  MPM_LAW_VISCOUS      = 32,
+  MPM_LAW_FIXED_MODULI = 64
 } MpmLawTrait;
 
 /*
@@ -95,7 +97,8 @@ typedef struct {
 /*
   How much a law dilates when it is sheared in plane strain from a state: the volume strain over the shear strain of plastic
   flow, in logarithmic strains, shear being the difference of the two principal values in the plane. 0 where the state lies
-  inside the yield surface. `elastic` becomes the elastic left Cauchy-Green tensor in the plane, xx, yy, xy.
+  well inside the yield surface, and continuous in the state up to it. `elastic` becomes the elastic left Cauchy-Green tensor in
+  the plane, xx, yy, xy.
 */
 typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table, const double *state,
                                double elastic[3]);
