@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A disc that rolls down a slope of 30 degrees and slips down one of 60, with implicit and explicit steps; on any number of ranks.
+"""A disc that rolls down a slope of 30 degrees and slips down one of 60, with implicit and explicit steps; on any number of ranks, and
+after a restart.
 
 Quick.
 """
@@ -34,6 +35,17 @@ def ranks(test):
         test.check(f"ranks.{name}", difference(one, other), None, RANKS)
 
 
+def restart(test):
+    """Goes on rolling as it would have, on another number of ranks."""
+    run = test.run(DISC, mpm_time_end=0.05, mpm_output_every=0, mpm_checkpoint_every=10, mpm_quiet=None)
+    again = test.run(DISC, ranks=2, mpm_time_end=0.05, mpm_output_every=0, mpm_quiet=None,
+                     mpm_restart=run.folder / "disc_checkpoint_000010.h5")
+    for name in ("reaction_slope_x", "reaction_slope_y", "track_middle_ux"):
+        whole, rest = run.results.column(name), again.results.column(name)
+        test.check(f"restart.{name}", difference(whole[-rest.size:], rest), None, RANKS)
+
+
 with Test() as check:
+    restart(check)
     ways(check)
     ranks(check)
