@@ -42,6 +42,11 @@ PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal
 PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal half[], PetscReal normal[],
                        PetscReal *depth);
 
+/* Is its surface round, that of a sphere (2D: a disc) or a cylinder? */
+PetscBool MpmRegionIsRound(MpmRegion region);
+/* Puts a place onto the round surface along its normal, which is returned, outward; what it was below it, m. */
+PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[]);
+
 /*
   Reads -<prefix>vertices, a polygon that does not meet itself: x and y of `count` vertices in order; free with
   PetscFree(). With -help there may be none.

@@ -525,3 +525,26 @@ PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal ha
   *depth = cut.depth;
   return (PetscBool)(cut.depth < PETSC_INFINITY);
 }
+
+PetscBool MpmRegionIsRound(MpmRegion region)
+{
+  return (PetscBool)(region->type == MPM_REGION_SPHERE || region->type == MPM_REGION_CYLINDER);
+}
+
+PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[])
+{
+  const PetscInt dim               = region->dim;
+  PetscReal      d[MPM_REGION_DIM] = {0., 0., 0.}, along = 0., norm;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    d[a] = at[a] - region->center[a];
+    along += d[a] * region->axis[a];
+  }
+  for (PetscInt a = 0; region->type == MPM_REGION_CYLINDER && a < dim; a++) d[a] -= along * region->axis[a];
+  norm = Norm(dim, d);
+  for (PetscInt a = 0; a < dim; a++) {
+    normal[a] = norm > 0. ? d[a] / norm : 0.;
+    at[a] += (region->radius - norm) * normal[a];
+  }
+  return region->radius - norm;
+}

@@ -197,6 +197,11 @@ PetscBool MpmBodyIsImported(MpmBody body)
   return (PetscBool)(body->imported != NULL);
 }
 
+MpmRegion MpmBodyRound(MpmBody body)
+{
+  return !body->imported && MpmRegionIsRound(body->region) ? body->region : NULL;
+}
+
 /* ---- whose a place is ---- */
 
 #define INTERIOR 1e-3 /* of a cell: what is further than this from the edge is inside a region, not on its edge */

@@ -43,6 +43,8 @@ PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody befo
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
+/* Its region where that is round and cut a lattice of points, or NULL. */
+MpmRegion MpmBodyRound(MpmBody body);
 /* Most cells from point to point on an axis; 0 for bodies from files. */
 PetscReal MpmBodySpacing(MpmBody body);
 PetscInt  MpmBodyMaterial(MpmBody body);

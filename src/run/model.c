@@ -569,6 +569,16 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
 }
 
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
+/* A run that goes on needs the bodies only where later stages bring or change them, and where contact knows their shape. */
+static PetscBool NeedsBodies(const MpmModel model)
+{
+  PetscBool needed = (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name);
+
+  for (PetscInt b = 0; b < model->scene.bodies->count && model->scene.boundaries->count > 0; b++)
+    if (MpmBodyRound(model->scene.bodies->at[b])) needed = PETSC_TRUE;
+  return needed;
+}
+
 static PetscErrorCode CreateParticles(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0, axis, up;
@@ -617,8 +627,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                                                     .extra        = fields},
                                model->state.particles));
   PetscCall(PetscFree(fields));
-  /* a run that goes on needs the bodies only where later stages bring or change them */
-  if (model->results->checkpoint.restart && !model->scene.stages[0].name) {
+  if (!NeedsBodies(model)) {
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -730,8 +739,8 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(MpmRestartOpen(model));
   PetscCall(CreateParticles(model));
-  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.pairs,
-                                   model->state.placements, model->state.particles->state_size));
+  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
+                                   model->scene.pairs, model->state.placements, model->state.particles->state_size));
   PetscCall(MpmSurfacesAdd(model));
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));

@@ -22,7 +22,6 @@
   for a hundredth of their fall over a cell.
 */
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/body_contact.h"
@@ -362,7 +361,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     if (contacts->pairs->at[contacts->patch[k].pair].augmented)
       contacts->patch[k].shift = answer.pressure / contacts->patch[k].stiffness;
   }
-  PetscCall(MpmPairPatchesKeep(contacts, slip, sum->points->count, particles));
+  PetscCall(MpmPairPatchesKeep(contacts, slip, particles));
   PetscCall(PetscFree(slip));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->force, (PetscMPIInt)(contacts->pairs->count * MPM_MAX_DIM),
                            MPIU_REAL, MPIU_SUM, contacts->comm));

@@ -87,6 +87,6 @@ PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, con
 */
 PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles);
 /* The points of a patch keep its slip and the gap at which it touches. */
-PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM], PetscInt points,
-                                  MpmParticles *particles);
+PetscErrorCode       MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM],
+                                        MpmParticles          *particles);
 extern const MpmTerm MpmTermBodyContact; /* ctx: MpmPairContacts */

@@ -560,10 +560,13 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM], PetscInt points,
-                                  MpmParticles *particles)
+PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM],
+                                  MpmParticles          *particles)
 {
+  PetscInt points;
+
   PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &points));
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair = &contacts->pairs->at[p];
 

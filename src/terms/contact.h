@@ -17,7 +17,8 @@ typedef struct {
   PetscInt  side;    /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
   PetscReal area;    /* projected on the boundary, m^(dim-1) */
   PetscInt  piece;   /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
-  PetscReal portion; /* and of its area that is this facet's */
+  PetscReal portion; /* and of its area that is this facet's; of round facets, of that of its point's which touch */
+  PetscInt  round;   /* it stands on the round surface that cut its body's lattice (round_facets.c) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
 } MpmFacet;
 
@@ -49,6 +50,7 @@ typedef struct {
   PetscReal     area, stiffness;           /* m^(dim-1), Pa/m */
   PetscReal     strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
   PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
+  PetscBool     round;   /* a facet on a round surface, which touches by itself */
   PetscBool     held;    /* touches, and sticks, whatever the law says (contact_states.c) */
   MpmPatchState state;
   PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
@@ -61,6 +63,7 @@ typedef struct MpmContacts {
   const MpmBoundary *boundaries;
   MpmPose           *before, *after; /* the boundaries' at the step's start and end */
   MpmRigidBody      *bodies;         /* those whose place is solved for, by boundary; NULL: there is none */
+  const MpmBodies   *shaped;         /* the material's, where the surface of one is round; NULL: none is */
   PetscInt           material_count;
   PetscInt           adrift; /* a body that met nothing on its way, or -1 */
   PetscReal (*reaction)[MPM_MAX_DIM],
@@ -159,6 +162,18 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
 PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`). */
 PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+/* Distance from a facet's boundary as it stands at the step's start, or is expected to stand where it is free. */
+void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
+                              MpmSurface *surface);
+/*
+  Round bodies of the material (round_facets.c). Shape: takes note of them, borrowed. Sees: does a face belong to a round surface, which
+  the boundary takes as it is? Then Add adds its facets, where they are no farther from the boundary than `margin`.
+*/
+PetscErrorCode MpmContactsShape(MpmContacts *contacts, const MpmBodies *bodies);
+PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints *points, PetscInt boundary, PetscInt p,
+                                    PetscInt face);
+PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
+                                   const MpmFacet *start);
 PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);
 /* The number of the cell of a place, of a part of the material. */
 PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part);

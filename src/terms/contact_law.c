@@ -3,8 +3,9 @@
 
     t = k' s  while  |k' s| <= L ,  t = L s/|s|  else ,   L = mu max(p, 0) + adhesion, at most the material's strength
 
-  What has slid keeps s = t/k'. k' = k where nothing can slide, and a small part of k elsewhere: a change of pressure moves the bound
-  L, and with equal stiffness the slip that follows would throw Newton's method from sticking to sliding and back.
+  What has slid keeps s = t/k'. k' = k where nothing can slide and where bodies roll, and a small part of k elsewhere: a change of
+  pressure moves the bound L, and with equal stiffness the slip that follows would throw Newton's method from sticking to sliding and
+  back.
 
   What slides is not stiff along its way, so that a body which nothing but friction holds, a strip between two rollers, is free to go while
   all of it slides; Newton's method then throws it from sliding one way to sliding the other. With the secant t/s in place of dt/ds it

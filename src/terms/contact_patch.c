@@ -48,7 +48,9 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
       y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
 }
 
-#define SLIDING 0.1 /* k'/k of what may slide */
+/* k'/k of what may slide. What rolls leaves its slip behind with the places that part: it creeps by as much as they give. */
+#define SLIDING 0.1
+#define ROLLING 1.
 
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
@@ -56,10 +58,11 @@ static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatc
   const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
   const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
   const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
-  const MpmContactLaw law      = {patch->stiffness, SLIDING,         boundary->friction, adhesion,
-                                  strength,         boundary->stick, contacts->secant};
-  const PetscReal     pressure = -patch->stiffness * answer->gap;
-  MpmContactFriction  friction;
+  const MpmContactLaw law      = {
+         patch->stiffness, patch->round ? ROLLING : SLIDING, boundary->friction, adhesion, strength, boundary->stick,
+         contacts->secant};
+  const PetscReal    pressure = -patch->stiffness * answer->gap;
+  MpmContactFriction friction;
 
   answer->slides = MpmContactSlide(&law, boundary->dim, pressure, answer->slip, &friction);
   for (PetscInt a = 0; a < boundary->dim; a++) {
@@ -185,7 +188,8 @@ PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, 
 
   A patch sees the mean displacement of its facets, sum_i w_i u_i, behind which is the mass 1/sum_i w_i^2/m_i. With the force k A g at
   the gap g that the step would end with, k A <= m/dt^2 brings it to zero at most. Each node of a surface is shared by 2^(dim - 1)
-  patches, whose forces add up: each gets its part.
+  patches, whose forces add up: each gets its part. Facets on round surfaces are patches by themselves, many in a cell, with a cell's area
+  together.
 */
 
 /* The inverse of the mass that the patch moves, 1/kg; nodes without mass do not count. */
@@ -214,8 +218,9 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch       *patch   = &contacts->patch[k];
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
+    const PetscReal area    = patch->round ? PetscPowRealInt(contacts->cell, sum->space->dim - 1) : patch->area;
 
-    if (!(patch->area > 0.) || !(inverse > 0.)) continue;
-    patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * patch->area));
+    if (!(area > 0.) || !(inverse > 0.)) continue;
+    patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
   }
 }

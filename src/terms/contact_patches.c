@@ -5,7 +5,8 @@
   outward area a = cof(F) A_a e_a; what of it faces a surface of normal n is A = -a . n. Summed over the steps of a lattice that was
   cut at an angle, A is the area of the cut.
 
-  The facets of one cell form a patch, those at different sides of something with flat faces one each. A patch has one mean gap
+  The facets of one cell form a patch, those at different sides of something with flat faces one each, those on round surfaces one each
+  (round_facets.c). A patch has one mean gap
   and one mean slip, as a mortar method with one multiplier a cell has them: with a condition at every facet the surface would have
   more conditions than the cells have unknowns, and what lies near it would move with it as one.
 
@@ -31,6 +32,7 @@
 #define TOUCH   1e-12 /* of a cell: rounding of a face that stands on the boundary */
 #define TILT    0.25  /* of a cell */
 #define SOFT    10.   /* penalty on materials that flow, unless one is given */
+#define ROUND   20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
 #define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
 #define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
 #define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
@@ -150,6 +152,7 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
       MpmSurface surface;
 
       if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+      if (MpmContactsSeesRound(contacts, points, k / points->count, p, face)) continue;
       InitialPlace(dim, points, p, face, at);
       MpmBoundaryDistance(boundary, &still, at, &surface);
       if (surface.distance < -CUT * points->half_length[p * dim + face / 2])
@@ -249,8 +252,8 @@ static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[]
   for (PetscInt a = 0; a < dim; a++) surface->distance += (facet->place[a] - at[a]) * there.normal[a];
 }
 
-/* Distance of a facet from its boundary as it stands at the step's start, or is expected to stand where it is free. */
-static void StartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet, MpmSurface *surface)
+void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
+                              MpmSurface *surface)
 {
   const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
   const MpmPose     *before   = &contacts->before[facet->boundary];
@@ -302,7 +305,7 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
   facet.touches = PetscMin(surface.distance, 0.);
   if (contacts->boundaries[b].bilateral && surface.distance > MPM_TOLERANCE * contacts->cell)
     PetscFunctionReturn(PETSC_SUCCESS);
-  StartDistance(contacts, corner->outward, &facet, &surface);
+  MpmContactsStartDistance(contacts, corner->outward, &facet, &surface);
   if (!contacts->boundaries[b].bilateral && surface.distance > margin) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++) facet.normal[a] = surface.normal[a];
   facet.area   = 0.5 * corner->area;
@@ -347,9 +350,13 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     PetscBool touched;
 
     if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+    if (MpmContactsSeesRound(contacts, points, b, p, face)) {
+      PetscCall(MpmContactsAddRound(contacts, margin, points, face, start));
+      continue;
+    }
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
-    StartDistance(contacts, area, &facet, &surface);
+    MpmContactsStartDistance(contacts, area, &facet, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       facet.normal[a] = surface.normal[a];
       facet.area -= area[a] * surface.normal[a];
@@ -453,6 +460,7 @@ static int CompareFacets(const void *a, const void *b)
   if (f->cell != g->cell) return f->cell < g->cell ? -1 : 1;
   if (f->corner != g->corner) return f->corner < g->corner ? -1 : 1;
   if (f->side != g->side) return f->side < g->side ? -1 : 1;
+  if (f->round != g->round) return f->round < g->round ? -1 : 1;
   return f->point < g->point ? -1 : f->point > g->point;
 }
 
@@ -475,13 +483,16 @@ static void IncludeGroup(MpmGroup *box, const MpmGroup *group)
 
 /*
   Pressure by depth, times the cell size. What flows bears pressures that are small beside its modulus: a soft penalty is deep enough
-  then, and Newton's method gets on better as the material slides along a curved surface.
+  then, and Newton's method gets on better as the material slides along a curved surface. Round bodies are soft themselves where they
+  touch, by more than their penalty, and need the fewer iterations the softer it is.
 */
-static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *material)
+static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *material, PetscBool round)
 {
-  const PetscBool soft = (PetscBool)(!boundary->firm && material->info.traits & MPM_LAW_PLASTIC);
+  PetscReal penalty = boundary->penalty;
 
-  return (soft ? SOFT : boundary->penalty) * material->penalty;
+  if (!boundary->firm && round) penalty = ROUND;
+  if (!boundary->firm && material->info.traits & MPM_LAW_PLASTIC) penalty = SOFT;
+  return penalty * material->penalty;
 }
 
 static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
@@ -499,9 +510,12 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     MpmPatch       *patch;
 
     if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell ||
-        facet->corner != facet[-1].corner || facet->side != facet[-1].side) {
-      contacts->patch[contacts->patch_count] = (MpmPatch){
-        .boundary = facet->boundary, .begin = k, .box = box_begin + contacts->patch_count, .strength = PETSC_INFINITY};
+        facet->corner != facet[-1].corner || facet->side != facet[-1].side || facet->round) {
+      contacts->patch[contacts->patch_count] = (MpmPatch){.boundary = facet->boundary,
+                                                          .begin    = k,
+                                                          .box      = box_begin + contacts->patch_count,
+                                                          .round    = (PetscBool)facet->round,
+                                                          .strength = PETSC_INFINITY};
       contacts->patch_count++;
     }
     patch      = &contacts->patch[contacts->patch_count - 1];
@@ -512,7 +526,8 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
       facet->area * unit *
       Penalty(
         &contacts->boundaries[facet->boundary],
-        &rules->materials[facet->piece ? contacts->piece[facet->piece - 1].material : points->material[facet->point]]);
+        &rules->materials[facet->piece ? contacts->piece[facet->piece - 1].material : points->material[facet->point]],
+        patch->round);
     contacts->most = PetscMax(contacts->most, patch->end - patch->begin);
   }
   for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].stiffness /= contacts->patch[k].area;
@@ -594,6 +609,9 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
   Weights of a facet on one axis, at the nodes of its patch's box: those of the part of the domain about the facet that is in the
   domain, the face's middle across, the domain's mean along. That makes a uniform pressure on an even face consistent with
   uniform stress, in every node. Shapes without a domain take the point's own weights (half NULL).
+
+  A facet on a round surface stands off its face: its displacement is that of the point and its gradient, so that the force has its
+  moment about the body's middle, and the body rolls over its true radius. Nodes with little mass then have little of the force.
 */
 static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                         PetscInt a, const PetscReal half[], PetscReal line[])
@@ -607,6 +625,8 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   MpmShapeLine    face = {.weight = weight, .gradient = unused};
 
   for (PetscInt i = 0; i <= last; i++) line[i] = half ? 0. : space->shape[0].weight[(p * dim + a) * space->width + i];
+  for (PetscInt i = 0; facet->round && i <= last; i++)
+    line[i] += (facet->place[a] - points->x[p * dim + a]) * space->shape[0].gradient[(p * dim + a) * space->width + i];
   if (!half) return;
   const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
   const PetscReal at = PetscMin(PetscMax((facet->place[a] - grid->lower[a]) / grid->h[a], x - half[a]), x + half[a]);
@@ -621,7 +641,7 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
 void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                    PetscReal (*line)[MPM_MAX_WIDTH])
 {
-  const PetscBool domain = MpmShapeHasDomain(rules->shape);
+  const PetscBool domain = (PetscBool)(MpmShapeHasDomain(rules->shape) && !facet->round);
   PetscReal       half[MPM_MAX_DIM];
 
   line[2][0] = 1.;

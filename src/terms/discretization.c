@@ -48,8 +48,8 @@ PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc)
 }
 
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, const MpmPairs *pairs, MpmPlacement *placements,
-                                      PetscInt state_size)
+                                      const MpmBoundaries *boundaries, const MpmBodies *bodies, const MpmPairs *pairs,
+                                      MpmPlacement *placements, PetscInt state_size)
 {
   PetscFunctionBeginUser;
   disc->material_count  = materials->count;
@@ -57,6 +57,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   disc->sum->state_size = state_size;
   disc->sum->own_size   = disc->layout->own_size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
+  PetscCall(MpmContactsShape(disc->contacts, bodies));
   PetscCall(MpmRigidCreate(disc->contacts, placements));
   disc->contacts->material_count = materials->count;
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));

@@ -47,8 +47,8 @@ typedef struct MpmDiscretization {
 PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
-                                      const MpmBoundaries *boundaries, const MpmPairs *pairs, MpmPlacement *placements,
-                                      PetscInt state_size);
+                                      const MpmBoundaries *boundaries, const MpmBodies *bodies, const MpmPairs *pairs,
+                                      MpmPlacement *placements, PetscInt state_size);
 /* Surfaces, what acts of them, by surface, and the physics' kernel without means over cells are borrowed. After SetUp. */
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
                                             MpmLoadActing *acting, const MpmKernelSet *kernel);

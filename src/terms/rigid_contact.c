@@ -9,8 +9,8 @@
   and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral; or pieces of the surface, surface_shares.c,
   for which g is what it was at the end of the last step, plus the change of d). Coulomb friction bounds the
   traction: where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k'. So a patch that sticks
-  gives by t/k', which is all the regularisation there is; k' = k where nothing may slide, and k/10 elsewhere. L is no more than what the material itself bears in shear where its law
-  says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
+  gives by t/k', which is all the regularisation there is; k' = k where nothing may slide and on round bodies, and k/10
+  elsewhere. L is no more than what the material itself bears in shear where its law says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
   surface, in a layer that no cell can resolve, and a pipe would carry half a cell of clay along. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
   the step's start; the reaction is the sum of these forces.
 
@@ -345,17 +345,39 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
 {
   if (facet->point < 0) return;
-  if (facet->piece) kept[facet->point] += facet->portion * value;
+  if (facet->piece || facet->round) kept[facet->point] += facet->portion * value;
   else kept[facet->point] = value;
+}
+
+/* Portions by area of the round facets of a boundary that touch, among those of the same point. */
+static PetscErrorCode ShareRound(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
+                                 const MpmPatchAnswer answers[])
+{
+  PetscReal *area;
+
+  PetscFunctionBeginUser;
+  if (!contacts->shaped) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(sum->points->count, &area));
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmFacet *facet = &contacts->facet[contacts->patch[k].begin];
+
+      if (facet->boundary != b || !facet->round || !answers[k].active) continue;
+      if (pass) facet->portion = facet->area / area[facet->point];
+      else area[facet->point] += facet->area;
+    }
+  }
+  PetscCall(PetscFree(area));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The points of a patch keep its slip while it touches. */
 static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                 MpmParticles *particles)
 {
-
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    if (contacts->boundaries[b].tangential) PetscCall(ShareRound(contacts, b, sum, answers));
     for (PetscInt a = 0; contacts->boundaries[b].tangential && a < sum->space->dim; a++) {
       PetscReal *slip;
 

@@ -295,7 +295,7 @@ static PetscErrorCode SecondCreate(Balance *balance)
   second->disc.ghost    = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
   second->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
   PetscCall(MpmDiscretizationSetUp(&second->disc, second->scene.materials, second->scene.boundaries,
-                                   second->scene.pairs, second->state.placements,
+                                   second->scene.bodies, second->scene.pairs, second->state.placements,
                                    second->state.particles->stress_size + 1));
   PetscCall(MpmDiscretizationAddSurfaces(&second->disc, second->scene.surfaces,
                                          &second->state.loads[second->scene.loads->count],

@@ -101,7 +101,24 @@ enum { FREE, HELD, HELD_FBAR, INCLINED, TOUCHING, RUBBING, LOADED, VARIANTS };
 static const char *const variant_names[] = {"free",     "held",    "held, F-bar", "held along normals",
                                             "touching", "rubbing", "loaded"};
 
-static const char *edge = "linear"; /* how splines end */
+/* a disc, a ball, whose facets stand on its surface: pushed and rubbed by a plane, and by something round to which it sticks */
+static const char *const round_2d =
+  "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_region sphere -mpm_body_b_center "
+  "1.5,1 -mpm_body_b_radius 0.6 -mpm_boundaries floor,side "
+  "-mpm_boundary_floor_type plane -mpm_boundary_floor_point 1.5,0.4 -mpm_boundary_floor_normal -0.1,1 "
+  "-mpm_boundary_floor_motion 0.05,0.2 -mpm_boundary_floor_ramp 0:1 -mpm_boundary_floor_friction 0.3 "
+  "-mpm_boundary_side_type sphere -mpm_boundary_side_center 0.5,1 -mpm_boundary_side_radius 0.42 "
+  "-mpm_boundary_side_motion 0.1,0.04 -mpm_boundary_side_friction stick ";
+static const char *const round_3d =
+  "-mpm_dim 3 -mpm_grid_lower 0,0,0 -mpm_grid_upper 2,2,1.2 -mpm_grid_cells 4,4,3 -mpm_body_b_region sphere "
+  "-mpm_body_b_center 1,1,0.6 -mpm_body_b_radius 0.45 -mpm_boundaries floor,side "
+  "-mpm_boundary_floor_type plane -mpm_boundary_floor_point 1,1,0.15 -mpm_boundary_floor_normal -0.1,0,1 "
+  "-mpm_boundary_floor_motion 0.05,0,0.2 -mpm_boundary_floor_ramp 0:1 -mpm_boundary_floor_friction 0.3 "
+  "-mpm_boundary_side_type sphere -mpm_boundary_side_center 0.1,1,0.6 -mpm_boundary_side_radius 0.47 "
+  "-mpm_boundary_side_motion 0.1,0.04,0 -mpm_boundary_side_friction stick ";
+
+static const char *edge    = "linear"; /* how splines end */
+static const char *rounded = "";       /* a scene in place of the ones above */
 
 static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscInt held, MpmModel *model)
 {
@@ -116,7 +133,10 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
     options, sizeof(options),
     "%s%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
     "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi -mpm_shape_edge %s%s%s%s",
-    dim == 2 ? scene_2d : scene_3d, dim == 2 ? conditions_2d[held] : conditions_3d[held],
+    *rounded   ? rounded
+    : dim == 2 ? scene_2d
+               : scene_3d,
+    dim == 2 ? conditions_2d[held] : conditions_3d[held],
     held == RUBBING  ? dim == 2 ? rubbing_2d : rubbing_3d
     : held == LOADED ? dim == 2 ? loaded_2d : loaded_3d
                      : "",
@@ -395,9 +415,31 @@ START_TEST(long_domains)
 }
 END_TEST
 
+START_TEST(round_bodies)
+{
+  static const char *const shapes[] = {"gimp", "bspline2"};
+
+  for (PetscInt dim = 2; dim <= 3; dim++) {
+    rounded = dim == 2 ? round_2d : round_3d;
+    for (PetscInt s = 0; s < 2; s++) {
+      MpmModel     model;
+      SceneVerdict verdict;
+      PetscReal    plastic;
+
+      SCENE_CALL(Create(dim, shapes[s], &laws[2], FREE, &model));
+      SCENE_CALL(Look(model, &laws[2], 0., &plastic, &verdict));
+      CheckTouch(model);
+      Check(model, &laws[2], RUBBING, plastic, &verdict);
+      SCENE_CALL(SceneDestroy(&model));
+    }
+  }
+  rounded = "";
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {plane, space, open_edges, long_domains};
+  const TTest *const tests[] = {plane, space, open_edges, long_domains, round_bodies};
 
   return UnitRun(&argc, &argv, "jacobian", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -1,0 +1,131 @@
+/*
+  Facets of round bodies at rigid surfaces: discs, spheres, cylinders.
+
+  The surface of such a body's region cuts its lattice of points into steps, on which it would roll. The true surface is known, and
+  the material carries it along: a place of a face, y0 at the start, belongs to the place z0 of the surface along the surface's normal N there;
+  now
+
+    z = x + F (z0 - x0) ,   n = F^-T N/|F^-T N| ,   dA = a . n ,
+
+  x the point, a the area that the face has there. The sum of dA over the steps is the area of the surface. Each face has
+  SITES such places on each axis, where a boundary is near, each a facet and a patch by itself: where a round surface
+  meets another one, only little of a cell's touches, and its mean distance there would go up and down as the body rolls over the cells.
+
+  A face belongs to the surface where that took the next point of the lattice; what parted later is as it was cut.
+*/
+#include "geometry/geometry.h"
+#include "particles/body.h"
+#include "particles/outer_faces.h"
+#include "particles/points.h"
+#include "terms/contact.h"
+
+#define SITES 4    /* places of a face on each axis: a disc rolls on fewer like a polygon; with 8 nothing changes */
+#define SLACK 1.01 /* of the distance between points: domains may have been stretched */
+#define SAME  1e-6 /* of a domain: depths below one surface */
+
+PetscErrorCode MpmContactsShape(MpmContacts *contacts, const MpmBodies *bodies)
+{
+  PetscFunctionBeginUser;
+  contacts->shaped = NULL;
+  for (PetscInt b = 0; b < bodies->count; b++)
+    if (MpmBodyRound(bodies->at[b])) contacts->shaped = bodies;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The round region whose surface took the next point of the lattice beyond a face, or NULL. */
+static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *points, PetscInt dim, PetscInt p,
+                              PetscInt face)
+{
+  const PetscReal *half = &points->half_length[p * dim];
+  const PetscReal  size = half[face / 2];
+  MpmRegion        region;
+  PetscInt         b = 0, first, end;
+  PetscReal        at[MPM_MAX_DIM], normal[MPM_MAX_DIM], N[MPM_MAX_DIM], depth, along;
+
+  if (!contacts->shaped) return NULL;
+  for (; b < contacts->shaped->count; b++) {
+    MpmBodyGetIds(contacts->shaped->at[b], &first, &end);
+    if (points->id[p] < end) break;
+  }
+  region = b < contacts->shaped->count ? MpmBodyRound(contacts->shaped->at[b]) : NULL;
+  if (!region || !MpmRegionCut(region, &points->x0[p * dim], half, normal, &depth)) return NULL;
+  for (PetscInt a = 0; a < dim; a++) at[a] = points->x0[p * dim + a];
+  if (PetscAbsReal(MpmRegionToRound(region, at, N) - depth) > SAME * size) return NULL; /* a cylinder's end is nearer */
+  along = (face % 2 ? 1. : -1.) * N[face / 2];
+  return along > 0. && depth < 2. * SLACK * along * size ? region : NULL;
+}
+
+PetscBool MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints *points, PetscInt b, PetscInt p,
+                               PetscInt face)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[b];
+
+  return (PetscBool)(!boundary->bilateral && !boundary->augmented &&
+                     RegionBeyond(contacts, points, boundary->dim, p, face));
+}
+
+/* A place of a face, `of` of them on each axis, put onto the surface; `at` was it at the start. */
+typedef struct {
+  PetscInt  k, of;
+  PetscReal at[MPM_MAX_DIM], outward[MPM_MAX_DIM]; /* outward: the normal now, times the area seen along it */
+} Site;
+
+static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, PetscInt face, MpmFacet *facet,
+                      Site *site)
+{
+  const PetscInt   p = facet->point;
+  const PetscReal *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
+  PetscReal        arm[MPM_MAX_DIM], area[MPM_MAX_DIM], N[MPM_MAX_DIM], seen = 0., share = 1.;
+
+  MpmOuterFace(dim, F, half, face / 2, face % 2, arm, area);
+  for (PetscInt a = 0, k = site->k; a < dim; a++) {
+    site->at[a] = points->x0[p * dim + a];
+    if (a == face / 2) site->at[a] += (face % 2 ? 1. : -1.) * half[a];
+    else {
+      site->at[a] += half[a] * ((PetscReal)(2 * (k % site->of) + 1) / (PetscReal)site->of - 1.);
+      share /= (PetscReal)site->of;
+      k /= site->of;
+    }
+  }
+  (void)MpmRegionToRound(region, site->at, N);
+  (void)MpmOuterNormal(dim, F, N, site->outward);
+  for (PetscInt a = 0; a < dim; a++) {
+    facet->place[a] = points->x[p * dim + a];
+    for (PetscInt c = 0; c < dim; c++) facet->place[a] += F[a * dim + c] * (site->at[c] - points->x0[p * dim + c]);
+    seen += share * area[a] * site->outward[a];
+  }
+  for (PetscInt a = 0; a < dim; a++) site->outward[a] *= PetscMax(seen, 0.);
+}
+
+PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
+                                   const MpmFacet *start)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[start->boundary];
+  const MpmPose      still    = {.growth = 0.};
+  const PetscInt     dim      = boundary->dim;
+  const MpmRegion    region   = RegionBeyond(contacts, points, dim, start->point, face);
+  MpmFacet           facet    = *start;
+  Site               site     = {.of = 1};
+  MpmSurface         surface;
+
+  PetscFunctionBeginUser;
+  PlaceSite(region, points, dim, face, &facet, &site);
+  MpmContactsDistance(contacts, facet.boundary, facet.place, &surface);
+  if (surface.distance > margin) PetscFunctionReturn(PETSC_SUCCESS);
+  if (surface.distance < contacts->cell) site.of = SITES;
+  for (; site.k < PetscPowInt(site.of, dim - 1); site.k++) {
+    facet       = *start;
+    facet.round = 1;
+    PlaceSite(region, points, dim, face, &facet, &site);
+    MpmContactsStartDistance(contacts, site.outward, &facet, &surface);
+    for (PetscInt a = 0; a < dim; a++) {
+      facet.normal[a] = surface.normal[a];
+      facet.area -= site.outward[a] * surface.normal[a];
+    }
+    if (!(facet.area > 0.)) continue;
+    MpmBoundaryDistance(boundary, &still, site.at, &surface);
+    facet.touches = PetscMin(surface.distance, 0.);
+    PetscCall(MpmContactsAddFacet(contacts, &facet));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
