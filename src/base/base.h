@@ -9,6 +9,9 @@
 #include "talus/compat.h"
 #include "talus/point/dense.h"
 
+/* A loop that is written once and compiled with constants for its usual cases. */
+#define MPM_INLINE static inline __attribute__((always_inline))
+
 #define MPM_MAX_DIM 3
 /* Basis functions of one shape: weights, then derivatives, then weights less their means. */
 #define MPM_BASES          (MPM_MAX_DIM + 2)

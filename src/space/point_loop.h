@@ -11,8 +11,6 @@
 #include "space/space.h"
 #include "space/sum.h"
 
-#define MPM_INLINE static inline __attribute__((always_inline))
-
 /*
   What the compiler is told: the layout of a solid, whose block is dim and whose inputs are all derivatives, or of Biot's
   fields (MPM_PHYSICS_BIOT), and the nodes of a group on each axis.

@@ -20,7 +20,6 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/momentum.h"
-#include "space/point_loop.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/body_contact.h"

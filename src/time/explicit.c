@@ -24,7 +24,6 @@
 #include "point/wave_speed.h"
 #include "grid/grid.h"
 #include "space/motion.h"
-#include "space/point_loop.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
