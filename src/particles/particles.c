@@ -490,6 +490,11 @@ PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const P
   return ratio;
 }
 
+PetscReal MpmPointMassStart(const MpmPoints *points, const MpmMaterial *materials, PetscInt p)
+{
+  return MpmPointMass(points, materials, p);
+}
+
 PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials, const MpmLayout *layout, PetscInt p)
 {
   const MpmMaterial *material = &materials[points->material[p]];

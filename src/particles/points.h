@@ -34,5 +34,7 @@ typedef struct MpmPoints {
 
 /* J of a point, as what it takes up counts it: det F, or 1 + tr(F - I) at small strain. */
 PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[]);
-/* A point's mass now, with the water that it has taken up since the start. */
+/* A point's mass at the start, kg: MpmPointMass() (point_mass.h) for those who do not know what materials are. */
+PetscReal MpmPointMassStart(const MpmPoints *points, const MpmMaterial *materials, PetscInt p);
+/* Its mass now, with the water that it has taken up since the start. */
 PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials, const MpmLayout *layout, PetscInt p);

@@ -7,7 +7,6 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
-#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "particles/selection.h"
 #include "space/rules.h"
@@ -319,8 +318,9 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt  p      = space->order[s];
-      const PetscReal amount = Sign(load, sum) * factor * (share ? share[p] : MpmPointMass(points, sum->materials, p));
+      const PetscInt  p = space->order[s];
+      const PetscReal amount =
+        Sign(load, sum) * factor * (share ? share[p] : MpmPointMassStart(points, sum->materials, p));
 
       if (amount == 0.) continue;
       if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, rules, space, points, p, group, basis.basis[0]));
