@@ -568,7 +568,6 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
   }
 }
 
-/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 /* A run that goes on needs the bodies only where later stages bring or change them, and where contact knows their shape. */
 static PetscBool NeedsBodies(const MpmModel model)
 {
@@ -579,6 +578,7 @@ static PetscBool NeedsBodies(const MpmModel model)
   return needed;
 }
 
+/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0, axis, up;
