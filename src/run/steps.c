@@ -121,10 +121,8 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
   if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone)
     PetscCall(MpmModelWriteOutput(model));
   if (why) {
-    PetscCall(MpmTerminalWarn(
-      model, "gave up after step %" PetscInt_FMT " at time %g: %s%s", model->state.step, (double)model->state.time, why,
-      model->state.rescue.relaxation ? "; if there is a state of rest elsewhere, a stage of type relaxation may find it"
-                                     : ""));
+    PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
+                              (double)model->state.time, why));
   }
   PetscCall(MpmModelWriteSummary(model, why                  ? why
                                         : interrupted        ? "interrupted"

@@ -38,7 +38,6 @@ typedef struct {
   PetscBool ghost_auto; /* nobody has set the ghost penalty */
   PetscBool ghost;      /* a firmer ghost penalty */
   PetscBool dilation;   /* F-bar leaves dilation to the points: it may average that, too */
-  PetscBool relaxation; /* Newton's method has found no state of rest in the shortest step: motion might */
 } MpmRescue;
 
 typedef struct {

@@ -143,6 +143,23 @@ static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where Newton's method has found no state of rest in the shortest step, motion might. */
+static PetscErrorCode OfferRelaxation(MpmModel model, const char **why)
+{
+  SNESConvergedReason reason;
+  char                text[sizeof(model->solver.lost)];
+
+  PetscFunctionBeginUser;
+  if (!MpmCouldRelax(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetConvergedReason(model->solver.snes, &reason));
+  if (reason > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(text, sizeof(text),
+                          "%s; if there is a state of rest elsewhere, a stage of type relaxation may find it", *why));
+  PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text)));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
@@ -159,8 +176,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  model->state.cuts              = 0;
-  model->state.rescue.relaxation = PETSC_FALSE;
+  model->state.cuts = 0;
   if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (;;) {
@@ -181,8 +197,10 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
       continue;
     }
     if (!again) {
-      model->state.rescue.relaxation = MpmCouldRelax(model);
-      if (!model->state.rescue.ghost) PetscFunctionReturn(PETSC_SUCCESS);
+      if (!model->state.rescue.ghost) {
+        PetscCall(OfferRelaxation(model, why));
+        PetscFunctionReturn(PETSC_SUCCESS);
+      }
       PetscCall(MpmStepRaiseGhost(model, *why));
       model->state.dt_wanted = model->state.dt_nominal;
       continue;
