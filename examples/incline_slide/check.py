@@ -30,7 +30,7 @@ def check(results):
     elif results.option("mpm_time_integrator") == "generalized_alpha":
         way_bound, speed_bound, ratio_bound = 3e-3, 3e-3, 1e-3
     else:
-        way_bound, speed_bound, ratio_bound = 0.03, 0.03, 1e-3
+        way_bound, speed_bound, ratio_bound = 0.015, 0.03, 1e-3
     return [completed(results),
             Quantity.near("way", way, exact * time**2 / 2, relative=way_bound),
             Quantity.near("speed", speed, exact * time, relative=speed_bound),
