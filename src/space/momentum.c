@@ -105,8 +105,7 @@ MPM_INLINE void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], co
   for (PetscInt c = dim == 2 ? 2 : 0; c < 3; c++) {
     const PetscInt a = (c + 1) % 3, b = (c + 2) % 3;
 
-    angular[c] += mass * (x[a] * v[b] - x[b] * v[a]);
-    if (B) angular[c] += mass * (B[b * dim + a] - B[a * dim + b]);
+    angular[c] += mass * (x[a] * v[b] - x[b] * v[a] + (B ? B[b * dim + a] - B[a * dim + b] : 0.));
   }
 }
 
@@ -123,21 +122,23 @@ MPM_INLINE PetscErrorCode SumGroup(const MpmKnown known, const MpmSum *sum, cons
     const PetscInt  p    = sum->space->order[s];
     const PetscReal mass = MpmPointMass(points, sum->materials, p), *v = &points->velocity[p * dim];
     PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM], B[MPM_MAX_DIM * MPM_MAX_DIM];
+    PetscReal       square = 0.; /* of the velocity, over the point */
     MpmStencil      at;
 
     sums->mass += mass;
     for (PetscInt a = 0; a < dim; a++) {
       sums->momentum[a] += mass * v[a];
-      sums->kinetic += 0.5 * mass * v[a] * v[a];
+      square += v[a] * v[a];
     }
     if (affine) {
       MpmStencilPlace(known, sum, first, p, &at);
       MpmStencilAffine(known, sum, transfer, p, at.second, C);
       for (PetscInt k = 0; k < dim * dim; k++) {
         B[k] = C[k] * at.second[k % dim];
-        sums->kinetic += 0.5 * mass * C[k] * B[k];
+        square += C[k] * B[k];
       }
     }
+    sums->kinetic += 0.5 * mass * square;
     AddAngular(dim, mass, &points->x[p * dim], v, affine ? B : NULL, sums->angular);
   }
   return PETSC_SUCCESS;
@@ -360,8 +361,7 @@ MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, co
 
       if (dim == 3) row += slope[2] * at->away[2][l];
       row *= w;
-      for (PetscInt k = 0; k < known.count[0]; k++)
-        sums[*nodes++] += row * line.weight[k] + by_away * line.moment[k];
+      for (PetscInt k = 0; k < known.count[0]; k++) sums[*nodes++] += row * line.weight[k] + by_away * line.moment[k];
     }
   }
 }

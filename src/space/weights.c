@@ -220,8 +220,8 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
   for (PetscInt k = 0; k < BLOCK * dim * width; k++) h[k] = block.h[k / width];
   for (PetscInt from = 0; from < points->count; from += BLOCK) {
     const PetscInt      here = BlockPlace(rules, points, from, &block) * dim, k = from * dim;
-    const MpmShapeLines to   = {width, &lines->first[k], &lines->count[k], &values->weight[k * width],
-                                &values->gradient[k * width]};
+    const MpmShapeLines to = {width, &lines->first[k], &lines->count[k], &values->weight[k * width],
+                              &values->gradient[k * width]};
 
     EvaluateBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to);
     for (PetscInt i = 0; i < here * width; i++) to.gradient[i] /= h[i];
