@@ -29,6 +29,21 @@ PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A point's weights at its group's nodes, x fastest. */
+MPM_INLINE void FindWeights(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal weight[])
+{
+  const PetscInt   dim = known.dim, W = space->width;
+  const PetscReal *w = &space->shape[0].weight[p * dim * W];
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
+      const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
+
+      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w[k] * row;
+    }
+  }
+}
+
 /* One group's part of M a with a consistent mass; `work->values` and `force` hold [c][i]. */
 MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                         const PetscReal a[], MpmWorkspace *work, PetscReal y[])
@@ -38,11 +53,11 @@ MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum,
   MpmSumGather(known, sum, group, a, work->values);
   for (PetscInt k = 0; k < n * known.block; k++) work->force[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p    = sum->space->order[s];
-    const PetscReal  mass = MpmPointMass(sum->points, sum->materials, p);
-    const PetscReal *w    = work->basis.basis[0];
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
+    PetscReal      *w    = work->basis.basis[0];
 
-    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
+    FindWeights(known, sum->space, p, w);
     for (PetscInt c = 0; c < known.dim; c++) {
       PetscReal value = 0.;
 
@@ -112,26 +127,36 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The element block of a group's consistent mass, and what its lumped nodes have. */
-static PetscErrorCode AddGroup(const MpmInertia *inertia, const MpmSum *sum, const MpmGroup *group, MpmWorkspace *work,
-                               PetscReal element[], MpmPattern *pattern)
+/* factor sum_p m_p w_i w_j of one group, added to the blocks of its element. */
+MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscReal factor,
+                                     PetscReal work[], PetscReal element[])
 {
-  const MpmKnown known = KnownGeneral(sum->layout, group);
   const PetscInt n = known.n, bs = known.block;
+  PetscReal *restrict w = work, *restrict m = work + n;
 
-  PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(element, n * n * bs * bs));
+  for (PetscInt k = 0; k < n * n; k++) m[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p    = sum->space->order[s];
-    const PetscReal  mass = inertia->factor * MpmPointMass(sum->points, sum->materials, p);
-    const PetscReal *w    = work->basis.basis[0];
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = factor * MpmPointMass(sum->points, sum->materials, p);
 
-    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt j = 0; j < n; j++)
-        for (PetscInt c = 0; c < known.dim; c++) element[((i * bs + c) * bs + c) * n + j] += mass * w[i] * w[j];
+    FindWeights(known, sum->space, p, w);
+    for (PetscInt i = 0; i < n; i++) {
+      const PetscReal by = mass * w[i];
+
+      for (PetscInt j = 0; j < n; j++) m[i * n + j] += by * w[j];
+    }
   }
-  MpmPatternAddBlock(pattern, sum->space, group, element);
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt c = 0; c < known.dim; c++)
+      for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] += m[i * n + j];
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmInertiaAddElement(const MpmSum *sum, const MpmGroup *group, PetscReal factor, PetscReal work[],
+                                    PetscReal element[])
+{
+  PetscFunctionBeginUser;
+  MPM_DISPATCH(sum->layout, group, AddElement, sum, group, factor, work, element);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,8 +165,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 {
   const MpmInertia *inertia = (const MpmInertia *)ctx;
   const PetscInt    bs = sum->block, most = PetscPowInt(sum->space->width, sum->space->dim);
-  PetscReal        *element;
-  MpmWorkspace      work;
+  PetscReal        *element, *work;
 
   PetscFunctionBeginUser;
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
@@ -153,13 +177,16 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     for (PetscInt c = 0; c < sum->space->dim; c++) block[c * bs + c] = inertia->factor * inertia->mass[i];
     MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
   }
-  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
-  for (PetscInt g = 0; g < sum->space->group_count; g++)
-    PetscCall(AddGroup(inertia, sum, &sum->space->groups[g], &work, element, pattern));
-  PetscCall(PetscFree(element));
-  PetscCall(PetscFree(work.storage));
+  if (!inertia->consistent || sum->mass_factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2((most * most * bs * bs), &element, (most * (most + 1)), &work));
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+
+    PetscCall(PetscArrayzero(element, PetscSqr(group->node_count * bs)));
+    PetscCall(MpmInertiaAddElement(sum, group, inertia->factor, work, element));
+    MpmPatternAddBlock(pattern, sum->space, group, element);
+  }
+  PetscCall(PetscFree2(element, work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,7 +212,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
       const PetscInt  p    = sum->space->order[s];
       const PetscReal mass = inertia->factor * MpmPointMass(sum->points, sum->materials, p);
 
-      MpmSumBasis(KnownGeneral(sum->layout, group), sum->space, p, PETSC_TRUE, &work.basis);
+      FindWeights(KnownGeneral(sum->layout, group), sum->space, p, work.basis.basis[0]);
       for (PetscInt i = 0; i < group->node_count; i++)
         for (PetscInt c = 0; c < dim; c++)
           blocks[(nodes[i] * bs + c) * bs + c] += mass * PetscSqr(work.basis.basis[0][i]);
