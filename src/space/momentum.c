@@ -447,6 +447,52 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- mass ---- */
+
+/* One group's part of M a; `a` and `sums` are [i][c], of the local nodes. */
+MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const Slim a[],
+                                        Slim *restrict sums)
+{
+  const PetscInt  dim = known.dim, W = sum->space->width;
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt   p = sum->space->order[s], *to = nodes;
+    const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W];
+    const Slim       force =
+      InterpolateSlim(known, sum, p, NULL, nodes, a, NULL) * MpmPointMass(sum->points, sum->materials, p);
+
+    MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), dim * W);
+    for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+      for (PetscInt j = 0; j < known.count[1]; j++, to += known.count[0]) {
+        const Slim row = force * (dim == 2 ? wx[W + j] : wx[W + j] * wx[2 * W + l]);
+
+        for (PetscInt k = 0; k < known.count[0]; k++) sums[to[k]] += row * wx[k];
+      }
+    }
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[])
+{
+  const PetscInt dim = sum->space->dim, local = sum->space->local;
+  Slim          *values, *sums;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(local, &values, local, &sums));
+  for (PetscInt i = 0; i < local; i++) {
+    values[i] = Load(dim, &a[i * dim]);
+    sums[i]   = (Slim){0.};
+  }
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MultiplyGroup, sum, &sum->space->groups[g], values, sums);
+  for (PetscInt i = 0; i < local; i++)
+    for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += sums[i][c];
+  PetscCall(PetscFree2(values, sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- stiffness ---- */
 
 PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])

@@ -5,6 +5,7 @@
 
   Nodes that are no grid's, those of rigid bodies, have a mass of their own, which is lumped in any case.
 */
+#include "space/motion.h"
 #include "space/point_loop.h"
 #include "terms/inertia.h"
 #include "terms/sparsity.h"
@@ -44,31 +45,6 @@ MPM_INLINE void FindWeights(const MpmKnown known, const MpmSpace *space, PetscIn
   }
 }
 
-/* One group's part of M a with a consistent mass; `work->values` and `force` hold [c][i]. */
-MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        const PetscReal a[], MpmWorkspace *work, PetscReal y[])
-{
-  const PetscInt n = known.n;
-
-  MpmSumGather(known, sum, group, a, work->values);
-  for (PetscInt k = 0; k < n * known.block; k++) work->force[k] = 0.;
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt  p    = sum->space->order[s];
-    const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
-    PetscReal      *w    = work->basis.basis[0];
-
-    FindWeights(known, sum->space, p, w);
-    for (PetscInt c = 0; c < known.dim; c++) {
-      PetscReal value = 0.;
-
-      for (PetscInt i = 0; i < n; i++) value += w[i] * work->values[c * n + i];
-      for (PetscInt i = 0; i < n; i++) work->force[c * n + i] += mass * value * w[i];
-    }
-  }
-  MpmSumScatter(known, sum, group, work->force, y);
-  return PETSC_SUCCESS;
-}
-
 /* The first owned node whose mass is lumped. */
 static PetscInt FirstLumped(const MpmInertia *inertia, const MpmSpace *space)
 {
@@ -78,16 +54,11 @@ static PetscInt FirstLumped(const MpmInertia *inertia, const MpmSpace *space)
 PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
 {
   const PetscInt dim = sum->space->dim;
-  MpmWorkspace   work;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = FirstLumped(inertia, sum->space) * dim; k < sum->space->owned * dim; k++)
-    y[k] += inertia->mass[k / dim] * a[k];
-  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MultiplyGroup, sum, &sum->space->groups[g], a, &work, y);
-  PetscCall(PetscFree(work.storage));
+  for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
+    for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += inertia->mass[i] * a[i * dim + c];
+  if (inertia->consistent) PetscCall(MpmMassMultiply(sum, a, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,29 +98,42 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define TOGETHER 8 /* points whose products are summed before they go to the element */
+
 /* factor sum_p m_p w_i w_j of one group, added to the blocks of its element. */
 MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscReal factor,
                                      PetscReal work[], PetscReal element[])
 {
   const PetscInt n = known.n, bs = known.block;
-  PetscReal *restrict w = work, *restrict m = work + n;
+  PetscReal *restrict w = work, *restrict row = work + TOGETHER * n;
 
-  for (PetscInt k = 0; k < n * n; k++) m[k] = 0.;
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt  p    = sum->space->order[s];
-    const PetscReal mass = factor * MpmPointMass(sum->points, sum->materials, p);
+  for (PetscInt from = group->point_begin; from < group->point_end; from += TOGETHER) {
+    const PetscInt count = PetscMin(TOGETHER, group->point_end - from);
+    PetscReal      mass[TOGETHER];
 
-    FindWeights(known, sum->space, p, w);
+    for (PetscInt q = 0; q < count; q++) {
+      const PetscInt p = sum->space->order[from + q];
+
+      mass[q] = factor * MpmPointMass(sum->points, sum->materials, p);
+      FindWeights(known, sum->space, p, &w[q * n]);
+    }
     for (PetscInt i = 0; i < n; i++) {
-      const PetscReal by = mass * w[i];
+      for (PetscInt j = 0; j < n; j++) row[j] = mass[0] * w[i] * w[j];
+      for (PetscInt q = 1; q < count; q++) {
+        const PetscReal by = mass[q] * w[q * n + i];
 
-      for (PetscInt j = 0; j < n; j++) m[i * n + j] += by * w[j];
+        for (PetscInt j = 0; j < n; j++) row[j] += by * w[q * n + j];
+      }
+      for (PetscInt c = 0; c < known.dim; c++)
+        for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] += row[j];
     }
   }
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt c = 0; c < known.dim; c++)
-      for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] += m[i * n + j];
   return PETSC_SUCCESS;
+}
+
+PetscInt MpmInertiaWork(PetscInt nodes)
+{
+  return (TOGETHER + 1) * nodes;
 }
 
 PetscErrorCode MpmInertiaAddElement(const MpmSum *sum, const MpmGroup *group, PetscReal factor, PetscReal work[],
@@ -178,7 +162,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
   }
   if (!inertia->consistent || sum->mass_factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc2((most * most * bs * bs), &element, (most * (most + 1)), &work));
+  PetscCall(PetscMalloc2((most * most * bs * bs), &element, MpmInertiaWork(most), &work));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 

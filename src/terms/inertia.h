@@ -26,7 +26,8 @@ PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space);
 PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[]);
 /*
   Adds factor times the consistent mass of a group's points to its element, as MpmPatternAddBlock() takes it; `work`: room for
-  n (n + 1) numbers, n the group's nodes.
+  MpmInertiaWork() numbers, by the most nodes that a group has.
 */
+PetscInt       MpmInertiaWork(PetscInt nodes);
 PetscErrorCode MpmInertiaAddElement(const MpmSum *sum, const MpmGroup *group, PetscReal factor, PetscReal work[],
                                     PetscReal element[]);

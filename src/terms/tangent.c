@@ -156,7 +156,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(MpmCouplingCreate(sum, &to.coupling));
   PetscCall(PetscMalloc3((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows,
-                         (sum->mass_factor > 0. ? most * (most + 1) : 0), &mass));
+                         (sum->mass_factor > 0. ? MpmInertiaWork(most) : 0), &mass));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
