@@ -100,7 +100,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 
 #define TOGETHER 8 /* points whose products are summed before they go to the element */
 
-/* factor sum_p m_p w_i w_j of one group, added to the blocks of its element. */
+/* factor sum_p m_p w_i w_j of one group, added to the blocks of its element; the compiler must not unroll what it can vectorise. */
 MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscReal factor,
                                      PetscReal work[], PetscReal element[])
 {
@@ -118,14 +118,20 @@ MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, co
       FindWeights(known, sum->space, p, &w[q * n]);
     }
     for (PetscInt i = 0; i < n; i++) {
+#pragma GCC unroll 1
       for (PetscInt j = 0; j < n; j++) row[j] = mass[0] * w[i] * w[j];
       for (PetscInt q = 1; q < count; q++) {
         const PetscReal by = mass[q] * w[q * n + i];
 
+#pragma GCC unroll 1
         for (PetscInt j = 0; j < n; j++) row[j] += by * w[q * n + j];
       }
-      for (PetscInt c = 0; c < known.dim; c++)
-        for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] += row[j];
+      for (PetscInt c = 0; c < known.dim; c++) {
+        PetscReal *restrict to = &element[((i * bs + c) * bs + c) * n];
+
+#pragma GCC unroll 1
+        for (PetscInt j = 0; j < n; j++) to[j] += row[j];
+      }
     }
   }
   return PETSC_SUCCESS;
