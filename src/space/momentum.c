@@ -17,85 +17,6 @@
 
 const char *const MpmTransferTypes[] = {"apic", "flip", NULL};
 
-typedef struct {
-  const MpmTransfer *transfer;
-  PetscReal         *storage, *sums;
-  MpmStencil         at;
-} Work;
-
-static PetscErrorCode WorkCreate(const MpmSum *sum, const MpmTransfer *transfer, Work *work)
-{
-  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim), dim = sum->space->dim;
-
-  PetscFunctionBeginUser;
-  work->transfer = transfer;
-  PetscCall(PetscMalloc1((most * (2 + 2 * dim)), &work->storage));
-  work->at.weight = work->storage;
-  work->sums      = work->at.weight + most;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The sums of one group: [c][i], mass first, then momentum, then mass times acceleration. */
-MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscInt numbers,
-                                  Work *work, PetscReal nodal[])
-{
-  const MpmPoints *points = sum->points;
-  const PetscInt   n = known.n, dim = known.dim;
-  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
-  const PetscBool  affine = (PetscBool)(work->transfer->type == MPM_TRANSFER_APIC);
-  PetscInt         first[MPM_MAX_DIM];
-
-  MpmSpaceAt(sum->space, group->first, first);
-  for (PetscInt k = 0; k < n * numbers; k++) work->sums[k] = 0.;
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt  p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
-    const PetscReal mass = MpmPointMass(points, sum->materials, p);
-    PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM];
-
-    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
-    MpmFetch(points->x, ahead, dim);
-    MpmFetch(points->velocity, ahead, dim);
-    MpmStencilEvaluate(known, sum, first, p, &work->at);
-    if (affine) MpmStencilAffine(known, sum, work->transfer, p, work->at.second, C);
-    for (PetscInt i = 0; i < n; i++) work->sums[i] += mass * work->at.weight[i];
-    if (numbers > 1)
-      MpmStencilAddMomentum(known, mass, &points->velocity[p * dim], affine ? C : NULL, &work->at, work->sums + n);
-    if (numbers > 1 + dim)
-      MpmStencilAddMomentum(known, mass, &points->acceleration[p * dim], NULL, &work->at, work->sums + n * (1 + dim));
-  }
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt c = 0; c < numbers; c++) nodal[nodes[i] * numbers + c] += work->sums[c * n + i];
-  return PETSC_SUCCESS;
-}
-
-PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
-                                  PetscReal velocity[], PetscReal acceleration[])
-{
-  const MpmSpace *space   = sum->space;
-  const PetscInt  dim     = space->dim;
-  const PetscInt  numbers = 1 + (velocity ? dim : 0) + (acceleration ? dim : 0);
-  PetscReal      *nodal;
-  Work            work;
-
-  PetscFunctionBeginUser;
-  PetscCall(WorkCreate(sum, transfer, &work));
-  PetscCall(PetscCalloc1((space->local * numbers), &nodal));
-  for (PetscInt g = 0; g < space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &space->groups[g], ToNodes, sum, &space->groups[g], numbers, &work, nodal);
-  PetscCall(MpmSpaceAddToOwners(space, numbers, nodal));
-  PetscCall(MpmSpaceToGhosts(space, numbers, nodal));
-  for (PetscInt i = 0; i < space->local; i++) {
-    const PetscReal *at = &nodal[i * numbers], by = at[0] > 0. ? 1. / at[0] : 0.;
-
-    mass[i] = at[0];
-    for (PetscInt a = 0; velocity && a < dim; a++) velocity[i * dim + a] = by * at[1 + a];
-    for (PetscInt a = 0; acceleration && a < dim; a++) acceleration[i * dim + a] = by * at[1 + dim + a];
-  }
-  PetscCall(PetscFree(nodal));
-  PetscCall(PetscFree(work.storage));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- sums ---- */
 
 /* Adds m x v, and the moment m sum_b eps_cab B_ab of the affine part. */
@@ -447,29 +368,92 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- mass ---- */
+/* ---- momentum and mass alone ---- */
+
+/* sums_i += w_i value at the nodes of one point */
+MPM_INLINE void AddValue(const MpmKnown known, const MpmSum *sum, PetscInt p, const Slim value, const PetscInt nodes[],
+                         Slim *restrict sums)
+{
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W];
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, nodes += known.count[0]) {
+      const Slim row = value * (dim == 2 ? wx[W + j] : wx[W + j] * wx[2 * W + l]);
+
+      for (PetscInt k = 0; k < known.count[0]; k++) sums[nodes[k]] += row * wx[k];
+    }
+  }
+}
+
+/* Momentum of one group's points, mass behind it; and mass times acceleration, or NULL. */
+MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                  const MpmTransfer *transfer, Slim *restrict moving, Slim *restrict accelerated)
+{
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim    = known.dim;
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+  PetscInt         first[MPM_MAX_DIM];
+
+  MpmSpaceAt(sum->space, group->first, first);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
+    Slim           momentum, slope[MPM_MAX_DIM];
+    MpmStencil     at;
+
+    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
+    MpmFetch(points->x, ahead, dim);
+    MpmFetch(points->velocity, ahead, dim);
+    MpmStencilPlace(known, sum, first, p, &at);
+    Momentum(known, sum, transfer, p, &at, &momentum, slope);
+    AddAgain(known, sum, p, &at, momentum, slope, nodes, moving);
+    if (accelerated)
+      AddValue(known, sum, p, Load(dim, &points->acceleration[p * dim]) * MpmPointMass(points, sum->materials, p),
+               nodes, accelerated);
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
+                                  PetscReal velocity[], PetscReal acceleration[])
+{
+  const MpmSpace *space = sum->space;
+  const PetscInt  dim = space->dim, local = space->local;
+  Slim           *moving, *accelerated    = NULL;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(local, &moving));
+  if (acceleration) PetscCall(PetscCalloc1(local, &accelerated));
+  for (PetscInt g = 0; g < space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &space->groups[g], ToNodes, sum, &space->groups[g], transfer, moving, accelerated);
+  PetscCall(MpmSpaceAddToOwners(space, SLIM, (PetscReal *)moving));
+  PetscCall(MpmSpaceToGhosts(space, SLIM, (PetscReal *)moving));
+  if (acceleration) PetscCall(MpmSpaceAddToOwners(space, SLIM, (PetscReal *)accelerated));
+  if (acceleration) PetscCall(MpmSpaceToGhosts(space, SLIM, (PetscReal *)accelerated));
+  for (PetscInt i = 0; i < local; i++) {
+    const PetscReal by = moving[i][dim] > 0. ? 1. / moving[i][dim] : 0.;
+
+    mass[i] = moving[i][dim];
+    for (PetscInt a = 0; a < dim; a++) velocity[i * dim + a] = by * moving[i][a];
+    for (PetscInt a = 0; acceleration && a < dim; a++) acceleration[i * dim + a] = by * accelerated[i][a];
+  }
+  PetscCall(PetscFree(moving));
+  PetscCall(PetscFree(accelerated));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /* One group's part of M a; `a` and `sums` are [i][c], of the local nodes. */
 MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const Slim a[],
                                         Slim *restrict sums)
 {
-  const PetscInt  dim = known.dim, W = sum->space->width;
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p = sum->space->order[s], *to = nodes;
-    const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W];
-    const Slim       force =
-      InterpolateSlim(known, sum, p, NULL, nodes, a, NULL) * MpmPointMass(sum->points, sum->materials, p);
+    const PetscInt p     = sum->space->order[s];
+    const Slim     value = InterpolateSlim(known, sum, p, NULL, nodes, a, NULL);
 
-    MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), dim * W);
-    for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-      for (PetscInt j = 0; j < known.count[1]; j++, to += known.count[0]) {
-        const Slim row = force * (dim == 2 ? wx[W + j] : wx[W + j] * wx[2 * W + l]);
-
-        for (PetscInt k = 0; k < known.count[0]; k++) sums[to[k]] += row * wx[k];
-      }
-    }
+    MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), known.dim * sum->space->width);
+    AddValue(known, sum, p, value * MpmPointMass(sum->points, sum->materials, p), nodes, sums);
   }
   return PETSC_SUCCESS;
 }
