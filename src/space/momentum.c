@@ -80,9 +80,6 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
   The numbers of a node stand side by side in vectors of the processor: a point touches few nodes on an axis, and there are as
   many numbers.
 */
-#define SLIM 4
-typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
-
 /* Of a node in the first pass: momentum, and mass behind it; and force. */
 typedef struct {
   Slim moving, force;
@@ -233,10 +230,10 @@ MPM_INLINE Slim InterpolateSlim(const MpmKnown known, const MpmSum *sum, PetscIn
     Slim sheet = {0.}, along = {0.}, across = {0.};
 
     for (PetscInt j = 0; j < known.count[1]; j++, nodes += known.count[0]) {
-      Slim row = values[nodes[0]] * wx[0], moment = by ? values[nodes[0]] * at->line[0][0] : row;
+      Slim row = values[nodes[0]] * wx[0], moment = {0.};
 
       for (PetscInt k = 1; k < known.count[0]; k++) row += values[nodes[k]] * wx[k];
-      for (PetscInt k = 1; by && k < known.count[0]; k++) moment += values[nodes[k]] * at->line[0][k];
+      for (PetscInt k = 0; by && k < known.count[0]; k++) moment += values[nodes[k]] * at->line[0][k];
       sheet += row * wx[W + j];
       if (!by) continue;
       along += moment * wx[W + j];

@@ -1,10 +1,15 @@
 #pragma once
 /*
-  The inner loops between points and nodes that carry mass and momentum: one point's weights, and the affine part of its velocity.
+  The inner loops between points and nodes that carry mass and momentum: where a point's nodes stand, and the affine part of its
+  velocity.
 */
 #include "grid/grid.h"
 #include "space/momentum.h"
 #include "space/point_loop.h"
+
+/* A vector of the processor; a pointer to numbers may be taken for one to vectors. */
+#define SLIM 4
+typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 
 /* A second moment below this part of a cell's square is no base for a quotient: points on an edge of the grid. */
 #define MPM_STENCIL_THIN 1e-2

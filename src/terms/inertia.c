@@ -6,7 +6,7 @@
   Nodes that are no grid's, those of rigid bodies, have a mass of their own, which is lumped in any case.
 */
 #include "space/motion.h"
-#include "space/point_loop.h"
+#include "space/stencil.h"
 #include "terms/inertia.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
@@ -100,12 +100,12 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 
 #define TOGETHER 8 /* points whose products are summed before they go to the element */
 
-/* factor sum_p m_p w_i w_j of one group, added to the blocks of its element; the compiler must not unroll what it can vectorise. */
+/* factor sum_p m_p w_i w_j of one group, added to the blocks of its element. */
 MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscReal factor,
                                      PetscReal work[], PetscReal element[])
 {
   const PetscInt n = known.n, bs = known.block;
-  PetscReal *restrict w = work, *restrict row = work + TOGETHER * n;
+  PetscReal *restrict w = work;
 
   for (PetscInt from = group->point_begin; from < group->point_end; from += TOGETHER) {
     const PetscInt count = PetscMin(TOGETHER, group->point_end - from);
@@ -118,19 +118,21 @@ MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, co
       FindWeights(known, sum->space, p, &w[q * n]);
     }
     for (PetscInt i = 0; i < n; i++) {
-#pragma GCC unroll 1
-      for (PetscInt j = 0; j < n; j++) row[j] = mass[0] * w[i] * w[j];
-      for (PetscInt q = 1; q < count; q++) {
-        const PetscReal by = mass[q] * w[q * n + i];
+      PetscReal *restrict to = &element[i * bs * bs * n];
+      PetscReal by[TOGETHER];
 
-#pragma GCC unroll 1
-        for (PetscInt j = 0; j < n; j++) row[j] += by * w[q * n + j];
+      for (PetscInt q = 0; q < count; q++) by[q] = mass[q] * w[q * n + i];
+      for (PetscInt j = 0; j + SLIM <= n; j += SLIM) {
+        Slim four = by[0] * *(const Slim *)&w[j];
+
+        for (PetscInt q = 1; q < count; q++) four += by[q] * *(const Slim *)&w[q * n + j];
+        for (PetscInt c = 0; c < known.dim; c++) *(Slim *)&to[(c * bs + c) * n + j] += four;
       }
-      for (PetscInt c = 0; c < known.dim; c++) {
-        PetscReal *restrict to = &element[((i * bs + c) * bs + c) * n];
+      for (PetscInt j = n / SLIM * SLIM; j < n; j++) {
+        PetscReal one = by[0] * w[j];
 
-#pragma GCC unroll 1
-        for (PetscInt j = 0; j < n; j++) to[j] += row[j];
+        for (PetscInt q = 1; q < count; q++) one += by[q] * w[q * n + j];
+        for (PetscInt c = 0; c < known.dim; c++) to[(c * bs + c) * n + j] += one;
       }
     }
   }
