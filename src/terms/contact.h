@@ -74,8 +74,10 @@ typedef struct MpmContacts {
   PetscReal  cell;  /* the smallest size of one, m */
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
-  PetscBool  secant;                                   /* Newton's method takes the secants of what slides */
-  PetscBool  holds;                                    /* and it holds patches, of any rank */
+  const PetscReal
+            *moved;  /* explicit steps: where nodes go, contact having acted where they would without it; or NULL */
+  PetscBool  secant; /* Newton's method takes the secants of what slides */
+  PetscBool  holds;  /* and it holds patches, of any rank */
   PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet  *facet;
   MpmPatch  *patch;

@@ -394,6 +394,21 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The slip that is kept is that of the way which the nodes go, where contact acted at another place. */
+static void CorrectSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
+                        MpmPatchAnswer *answer)
+{
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet = &contacts->facet[f];
+    PetscReal       value[MPM_MAX_DIM];
+
+    MpmPatchValue(contacts, sum, patch, f, contacts->moved, value);
+    for (PetscInt a = 0; a < sum->space->dim; a++) value[a] -= work->value[f - patch->begin][a];
+    MpmContactAcross(sum->space->dim, facet->normal, value);
+    for (PetscInt a = 0; a < sum->space->dim; a++) answer->slip[a] += facet->area / patch->area * value[a];
+  }
+}
+
 /* What a patch says of the converged step; adds to its boundary's reaction, moment and depth. */
 static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                         MpmPatchWork *work, MpmPatchAnswer *answer)
@@ -426,6 +441,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
       *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
   }
   *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
+  if (contacts->moved && answer->active) CorrectSlip(contacts, patch, sum, work, answer);
   MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
   if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
 }
