@@ -112,27 +112,27 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The element block of a group's consistent mass, and what its lumped nodes have. */
-static PetscErrorCode AddGroup(const MpmInertia *inertia, const MpmSum *sum, const MpmGroup *group, MpmWorkspace *work,
-                               PetscReal element[], MpmPattern *pattern)
+/* The element block of a group's consistent mass. */
+MPM_INLINE PetscErrorCode AddGroup(const MpmKnown known, const MpmInertia *inertia, const MpmSum *sum,
+                                   const MpmGroup *group, MpmWorkspace *work, PetscReal mass[], PetscReal element[])
 {
-  const MpmKnown known = KnownGeneral(sum->layout, group);
   const PetscInt n = known.n, bs = known.block;
 
-  PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(element, n * n * bs * bs));
+  for (PetscInt k = 0; k < n * n; k++) mass[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p    = sum->space->order[s];
-    const PetscReal  mass = inertia->factor * MpmPointMass(sum->points, sum->materials, p);
-    const PetscReal *w    = work->basis.basis[0];
+    const PetscInt   p  = sum->space->order[s];
+    const PetscReal  by = inertia->factor * MpmPointMass(sum->points, sum->materials, p);
+    const PetscReal *w  = work->basis.basis[0];
 
     MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
     for (PetscInt i = 0; i < n; i++)
-      for (PetscInt j = 0; j < n; j++)
-        for (PetscInt c = 0; c < known.dim; c++) element[((i * bs + c) * bs + c) * n + j] += mass * w[i] * w[j];
+      for (PetscInt j = 0; j < n; j++) mass[i * n + j] += by * w[i] * w[j];
   }
-  MpmPatternAddBlock(pattern, sum->space, group, element);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < n * n * bs * bs; k++) element[k] = 0.;
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt c = 0; c < known.dim; c++)
+      for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] = mass[i * n + j];
+  return PETSC_SUCCESS;
 }
 
 static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
@@ -140,7 +140,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 {
   const MpmInertia *inertia = (const MpmInertia *)ctx;
   const PetscInt    bs = sum->block, most = PetscPowInt(sum->space->width, sum->space->dim);
-  PetscReal        *element;
+  PetscReal        *mass, *element;
   MpmWorkspace      work;
 
   PetscFunctionBeginUser;
@@ -155,10 +155,14 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   }
   if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
-  for (PetscInt g = 0; g < sum->space->group_count; g++)
-    PetscCall(AddGroup(inertia, sum, &sum->space->groups[g], &work, element, pattern));
-  PetscCall(PetscFree(element));
+  PetscCall(PetscMalloc2((most * most), &mass, (most * most * bs * bs), &element));
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+
+    MPM_DISPATCH(sum->layout, group, AddGroup, inertia, sum, group, &work, mass, element);
+    MpmPatternAddBlock(pattern, sum->space, group, element);
+  }
+  PetscCall(PetscFree2(mass, element));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
