@@ -61,6 +61,7 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
     PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
 
+    if (rules->longest > 0.) l = PetscMin(l, rules->longest);
     l       = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
     half[a] = PetscMax(l, 0.);
   }

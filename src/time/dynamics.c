@@ -29,6 +29,7 @@
 #include "space/motion.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "terms/contact.h"
 #include "terms/damping.h"
 #include "terms/inertia.h"
 #include "terms/rigid_body.h"
@@ -236,7 +237,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
   for (PetscInt k = 0; k < count; k++)
     inertia->at_rest[k] = (1. - method->alpha_m) * dynamics->a_rest[k] + method->alpha_m * dynamics->a_start[k];
   inertia->factor     = (1. - method->alpha_m) * dynamics->a_factor;
-  inertia->consistent = MpmModelMotion(model)->consistent;
+  inertia->consistent = (PetscBool)!MpmModelMotion(model)->lumped;
   inertia->active     = PETSC_TRUE;
 
   model->disc.sum->mass_factor = inertia->consistent ? inertia->factor : 0.;
@@ -340,6 +341,8 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   SetRates(model, &method, dt);
   PetscCall(EndConstrained(model, time));
   PetscCall(SetForces(model, &method));
+  PetscCall(
+    MpmContactsTurn(model->disc.contacts, model->disc.sum, model->state.scheme.dynamics->v_start, 1. - method.alpha_f));
   PetscCall(KeepLoads(model, time, method.alpha_f));
   PetscCall(AddStart(model, method.alpha_f, why));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -551,8 +551,10 @@ static PetscErrorCode Accept(MpmModel model)
   sum->trial = model->disc.trial;
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
-  sum->trial = NULL;
+  sum->trial                  = NULL;
+  model->disc.contacts->moved = model->disc.u;
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
+  model->disc.contacts->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
   if (!model->disc.grid->outflow) MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
