@@ -110,9 +110,10 @@ static PetscInt BlockPlace(const MpmRules *rules, const MpmPoints *points, Petsc
 /* The half-lengths of all points, and the longest: infinite when a point has no stretch. */
 static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
 {
-  const PetscInt dim = rules->grid->dim;
-  Block          block;
-  PetscReal      U[NUMBERS], most[NUMBERS];
+  const PetscInt  dim   = rules->grid->dim;
+  const PetscReal reach = rules->longest > 0. ? rules->longest : PETSC_MAX_REAL;
+  Block           block;
+  PetscReal       U[NUMBERS], most[NUMBERS];
 
   *longest = 0.;
   BlockCreate(rules, &block);
@@ -126,7 +127,7 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
     for (PetscInt p = 0; p < count; p++)
       if (rules->stretch(&F[p * dim * dim], &U[p * dim])) *longest = PETSC_INFINITY;
     for (PetscInt k = 0; k < count * dim; k++) {
-      const PetscReal l    = length[k] * U[k] / block.h[k];
+      const PetscReal l    = PetscMin(length[k] * U[k] / block.h[k], reach);
       const PetscReal room = PetscMin(block.xi[k] - (PetscReal)block.first[k], (PetscReal)block.last[k] - block.xi[k]);
 
       to[k]   = PetscMax(PetscMin(l, room), 0.);
