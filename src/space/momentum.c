@@ -80,6 +80,11 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
   The numbers of a node stand side by side in vectors of the processor: a point touches few nodes on an axis, and there are as
   many numbers.
 */
+MPM_INLINE Slim Load(PetscInt dim, const PetscReal v[])
+{
+  return dim == 2 ? (Slim){v[0], v[1], 0., 0.} : (Slim){v[0], v[1], v[2], 0.};
+}
+
 /* Of a node in the first pass: momentum, and mass behind it; and force. */
 typedef struct {
   Slim moving, force;
@@ -191,7 +196,8 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal nodal[])
+PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[], PetscReal velocity[],
+                                PetscReal force[])
 {
   const PetscInt dim = sum->space->dim, local = sum->space->local;
   Sums          *sums;
@@ -200,12 +206,15 @@ PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, 
   PetscCall(PetscCalloc1(local, &sums));
   for (PetscInt g = 0; g < sum->space->group_count; g++)
     MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToNodes, sum, &sum->space->groups[g], transfer, sums);
+  for (PetscInt i = 0; i < local; i++) sums[i].force += Load(dim, &force[i * dim]);
+  PetscCall(MpmSpaceAddToOwners(sum->space, 2 * SLIM, (PetscReal *)sums));
+  PetscCall(MpmSpaceToGhosts(sum->space, 2 * SLIM, (PetscReal *)sums));
   for (PetscInt i = 0; i < local; i++) {
-    PetscReal *to = &nodal[i * MPM_MOTION(dim)];
+    const PetscReal by = sums[i].moving[dim] > 0. ? 1. / sums[i].moving[dim] : 0.;
 
-    to[0] += sums[i].moving[dim];
-    for (PetscInt c = 0; c < dim; c++) to[1 + c] += sums[i].moving[c];
-    for (PetscInt c = 0; c < dim; c++) to[1 + dim + c] += sums[i].force[c];
+    mass[i] = sums[i].moving[dim];
+    for (PetscInt a = 0; a < dim; a++) velocity[i * dim + a] = by * sums[i].moving[a];
+    for (PetscInt a = 0; a < dim; a++) force[i * dim + a] = sums[i].force[a];
   }
   PetscCall(PetscFree(sums));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -284,11 +293,6 @@ MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, co
   }
 }
 
-MPM_INLINE Slim Load(PetscInt dim, const PetscReal v[])
-{
-  return dim == 2 ? (Slim){v[0], v[1], 0., 0.} : (Slim){v[0], v[1], v[2], 0.};
-}
-
 /* One point's velocity and acceleration; the stencil's lines are there where it has an affine one. */
 MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
                           const MpmMotionStep *step, const MpmStencil *at, const PetscInt nodes[], const Gathered *of)
@@ -360,7 +364,8 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
   }
   for (PetscInt g = 0; g < sum->space->group_count; g++)
     MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], transfer, step, &at);
-  for (PetscInt k = 0; step->again && k < local * dim; k++) step->again[k] += at.again[k / dim][k % dim];
+  for (PetscInt i = 0; step->again && i < local; i++)
+    for (PetscInt c = 0; c < dim; c++) step->again[i * dim + c] += at.again[i][c];
   PetscCall(PetscFree4(at.v_new, at.change, at.a_new, at.again));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

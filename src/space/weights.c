@@ -47,6 +47,14 @@ void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[],
   }
 }
 
+/* A half-length in cells, clipped. */
+static inline PetscReal Clipped(const MpmRules *rules, PetscReal l, PetscReal xi, PetscInt lower, PetscInt upper)
+{
+  const PetscReal room = PetscMin(xi - (PetscReal)lower, (PetscReal)upper - xi);
+
+  return PetscMax(PetscMin(rules->longest > 0. ? PetscMin(l, rules->longest) : l, room), 0.);
+}
+
 PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt p, PetscReal half[])
 {
   const MpmGrid   *grid = rules->grid;
@@ -59,11 +67,8 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
   MpmSpaceEdges(rules, x, lower, upper);
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
-    PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
 
-    if (rules->longest > 0.) l = PetscMin(l, rules->longest);
-    l       = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
-    half[a] = PetscMax(l, 0.);
+    half[a] = Clipped(rules, points->half_length[p * dim + a] * U[a] / grid->h[a], xi, lower[a], upper[a]);
   }
   return good;
 }
@@ -110,10 +115,9 @@ static PetscInt BlockPlace(const MpmRules *rules, const MpmPoints *points, Petsc
 /* The half-lengths of all points, and the longest: infinite when a point has no stretch. */
 static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
 {
-  const PetscInt  dim   = rules->grid->dim;
-  const PetscReal reach = rules->longest > 0. ? rules->longest : PETSC_MAX_REAL;
-  Block           block;
-  PetscReal       U[NUMBERS], most[NUMBERS];
+  const PetscInt dim = rules->grid->dim;
+  Block          block;
+  PetscReal      U[NUMBERS], most[NUMBERS];
 
   *longest = 0.;
   BlockCreate(rules, &block);
@@ -127,10 +131,7 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
     for (PetscInt p = 0; p < count; p++)
       if (rules->stretch(&F[p * dim * dim], &U[p * dim])) *longest = PETSC_INFINITY;
     for (PetscInt k = 0; k < count * dim; k++) {
-      const PetscReal l    = PetscMin(length[k] * U[k] / block.h[k], reach);
-      const PetscReal room = PetscMin(block.xi[k] - (PetscReal)block.first[k], (PetscReal)block.last[k] - block.xi[k]);
-
-      to[k]   = PetscMax(PetscMin(l, room), 0.);
+      to[k]   = Clipped(rules, length[k] * U[k] / block.h[k], block.xi[k], block.first[k], block.last[k]);
       most[k] = PetscMax(most[k], to[k]);
     }
   }

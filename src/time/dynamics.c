@@ -60,7 +60,6 @@ PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics)
   PetscFunctionBeginUser;
   if (!*dynamics) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(*dynamics));
-  PetscCall(PetscFree((*dynamics)->sums));
   PetscCall(PetscFree((*dynamics)->moves));
   PetscCall(PetscFree(*dynamics));
   PetscFunctionReturn(PETSC_SUCCESS);
