@@ -157,22 +157,22 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, PetscInt p, co
 
 /* A point's momentum, its mass behind it, and the derivatives of it that its affine velocity makes. */
 MPM_INLINE void Momentum(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
-                         const MpmStencil *at, Slim *momentum, Slim slope[])
+                         const MpmStencil *at, Carried *of)
 {
   const PetscInt  dim  = known.dim;
   const PetscReal mass = MpmPointMass(sum->points, sum->materials, p), *v = &sum->points->velocity[p * dim];
   PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM];
 
-  *momentum =
+  of->momentum =
     dim == 2 ? (Slim){mass * v[0], mass * v[1], mass, 0.} : (Slim){mass * v[0], mass * v[1], mass * v[2], mass};
   if (transfer->type != MPM_TRANSFER_APIC) {
-    for (PetscInt b = 0; b < dim; b++) slope[b] = (Slim){0.};
+    for (PetscInt b = 0; b < dim; b++) of->slope[b] = (Slim){0.};
     return;
   }
   MpmStencilAffine(known, sum, transfer, p, at->second, C);
   for (PetscInt b = 0; b < dim; b++)
-    slope[b] = dim == 2 ? (Slim){mass * C[b], mass * C[dim + b], 0., 0.}
-                        : (Slim){mass * C[b], mass * C[dim + b], mass * C[2 * dim + b], 0.};
+    of->slope[b] = dim == 2 ? (Slim){mass * C[b], mass * C[dim + b], 0., 0.}
+                            : (Slim){mass * C[b], mass * C[dim + b], mass * C[2 * dim + b], 0.};
 }
 
 MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
@@ -189,7 +189,7 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
     MpmSumFetch(known, sum, s);
     MpmFetch(sum->points->velocity, MpmSumAhead(sum, s), known.dim);
     MpmStencilPlace(known, sum, first, p, &at);
-    Momentum(known, sum, transfer, p, &at, &of.momentum, of.slope);
+    Momentum(known, sum, transfer, p, &at, &of);
     PointStress(known, sum, p, of.P);
     AddPoint(known, sum, p, &at, &of, &sum->space->group_nodes[group->node_offset], sums);
   }
@@ -222,9 +222,10 @@ PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, 
 
 /* ---- and back ---- */
 
-/* Values at the local nodes: [i][c]. */
+/* Values at the local nodes, [i][c], and how they go to the points. */
 typedef struct {
-  Slim *v_new, *change, *a_new, *again;
+  const MpmTransfer *transfer;
+  Slim              *v_new, *change, *a_new, *again;
 } Gathered;
 
 /* A field at a point, and its moments along the axes where `by` is not NULL. */
@@ -268,8 +269,8 @@ MPM_INLINE Slim InterpolateSlim(const MpmKnown known, const MpmSum *sum, PetscIn
 }
 
 /* The points' momentum alone, as AddPoint() has it. */
-MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at, const Slim momentum,
-                         const Slim slope[], const PetscInt nodes[], Slim *restrict sums)
+MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at, const Carried *of,
+                         const PetscInt nodes[], Slim *restrict sums)
 {
   const PetscInt   dim = known.dim, W = sum->space->width;
   const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W];
@@ -283,10 +284,10 @@ MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, co
   for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
     for (PetscInt j = 0; j < known.count[1]; j++) {
       const PetscReal w       = dim == 2 ? wx[W + j] : wx[W + j] * wx[2 * W + l];
-      const Slim      by_away = slope[0] * w;
-      Slim            row     = momentum + slope[1] * at->away[1][j];
+      const Slim      by_away = of->slope[0] * w;
+      Slim            row     = of->momentum + of->slope[1] * at->away[1][j];
 
-      if (dim == 3) row += slope[2] * at->away[2][l];
+      if (dim == 3) row += of->slope[2] * at->away[2][l];
       row *= w;
       for (PetscInt k = 0; k < known.count[0]; k++) sums[*nodes++] += row * line.weight[k] + by_away * line.moment[k];
     }
@@ -294,12 +295,12 @@ MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, co
 }
 
 /* One point's velocity and acceleration; the stencil's lines are there where it has an affine one. */
-MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
-                          const MpmMotionStep *step, const MpmStencil *at, const PetscInt nodes[], const Gathered *of)
+MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmMotionStep *step,
+                          const MpmStencil *at, const PetscInt nodes[], const Gathered *of)
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = known.dim;
-  const PetscBool  apic   = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
+  const PetscBool  apic   = (PetscBool)(of->transfer->type == MPM_TRANSFER_APIC);
   Slim             by[MPM_MAX_DIM], change, moves;
 
   if (apic) {
@@ -312,7 +313,7 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, const MpmTran
     for (PetscInt c = 0; c < dim; c++) {
       PetscReal *v = &points->velocity[p * dim + c];
 
-      *v = (1. - transfer->pic) * (*v + change[c]) + transfer->pic * moves[c];
+      *v = (1. - of->transfer->pic) * (*v + change[c]) + of->transfer->pic * moves[c];
     }
   }
   for (PetscInt c = 0; step->moves && c < dim; c++) step->moves[p * dim + c] = moves[c];
@@ -322,27 +323,27 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, const MpmTran
 }
 
 MPM_INLINE PetscErrorCode MotionToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                         const MpmTransfer *transfer, const MpmMotionStep *step, const Gathered *at)
+                                         const MpmMotionStep *step, const Gathered *at)
 {
   const PetscInt  dim   = known.dim;
-  const PetscBool apic  = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
+  const PetscBool apic  = (PetscBool)(at->transfer->type == MPM_TRANSFER_APIC);
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
   PetscInt        first[MPM_MAX_DIM];
 
   MpmSpaceAt(sum->space, group->first, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
-    Slim           momentum, slope[MPM_MAX_DIM];
+    Carried        of;
     MpmStencil     stencil;
 
     MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
     MpmFetch(sum->points->velocity, ahead, dim);
     MpmStencilPlace(known, sum, first, p, &stencil);
-    if (apic) MpmStencilLines(known, sum, p, transfer->degree, &stencil);
-    MovePoint(known, sum, transfer, p, step, &stencil, nodes, at);
+    if (apic) MpmStencilLines(known, sum, p, at->transfer->degree, &stencil);
+    MovePoint(known, sum, p, step, &stencil, nodes, at);
     if (!step->again) continue;
-    Momentum(known, sum, transfer, p, &stencil, &momentum, slope);
-    AddAgain(known, sum, p, &stencil, momentum, slope, nodes, at->again);
+    Momentum(known, sum, at->transfer, p, &stencil, &of);
+    AddAgain(known, sum, p, &stencil, &of, nodes, at->again);
   }
   return PETSC_SUCCESS;
 }
@@ -351,7 +352,7 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
 {
   const PetscInt  dim = sum->space->dim, local = sum->space->local;
   const PetscBool flip = (PetscBool)(transfer->type != MPM_TRANSFER_APIC);
-  Gathered        at;
+  Gathered        at   = {.transfer = transfer};
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc4(local, &at.v_new, (flip ? local : 0), &at.change, (step->a_new ? local : 0), &at.a_new,
@@ -363,7 +364,7 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
     if (step->again) at.again[i] = (Slim){0.};
   }
   for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], transfer, step, &at);
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], step, &at);
   for (PetscInt i = 0; step->again && i < local; i++)
     for (PetscInt c = 0; c < dim; c++) step->again[i * dim + c] += at.again[i][c];
   PetscCall(PetscFree4(at.v_new, at.change, at.a_new, at.again));
@@ -400,15 +401,15 @@ MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const
   MpmSpaceAt(sum->space, group->first, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
-    Slim           momentum, slope[MPM_MAX_DIM];
+    Carried        of;
     MpmStencil     at;
 
     MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
     MpmFetch(points->x, ahead, dim);
     MpmFetch(points->velocity, ahead, dim);
     MpmStencilPlace(known, sum, first, p, &at);
-    Momentum(known, sum, transfer, p, &at, &momentum, slope);
-    AddAgain(known, sum, p, &at, momentum, slope, nodes, moving);
+    Momentum(known, sum, transfer, p, &at, &of);
+    AddAgain(known, sum, p, &at, &of, nodes, moving);
     if (accelerated)
       AddValue(known, sum, p, Load(dim, &points->acceleration[p * dim]) * MpmPointMass(points, sum->materials, p),
                nodes, accelerated);
