@@ -135,13 +135,12 @@ MPM_INLINE PetscErrorCode AddGroup(const MpmKnown known, const MpmInertia *inert
   return PETSC_SUCCESS;
 }
 
+/* Of lumped masses; the points' tangents hold the consistent one (tangent.c). */
 static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                               PetscReal residual[], PetscInt *failed)
 {
   const MpmInertia *inertia = (const MpmInertia *)ctx;
-  const PetscInt    bs = sum->block, most = PetscPowInt(sum->space->width, sum->space->dim);
-  PetscReal        *mass, *element;
-  MpmWorkspace      work;
+  const PetscInt    bs      = sum->block;
 
   PetscFunctionBeginUser;
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
@@ -153,7 +152,21 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     for (PetscInt c = 0; c < sum->space->dim; c++) block[c * bs + c] = inertia->factor * inertia->mass[i];
     MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
   }
-  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* With a consistent mass, too. */
+static PetscErrorCode TangentAlone(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                                   PetscInt *failed)
+{
+  const MpmInertia *inertia = (const MpmInertia *)ctx;
+  const PetscInt    bs = sum->block, most = PetscPowInt(sum->space->width, sum->space->dim);
+  PetscReal        *mass, *element;
+  MpmWorkspace      work;
+
+  PetscFunctionBeginUser;
+  PetscCall(Tangent(ctx, sum, u, pattern, NULL, failed));
+  if (!inertia->active || !inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(PetscMalloc2((most * most), &mass, (most * most * bs * bs), &element));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
@@ -199,5 +212,9 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermInertia = {
-  .name = "inertia", .residual = Residual, .tangent = Tangent, .apply = Apply, .diagonal = Diagonal};
+const MpmTerm MpmTermInertia = {.name          = "inertia",
+                                .residual      = Residual,
+                                .tangent       = Tangent,
+                                .tangent_alone = TangentAlone,
+                                .apply         = Apply,
+                                .diagonal      = Diagonal};

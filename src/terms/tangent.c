@@ -119,6 +119,23 @@ MPM_INLINE void AddBiot(const MpmKnown known, const MpmBasis *basis, const Petsc
   }
 }
 
+/* element[i][c][c][j] += mass w_i w_j: a consistent mass, where it costs least */
+MPM_INLINE void AddMass(const MpmKnown known, PetscReal mass, const PetscReal w[], PetscReal element[])
+{
+  const PetscInt bs = known.block, n = known.n;
+
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal factor = mass * w[i];
+
+    for (PetscInt c = 0; c < known.dim; c++) {
+      PetscReal *restrict to = &element[((i * bs + c) * bs + c) * n];
+
+#pragma GCC unroll 1
+      for (PetscInt j = 0; j < n; j++) to[j] += factor * w[j];
+    }
+  }
+}
+
 /* The element block of one group, and its forces. */
 MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                        const PetscReal u[], MpmWorkspace *work, Target *to, PetscInt *failed)
@@ -135,6 +152,9 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
     }
     if (known.biot) AddBiot(known, &at.basis, at.tangent, to->rows, to->element);
     else AddElement(known, sum->layout, &at.basis, at.tangent, to->rows, to->element);
+    if (sum->inertia > 0.)
+      AddMass(known, sum->inertia * MpmPointMass(sum->points, sum->materials, sum->space->order[s]), at.basis.basis[0],
+              to->element);
     if (to->residual) MpmSumAddFlux(known, sum->layout, &at.basis, at.flux, work->force);
   }
   if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);

@@ -98,8 +98,12 @@ PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, con
                                    PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  for (PetscInt k = 1; k < terms->count; k++)
-    PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
+  for (PetscInt k = 1; k < terms->count; k++) {
+    const MpmTerm *term = terms->term[k];
+
+    if (term->tangent_alone) PetscCall(term->tangent_alone(terms->ctx[k], sum, u, pattern, failed));
+    else PetscCall(term->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
