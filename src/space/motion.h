@@ -23,3 +23,6 @@ typedef struct {
 } MpmMotionStep;
 /* The points' new velocities and accelerations. Before the points are moved: the weights are those of the step's start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
+
+/* y += M a with the points' consistent mass: values at the local nodes, dim each; the rows of ghosts hold what this rank adds. */
+PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[]);

@@ -131,7 +131,7 @@ static inline PetscErrorCode MpmWorkspaceCreate(const MpmSum *sum, MpmWorkspace 
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((n * (2 * bs + MpmBasisCount(sum->space))), &work->storage));
-  work->weights = (PetscBool)(sum->inertia > 0. || MpmLayoutUsesValues(sum->layout));
+  work->weights = MpmLayoutUsesValues(sum->layout);
   work->values  = work->storage;
   work->force   = work->values + n * bs;
   MpmBasisPlace(sum->space, n, work->force + n * bs, &work->basis);

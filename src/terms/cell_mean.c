@@ -129,7 +129,7 @@ MPM_INLINE PetscErrorCode InputsGroup(const MpmKnown known, const MpmSum *sum, c
 PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], const PetscReal du[],
                              MpmCellWork *work)
 {
-  const PetscBool weights = (PetscBool)(sum->inertia > 0. || MpmLayoutUsesValues(sum->layout));
+  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
 
   PetscFunctionBeginUser;
   work->begin = MpmCellBegin(sum, cell);

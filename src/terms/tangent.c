@@ -3,6 +3,7 @@
   element block of a group is the sum of B^T D B over its points. Where the physics has a mean, each cell adds the
   products of a few vectors over all of its nodes.
 */
+#include "terms/inertia.h"
 #include "terms/point_tangent.h"
 #include "terms/terms.h"
 
@@ -119,23 +120,6 @@ MPM_INLINE void AddBiot(const MpmKnown known, const MpmBasis *basis, const Petsc
   }
 }
 
-/* element[i][c][c][j] += mass w_i w_j: a consistent mass, where it costs least */
-MPM_INLINE void AddMass(const MpmKnown known, PetscReal mass, const PetscReal w[], PetscReal element[])
-{
-  const PetscInt bs = known.block, n = known.n;
-
-  for (PetscInt i = 0; i < n; i++) {
-    const PetscReal factor = mass * w[i];
-
-    for (PetscInt c = 0; c < known.dim; c++) {
-      PetscReal *restrict to = &element[((i * bs + c) * bs + c) * n];
-
-#pragma GCC unroll 1
-      for (PetscInt j = 0; j < n; j++) to[j] += factor * w[j];
-    }
-  }
-}
-
 /* The element block of one group, and its forces. */
 MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                        const PetscReal u[], MpmWorkspace *work, Target *to, PetscInt *failed)
@@ -152,9 +136,6 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
     }
     if (known.biot) AddBiot(known, &at.basis, at.tangent, to->rows, to->element);
     else AddElement(known, sum->layout, &at.basis, at.tangent, to->rows, to->element);
-    if (sum->inertia > 0.)
-      AddMass(known, sum->inertia * MpmPointMass(sum->points, sum->materials, sum->space->order[s]), at.basis.basis[0],
-              to->element);
     if (to->residual) MpmSumAddFlux(known, sum->layout, &at.basis, at.flux, work->force);
   }
   if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);
@@ -167,13 +148,15 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   const MpmSpace *space = sum->space;
   const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->block;
   Target          to = {.residual = residual};
+  PetscReal      *mass;
   MpmWorkspace    work;
 
   PetscFunctionBeginUser;
   (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(MpmCouplingCreate(sum, &to.coupling));
-  PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows));
+  PetscCall(PetscMalloc3((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows,
+                         (sum->mass_factor > 0. ? MpmInertiaWork(most) : 0), &mass));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
@@ -184,6 +167,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 
       MPM_DISPATCH_BIOT(sum->layout, group, ElementGroup, sum, group, u, &work, &to, failed);
       PetscCall(MpmCouplingAddGroup(sum, group, &to.coupling));
+      if (sum->mass_factor > 0.) PetscCall(MpmInertiaAddElement(sum, group, sum->mass_factor, mass, to.element));
       MpmPatternAddBlock(pattern, space, group, to.element);
     }
     if (sum->layout->means) {
@@ -192,7 +176,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
                         to.coupling.f_by_u);
     }
   }
-  PetscCall(PetscFree2(to.element, to.rows));
+  PetscCall(PetscFree3(to.element, to.rows, mass));
   PetscCall(MpmCouplingDestroy(&to.coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -97,13 +97,12 @@ PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const P
 PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                                    PetscInt *failed)
 {
-  PetscFunctionBeginUser;
-  for (PetscInt k = 1; k < terms->count; k++) {
-    const MpmTerm *term = terms->term[k];
+  MpmSum rest = *sum;
 
-    if (term->tangent_alone) PetscCall(term->tangent_alone(terms->ctx[k], sum, u, pattern, failed));
-    else PetscCall(term->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
-  }
+  PetscFunctionBeginUser;
+  rest.mass_factor = 0.; /* the points' elements are not there to take the mass */
+  for (PetscInt k = 1; k < terms->count; k++)
+    PetscCall(terms->term[k]->tangent(terms->ctx[k], &rest, u, pattern, NULL, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -20,7 +20,6 @@ struct MpmTermStep {
   prepare   what the term needs of the step, once the space is there
   residual  residual += term(u)
   tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL it also does what residual() does
-  tangent_alone  the same, without `residual`, where the points' tangents are not summed (MpmTermsTangentRest()); NULL: tangent
   apply     y += (d term / d u) du; NULL for the points, whose action keeps data of its own (MpmAction)
   diagonal  its diagonal blocks, block^2 values a node
   link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
@@ -36,8 +35,6 @@ struct MpmTerm {
                              PetscInt *failed);
   PetscErrorCode (*tangent)(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                             PetscReal residual[], PetscInt *failed);
-  PetscErrorCode (*tangent_alone)(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
-                                  PetscInt *failed);
   PetscErrorCode (*apply)(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[], PetscReal y[]);
   PetscErrorCode (*diagonal)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                              PetscInt *failed);
