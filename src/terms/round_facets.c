@@ -17,7 +17,7 @@
 
     dg = (1 - theta) dt n . W (r + (1 + theta)/2 dt W r) ,   r = R N ,
 
-  does not count. The rest of its way does, so that what stops the body is as stiff at the step's end as it is elsewhere.
+  does not count (MpmContactsTurn, contact_patches.c). The rest of its way does, so that what stops the body is as stiff at the step's end as it is elsewhere.
 
   A face belongs to the surface where that took the next point of the lattice; what parted later is as it was cut.
 */
@@ -25,7 +25,6 @@
 #include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/points.h"
-#include "space/point_loop.h"
 #include "terms/contact.h"
 
 #define SITES 4    /* places of a face on each axis: a disc rolls on fewer like a polygon; with 8 nothing changes */
@@ -137,46 +136,5 @@ PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, cons
     facet.touches = PetscMin(surface.distance, 0.);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* W r at a point, with the spin W of a velocity of the nodes. */
-static void Spin(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal v[],
-                 PetscReal *basis[], const PetscReal r[], PetscReal Wr[])
-{
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset], dim = known.dim;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    Wr[a] = 0.;
-    for (PetscInt c = 0; c < dim; c++)
-      for (PetscInt i = 0; i < known.n; i++)
-        Wr[a] += 0.5 * (v[nodes[i] * dim + a] * basis[1 + c][i] - v[nodes[i] * dim + c] * basis[1 + a][i]) * r[c];
-  }
-}
-
-PetscErrorCode MpmContactsTurn(MpmContacts *contacts, const MpmSum *sum, const PetscReal v[], PetscReal part)
-{
-  const PetscInt dim = sum->space->dim, most = PetscPowInt(sum->space->width, dim);
-  PetscReal     *storage, *basis[1 + MPM_MAX_DIM];
-
-  PetscFunctionBeginUser;
-  if (!contacts->shaped || part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((most * (1 + MPM_MAX_DIM)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis[b] = &storage[b * most];
-  for (PetscInt f = 0; f < contacts->facet_count; f++) {
-    MpmFacet       *facet = &contacts->facet[f];
-    const MpmGroup *group = &sum->space->groups[facet->group];
-    const MpmKnown  known = KnownGeneral(sum->layout, group);
-    PetscReal       way[MPM_MAX_DIM], again[MPM_MAX_DIM];
-
-    if (!facet->round || MpmContactsBody(contacts, facet->boundary)) continue;
-    MpmShapeBasis(known, sum->space, 0, facet->point, PETSC_FALSE, basis);
-    Spin(known, sum, group, v, basis, facet->arm, way);
-    Spin(known, sum, group, v, basis, way, again);
-    facet->turn = 0.;
-    for (PetscInt a = 0; a < dim; a++)
-      facet->turn += (1. - part) * sum->dt * facet->normal[a] * (way[a] + 0.5 * (1. + part) * sum->dt * again[a]);
-  }
-  PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
