@@ -130,13 +130,34 @@ static inline void AddSegment(PetscInt degree, PetscReal t, PetscReal s, PetscRe
   }
 }
 
+/* Adds the means over its whole interval instead. */
+static inline void AddPiece(PetscInt degree, PetscReal f, PetscReal w[], PetscReal g[])
+{
+  static const PetscReal weight[3][4] = {
+    {0.5, 0.5}, {1. / 6., 2. / 3., 1. / 6.}, {1. / 24., 11. / 24., 11. / 24., 1. / 24.}};
+  static const PetscReal gradient[3][4] = {{-1., 1.}, {-0.5, 0., 0.5}, {-1. / 6., -0.5, 0.5, 1. / 6.}};
+
+  for (PetscInt k = 0; k <= degree; k++) {
+    w[k] += f * weight[degree - 1][k];
+    g[k] += f * gradient[degree - 1][k];
+  }
+}
+
+/* What a segment adds: of the polynomials there, or, for `whole`, of their means over the interval. */
+static inline void AddPart(PetscInt degree, PetscBool whole, PetscReal t, PetscReal s, PetscReal f, PetscReal w[],
+                           PetscReal g[])
+{
+  if (whole) AddPiece(degree, f, w, g);
+  else AddSegment(degree, t, s, f, w, g);
+}
+
 /*
   Averages over [-l, l] about the point; returns how many nodes from *first on were filled. An interval that the domain
   enters by less than MPM_SHAPE_TOUCH of its length is not entered: the interval before it is taken to reach that far, as at an edge.
   A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no stiffness.
 */
-static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, PetscInt *first, PetscReal w[],
-                                 PetscReal g[])
+static inline PetscInt AddDomain(PetscInt degree, PetscBool whole, Interval at, PetscReal l, PetscInt *first,
+                                 PetscReal w[], PetscReal g[])
 {
   const PetscReal inverse = 0.5 / l, reach = l - 2. * l * MPM_SHAPE_TOUCH;
   const PetscReal knot = at.offset - at.local; /* distance from the point to the lower end of its interval */
@@ -155,12 +176,12 @@ static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, Pets
     if (degree == 1) { /* at once: a sum in memory would wait for the store before it */
       PetscReal weight[2] = {shared[0], 0.}, slope[2] = {shared[1], 0.};
 
-      AddSegment(degree, t, to - from, f, weight, slope);
+      AddPart(degree, whole, t, to - from, f, weight, slope);
       w[j - low] = weight[0];
       g[j - low] = slope[0];
       shared[0]  = weight[1];
       shared[1]  = slope[1];
-    } else AddSegment(degree, t, to - from, f, w + (j - low), g + (j - low));
+    } else AddPart(degree, whole, t, to - from, f, w + (j - low), g + (j - low));
     from = to;
   }
   if (degree == 1) {
@@ -263,22 +284,39 @@ static inline void TrimEnds(MpmShapeLine *line)
   line->count -= lead;
 }
 
+/* The weights, or with `whole` their means over pieces, with all nodes of the intervals that the domain touches. */
+static inline void EvaluateAll(PetscInt degree, PetscBool whole, MpmEdgeType edge, Interval at, PetscReal l,
+                               MpmShapeLine *line)
+{
+  const PetscInt edge_lower = at.lower, edge_upper = degree % 2 ? at.upper + 1 : at.upper;
+
+  if (l > MPM_SHAPE_POINT) {
+    line->count = AddDomain(degree, whole, at, l, &line->first, line->weight, line->gradient);
+  } else {
+    line->first = at.index - degree / 2;
+    line->count = degree + 1;
+    for (PetscInt k = 0; k <= degree; k++) line->weight[k] = line->gradient[k] = 0.;
+    AddPart(degree, whole, at.local, 0., 1., line->weight, line->gradient);
+  }
+  if (degree > 1) FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, line);
+}
+
 /* Inlined with a constant degree, so that each shape gets its own straight-line code. */
 static inline void Evaluate(PetscInt degree, MpmEdgeType edge, PetscReal xi, PetscReal l, PetscInt edge_lower,
                             PetscInt edge_upper, MpmShapeLine *line)
 {
   const Interval at = Locate(degree, xi, edge_lower, edge_upper);
 
-  if (l > MPM_SHAPE_POINT) {
-    line->count = AddDomain(degree, at, l, &line->first, line->weight, line->gradient);
-  } else {
-    line->first = at.index - degree / 2;
-    line->count = degree + 1;
-    for (PetscInt k = 0; k <= degree; k++) line->weight[k] = line->gradient[k] = 0.;
-    AddSegment(degree, at.local, 0., 1., line->weight, line->gradient);
-  }
-  if (degree > 1) FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, line);
-  TrimEnds(line);
+  EvaluateAll(degree, PETSC_FALSE, edge, at, l, line);
+  if (line->smooth > 0.) {
+    MpmShapeLine mean = {.weight = line->cross, .gradient = line->slope};
+
+    EvaluateAll(degree, PETSC_TRUE, edge, at, l, &mean);
+    for (PetscInt k = 0; k < line->count; k++) {
+      line->cross[k] = line->weight[k] + line->smooth * (line->cross[k] - line->weight[k]);
+      line->slope[k] = line->gradient[k] + line->smooth * (line->slope[k] - line->gradient[k]);
+    }
+  } else TrimEnds(line);
 }
 
 MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells)

@@ -128,6 +128,9 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
   PetscCall(PetscMalloc3((count * lines->width), &lines->values.weight, (count * lines->width), &lines->values.gradient,
                          (lines->mean ? count * lines->width : 0), &lines->values.mean));
   if (!lines->mean) lines->values.mean = NULL;
+  lines->values.cross = lines->values.slope = NULL;
+  if (rules->smooth > 0.)
+    PetscCall(PetscMalloc2((count * lines->width), &lines->values.cross, (count * lines->width), &lines->values.slope));
   for (PetscInt p = 0; p < points->count; p++) {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
@@ -138,8 +141,14 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
       MpmShapeLine    line = {.weight   = &lines->values.weight[k * lines->width],
                               .gradient = &lines->values.gradient[k * lines->width]};
 
+      if (rules->smooth > 0.) {
+        line.smooth = rules->smooth;
+        line.cross  = &lines->values.cross[k * lines->width];
+        line.slope  = &lines->values.slope[k * lines->width];
+      }
       EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
       for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
+      for (PetscInt i = 0; line.smooth > 0. && i < line.count; i++) line.slope[i] /= grid->h[a];
       if (lines->mean) {
         line.mean = &lines->values.mean[k * lines->width];
         MpmShapeMean(shape->type, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
