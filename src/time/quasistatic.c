@@ -137,6 +137,12 @@ static PetscReal GhostFactor(const MpmModel model)
   return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
 }
 
+/* How much of the strain is its mean over pieces (docs/stabilization.md). */
+static PetscReal SmoothShare(const MpmModel model)
+{
+  return model->state.rescue.smooth && MpmReductionSeeks(model) ? MPM_SMOOTH_SAFETY : model->scene.smooth;
+}
+
 /* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
 static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
@@ -170,6 +176,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                      .materials  = model->disc.sum->materials,
                      .ghost      = solves ? GhostFactor(model) : 0.,
                      .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .smooth     = SmoothShare(model),
                      .mean       = (PetscBool)(model->disc.layout->means > 0),
                      .put_back   = model->disc.put_back,
                      .time_n     = model->state.time,
