@@ -492,6 +492,30 @@ PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- at a point ---- */
+
+PetscErrorCode MpmSpinAtPoint(const MpmSum *sum, PetscInt group, PetscInt point, const PetscReal v[], PetscReal W[])
+{
+  const MpmGroup *of    = &sum->space->groups[group];
+  const MpmKnown  known = KnownGeneral(sum->layout, of);
+  const PetscInt *nodes = &sum->space->group_nodes[of->node_offset], dim = known.dim, n = known.n;
+  PetscReal      *storage, *basis[1 + MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((n * (1 + MPM_MAX_DIM)), &storage));
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis[b] = &storage[b * n];
+  MpmShapeBasis(known, sum->space, 0, point, PETSC_FALSE, basis);
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++) {
+      W[a * dim + b] = 0.;
+      for (PetscInt i = 0; i < n; i++)
+        W[a * dim + b] += 0.5 * (v[nodes[i] * dim + a] * basis[1 + b][i] - v[nodes[i] * dim + b] * basis[1 + a][i]);
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- stiffness ---- */
 
 PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])
