@@ -100,7 +100,7 @@ static inline Interval Locate(PetscInt degree, PetscReal xi, PetscInt edge_lower
   interval is named after. A function of the cardinal B-spline's polynomial pieces, see de Boor (1978), A Practical
   Guide to Splines.
 */
-static inline void AddSegment(PetscInt degree, PetscReal t, PetscReal s, PetscReal f, PetscReal w[], PetscReal g[])
+MPM_INLINE void AddSegment(PetscInt degree, PetscReal t, PetscReal s, PetscReal f, PetscReal w[], PetscReal g[])
 {
   if (degree == 1) {
     w[0] += f * (1. - t);
@@ -144,8 +144,8 @@ static inline void AddPiece(PetscInt degree, PetscReal f, PetscReal w[], PetscRe
 }
 
 /* What a segment adds: of the polynomials there, or, for `whole`, of their means over the interval. */
-static inline void AddPart(PetscInt degree, PetscBool whole, PetscReal t, PetscReal s, PetscReal f, PetscReal w[],
-                           PetscReal g[])
+MPM_INLINE void AddPart(PetscInt degree, PetscBool whole, PetscReal t, PetscReal s, PetscReal f, PetscReal w[],
+                        PetscReal g[])
 {
   if (whole) AddPiece(degree, f, w, g);
   else AddSegment(degree, t, s, f, w, g);
@@ -314,6 +314,23 @@ static void EvaluateSmooth(PetscInt degree, MpmEdgeType edge, Interval at, Petsc
   }
 }
 
+/* That of the k-th of many. */
+static void EvaluateSmoothLine(PetscInt degree, MpmEdgeType edge, Interval at, PetscReal l, PetscInt k,
+                               const MpmShapeLines *lines)
+{
+  const PetscInt from = k * lines->width;
+  MpmShapeLine   line = {.weight   = &lines->weight[from],
+                         .gradient = &lines->gradient[from],
+                         .smooth   = lines->smooth,
+                         .cross    = &lines->cross[from],
+                         .slope    = &lines->slope[from]};
+
+  EvaluateSmooth(degree, edge, at, l, &line);
+  for (PetscInt i = line.count; i < lines->width; i++) line.gradient[i] = line.slope[i] = 0.;
+  lines->first[k] = line.first;
+  lines->count[k] = line.count;
+}
+
 MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells)
 {
   return degree > 1 && cells > degree ? edge : MPM_EDGE_LINEAR;
@@ -338,15 +355,11 @@ MPM_INLINE void EvaluateAll(PetscInt degree, PetscBool domain, MpmEdgeType edge,
     MpmShapeLine    line = {.weight = &lines->weight[k * width], .gradient = &lines->gradient[k * width]};
 
     if (lines->smooth > 0.) {
-      line.smooth = lines->smooth;
-      line.cross  = &lines->cross[k * width];
-      line.slope  = &lines->slope[k * width];
-      EvaluateSmooth(degree, edge, here, l, &line);
-      for (PetscInt i = line.count; i < width; i++) line.slope[i] = 0.;
-    } else {
-      Touch(degree, PETSC_FALSE, edge, here, l, &line);
-      TrimEnds(&line);
+      EvaluateSmoothLine(degree, edge, here, l, k, lines);
+      continue;
     }
+    Touch(degree, PETSC_FALSE, edge, here, l, &line);
+    TrimEnds(&line);
     for (PetscInt i = line.count; i < width; i++) line.gradient[i] = 0.;
     lines->first[k] = line.first;
     lines->count[k] = line.count;
