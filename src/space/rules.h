@@ -15,6 +15,12 @@
 /* Share of means over pieces in the strain while strength is reduced and no factor of safety found. */
 #define MPM_SMOOTH_SAFETY 0.8
 
+/*
+  Half-length, in cells, beyond which a domain of an explicit step grows no more: eight times that of 2 x 2 points a cell. Grains
+  that fly are stretched without a force, and their domains would span the grid.
+*/
+#define MPM_SPRAY_HALF_LENGTH 2.
+
 /* What a space is made by, borrowed from the model. */
 typedef struct MpmRules {
   const MpmGrid     *grid;
@@ -24,6 +30,7 @@ typedef struct MpmRules {
   PetscInt           wall_count;
   const MpmWall     *walls;
   MpmStretch         stretch;
+  PetscReal          longest; /* half-length of a domain, cells: what has been drawn further parts; 0: any */
   const MpmMaterial *materials;
   PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
   PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
@@ -38,7 +45,7 @@ typedef struct MpmRules {
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /*
-  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, clipped at walls and at the
-  grid's edges. The clipping is not kept. PETSC_FALSE where the point has no stretch.
+  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, no longer than the rules' longest,
+  clipped at walls and at the grid's edges. The clipping is not kept. PETSC_FALSE where the point has no stretch.
 */
 PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt point, PetscReal half[]);

@@ -608,10 +608,11 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 /*
   Weights of a facet on one axis, at the nodes of its patch's box: those of the part of the domain about the facet that is in the
   domain, the face's middle across, the domain's mean along. That makes a uniform pressure on an even face consistent with
-  uniform stress, in every node. Shapes without a domain take the point's own weights (half NULL).
+  uniform stress, in every node.
 
-  A facet on a round surface stands off its face: its displacement is that of the point and its gradient, so that the force has its
-  moment about the body's middle, and the body rolls over its true radius. Nodes with little mass then have little of the force.
+  Without a domain (half NULL) the displacement is that of the point and its gradient: for shapes that have none, and on a round
+  surface, off which the face stands, so that the force has its moment about the body's middle, and the body rolls over its true
+  radius. Nodes with little mass then have little of the force.
 */
 static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                         PetscInt a, const PetscReal half[], PetscReal line[])
@@ -625,7 +626,7 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   MpmShapeLine    face = {.weight = weight, .gradient = unused};
 
   for (PetscInt i = 0; i <= last; i++) line[i] = half ? 0. : space->shape[0].weight[(p * dim + a) * space->width + i];
-  for (PetscInt i = 0; facet->round && i <= last; i++)
+  for (PetscInt i = 0; !half && i <= last; i++)
     line[i] += (facet->place[a] - points->x[p * dim + a]) * space->shape[0].gradient[(p * dim + a) * space->width + i];
   if (!half) return;
   const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
