@@ -423,6 +423,7 @@ CASES = [
     ("ramp with a unit", {"mpm_load_push_ramp": "0s:0,1s:1"}, "-mpm_load_push_ramp 0s:0,1s:1: must be time:factor pairs of numbers"),
     ("ramp with two commas", {"mpm_load_push_ramp": "0:0,,1:1"}, "-mpm_load_push_ramp 0:0,,1:1: must be time:factor pairs"),
     ("ghost penalty without a number", {"mpm_stabilization_ghost": ""}, "-mpm_stabilization_ghost : must be auto, off or a factor >= 0"),
+    ("smoothing without the points' own strain", {"mpm_stabilization_smooth": "1"}, "-mpm_stabilization_smooth 1: must be auto or a share in [0, 0.9]"),
     ("ghost penalty with a comma", {"mpm_stabilization_ghost": "1e-4,"}, "-mpm_stabilization_ghost 1e-4,: must be auto, off or"),
     ("materials of a stage with a comma", {**STAGES, "mpm_stage_two_materials": "block:soil,"},
      "-mpm_stage_two_materials block:soil,: must be body:material pairs"),
@@ -548,6 +549,7 @@ CASES = [
     ("water without viscosity", {**WET, "mpm_water_viscosity": "0"}, "-mpm_water_viscosity 0: must be > 0"),
     ("water without modulus", {**WET, "mpm_water_modulus": "0"}, "-mpm_water_modulus 0: must be > 0"),
     ("water of negative density", {**WET, "mpm_water_density": "-1"}, "-mpm_water_density -1: must be"),
+    ("smoothed porous ground", {**WET, "mpm_stabilization_smooth": "0.5"}, "-mpm_stabilization_smooth 0.5: not available for physics poro"),
     ("negative pressure projection", {**WET, "mpm_stabilization_ppp": "-1"}, "-mpm_stabilization_ppp -1: must be"),
     # points from files
     ("body from a file without a name", {**FROM_FILE, "mpm_body_block_file": None}, "-mpm_body_block_file"),
