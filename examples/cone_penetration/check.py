@@ -15,7 +15,7 @@ DEEP_STRIP = 7.5  # a strip footing at depth: Skempton (1951)
 BALANCE = 1e-5  # of the resistance
 NOISE = 0.4  # standard deviation over the mean, times h/D
 DRIFT = 0.4  # from the first half of the steady part to the second, times h/D
-NEWTON = 6.5  # a step
+NEWTON = 6.0  # a step
 
 
 def scale(results):

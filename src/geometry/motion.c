@@ -191,6 +191,15 @@ MpmPose MpmMotionPose(const MpmMotion *motion, PetscReal time)
   return pose;
 }
 
+PetscBool MpmMotionMoves(const MpmMotion *motion)
+{
+  PetscBool moves = (PetscBool)(motion->rows > 0 || motion->growth != 0.);
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    moves = (PetscBool)(moves || motion->translation[a] != 0. || motion->rotation[a] != 0.);
+  return moves;
+}
+
 PetscErrorCode MpmMotionDestroy(MpmMotion *motion)
 {
   PetscFunctionBeginUser;

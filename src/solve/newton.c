@@ -311,6 +311,20 @@ static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fno
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* It gets nowhere when so many iterations have not reduced the least residual to this part. */
+#define STALL      6
+#define STALL_GAIN 0.9
+
+/* Does Newton's method get nowhere? Where contact goes to and fro between states it does so for ever. */
+static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
+{
+  if (!it || fnorm < STALL_GAIN * cache->least) {
+    cache->least    = fnorm;
+    cache->least_at = it;
+  }
+  return (PetscBool)(it - cache->least_at >= STALL);
+}
+
 /* Relative to the residual at zero displacement, whatever the first guess; and a floor. */
 static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
                                       SNESConvergedReason *reason, void *ctx)
@@ -331,6 +345,8 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
     if (snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
     else if (divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
   }
+  if (Stalls(&solver->cache, it, fnorm) && solver->cache.hasty && *reason == SNES_CONVERGED_ITERATING)
+    *reason = SNES_DIVERGED_LOCAL_MIN;
   if (*reason > 0 && solver->disc->contacts->holds) *reason = SNES_CONVERGED_ITERATING;
   if (!it) solver->cache.imbalance = PETSC_INFINITY;
   if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));
@@ -633,7 +649,7 @@ static PetscErrorCode FollowContacts(Search *search)
   const PetscBool          held = disc->contacts->holds;
 
   PetscFunctionBeginUser;
-  if (!search->solver->careful || !disc->contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!disc->contacts->careful && !held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGatherSolution(search->solver, search->W));
   PetscCall(MpmContactsFollow(disc->contacts, disc->sum, disc->u));
   if (!held) PetscFunctionReturn(PETSC_SUCCESS);

@@ -36,6 +36,9 @@ typedef struct {
   PetscBool         solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscBool         ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal         fnorm_last;
+  PetscBool         hasty;    /* Newton's method is given up when it gets nowhere: it will be tried in another way */
+  PetscReal         least;    /* the least residual so far, or 10 % more, */
+  PetscInt          least_at; /* and after how many iterations */
   MpmFieldNormsKept fields;
   PetscReal         imbalance;       /* of free bodies, at the last iterate */
   PetscInt          made_count;      /* Jacobians of this solution, */

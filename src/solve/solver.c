@@ -601,9 +601,9 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
   PetscFunctionBeginUser;
   do {
     solver->cache.solving = solver->cache.ahead = PETSC_TRUE;
-    if (solver->careful) {
+    if (solver->disc->contacts->boundary_count) {
       PetscCall(MpmGatherSolution(solver, solver->x));
-      PetscCall(MpmContactsBegin(solver->disc->contacts, solver->disc->sum, solver->disc->u));
+      PetscCall(MpmContactsBegin(solver->disc->contacts, solver->disc->sum, solver->disc->u, solver->careful));
     }
     PetscCall(SNESSolve(solver->snes, NULL, solver->x));
     MpmContactsEnd(solver->disc->contacts);

@@ -53,7 +53,9 @@ typedef struct {
   PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
   PetscBool     round;   /* a facet on a round surface, which touches by itself */
   PetscBool     direct;  /* in an explicit step: no equations are solved */
-  PetscBool     held;    /* touches, and sticks, whatever the law says (contact_states.c) */
+  PetscBool     held;    /* touches whatever the law says (contact_states.c), and sticks, or */
+  PetscBool     glides;  /* slides this way with the traction that goes with its pressure */
+  PetscReal     way[MPM_MAX_DIM];
   MpmPatchState state;
   PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
   PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
@@ -76,9 +78,9 @@ typedef struct MpmContacts {
   PetscReal  cell;  /* the smallest size of one, m */
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
-  const PetscReal *moved;  /* explicit steps: displacements, contact having acted at others; or NULL */
-  PetscBool        secant; /* Newton's method takes the secants of what slides */
-  PetscBool        holds;  /* and it holds patches, of any rank */
+  const PetscReal *moved;           /* explicit steps: displacements, contact having acted at others; or NULL */
+  PetscBool        careful, secant; /* Newton's method takes, now, the secants of what slides */
+  PetscBool        holds;           /* and it holds patches, of any rank */
   PetscInt         facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet        *facet;
   MpmPatch        *patch;
@@ -126,14 +128,16 @@ typedef struct {
 } MpmPatchWork;
 
 /*
-  What patches do from one of Newton's iterates to the next (contact_states.c). Begin: at the first one, with the local unknowns u. Follow: at
-  another one, which has been accepted. End: all by the law, with its derivative. Collective.
+  What patches do from one of Newton's iterates to the next (contact_states.c). Begin: at the first one, with the local unknowns u; with
+  care, secants are taken. Follow: at another one, which has been accepted. End: all by the law, with its derivative. Collective.
 */
-PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
+PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool careful);
 PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 void           MpmContactsEnd(MpmContacts *contacts);
 
 /* One patch (contact_patch.c). */
+/* k' of what may slide, over the stiffness across. */
+PetscReal      MpmPatchAlong(const MpmPatch *patch);
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);
 PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work);
 /* At work->value. */

@@ -55,19 +55,36 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
 #define SLIDING 0.1
 #define EQUAL   1.
 
+PetscReal MpmPatchAlong(const MpmPatch *patch)
+{
+  return patch->round || patch->direct ? EQUAL : SLIDING;
+}
+
+/* The traction of a patch that is held and glides: no more than its pressure changes it. */
+static void Glide(const MpmBoundary *boundary, const MpmPatch *patch, PetscReal pressure, MpmPatchAnswer *answer)
+{
+  answer->slides = PETSC_TRUE;
+  for (PetscInt a = 0; a < boundary->dim; a++) {
+    answer->traction[a] = (boundary->friction * pressure + boundary->adhesion) * patch->way[a];
+    answer->by_gap[a]   = -patch->stiffness * boundary->friction * patch->way[a];
+  }
+}
+
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
   const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
   const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
   const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
-  const MpmContactLaw law      = {patch->stiffness,   patch->round || patch->direct ? EQUAL : SLIDING,
-                                  boundary->friction, adhesion,
-                                  strength,           boundary->stick,
-                                  contacts->secant};
+  const MpmContactLaw law      = {patch->stiffness, MpmPatchAlong(patch), boundary->friction, adhesion,
+                                  strength,         boundary->stick,      contacts->secant};
   const PetscReal     pressure = -patch->stiffness * answer->gap;
   MpmContactFriction  friction;
 
+  if (patch->held && patch->glides) {
+    Glide(boundary, patch, pressure, answer);
+    return;
+  }
   answer->slides = MpmContactSlide(&law, boundary->dim, pressure, answer->slip, &friction);
   for (PetscInt a = 0; a < boundary->dim; a++) {
     answer->traction[a] = friction.traction[a];

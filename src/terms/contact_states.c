@@ -1,11 +1,13 @@
 /*
   What patches do from one of Newton's iterates to the next.
 
-  The first iterate is extrapolated from the last step. Where a die that came down starts to go sideways, or a roller to turn, that leaves the
-  surface, and Newton's method would start from a body without contact. So what touched at the step's start, and does not at the
-  first iterate, is held for the first iteration: it sticks, and is pulled back where it has gone.
+  The first iterate is extrapolated from the last step. It leaves the surface by more than the depth of a stiff contact, where facets have
+  come into other patches, and where a die that came down starts to go sideways, or a roller to turn: Newton's method would start with
+  a part of the contact only, and what is free springs back, deep into the surface. So what touched at the step's start, and does not at
+  the first iterate, is held for the first iteration, and is pulled back where it has gone. It goes on to slide where this
+  step's slip is far beyond what its pressure at the start can hold, and sticks elsewhere.
 
-  While patches go on to touch, part, stick, slide or turn round from one iterate to the next, the derivative of what slides is its secant
+  With care, while patches go on to touch, part, stick, slide or turn round from one iterate to the next, the derivative of what slides is its secant
   (contact_law.c). When nothing has changed in an iteration, it is the exact one.
 */
 #include "grid/grid.h"
@@ -15,6 +17,7 @@
 
 #define TURNED 0.5 /* cosine of the angle by which what slides has turned */
 #define RESTED 0.5 /* of the slip that slides now: what was less did not slide */
+#define FAR    2.  /* times what friction holds at the step's start: a slip that is far beyond it */
 
 /* What a patch does at u. */
 static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
@@ -26,8 +29,8 @@ static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch,
   return answer->slides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
 }
 
-/* Did it touch at the step's start, by where its facets stand there? */
-static PetscBool Touched(const MpmContacts *contacts, const MpmPatch *patch)
+/* Its gap at the step's start, by where its facets stand there. */
+static PetscReal StartGap(const MpmContacts *contacts, const MpmPatch *patch)
 {
   PetscReal gap = -patch->shift;
 
@@ -38,7 +41,7 @@ static PetscBool Touched(const MpmContacts *contacts, const MpmPatch *patch)
     MpmContactsDistance(contacts, patch->boundary, facet->place, &surface);
     gap += facet->area / patch->area * ((facet->side ? facet->distance : surface.distance) - facet->touches);
   }
-  return (PetscBool)(gap <= contacts->touch);
+  return gap;
 }
 
 /* Does it slide another way than the slip that is kept of the last step, or from rest? */
@@ -57,13 +60,34 @@ static PetscBool Turned(const MpmContacts *contacts, const MpmPatch *patch, cons
   return (PetscBool)(along < TURNED * PetscSqrtReal(square * before) || before < PetscSqr(RESTED) * square);
 }
 
-PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[])
+/* Is a patch that is open at u to be held, and does it glide? */
+static void Hold(const MpmContacts *contacts, MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                 MpmPatchWork *work)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const PetscReal    gap      = StartGap(contacts, patch);
+  const PetscReal    limit    = patch->stiffness * boundary->friction * PetscMax(-gap, 0.) + boundary->adhesion;
+  PetscReal          size     = 0.;
+  MpmPatchAnswer     answer;
+
+  if (MpmContactsBody(contacts, patch->boundary) || gap > contacts->touch) return;
+  patch->held = PETSC_TRUE;
+  if (!boundary->tangential || boundary->stick) return;
+  (void)StateOf(contacts, patch, sum, u, work, &answer); /* sticks: the whole slip */
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) size += PetscSqr(answer.slip[a]);
+  size          = PetscSqrtReal(size);
+  patch->glides = (PetscBool)(MpmPatchAlong(patch) * patch->stiffness * size > FAR * limit);
+  for (PetscInt a = 0; patch->glides && a < MPM_MAX_DIM; a++) patch->way[a] = answer.slip[a] / size;
+}
+
+PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool careful)
 {
   MpmPatchWork work;
 
   PetscFunctionBeginUser;
   MpmContactsEnd(contacts);
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->careful = careful;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch      *patch = &contacts->patch[k];
@@ -71,10 +95,9 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
 
     patch->state = StateOf(contacts, patch, sum, u, &work, &answer);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
-    patch->held = (PetscBool)(patch->state == MPM_PATCH_OPEN && !MpmContactsBody(contacts, patch->boundary) &&
-                              Touched(contacts, patch));
+    if (patch->state == MPM_PATCH_OPEN) Hold(contacts, patch, sum, u, &work);
     if (patch->held) contacts->holds = PETSC_TRUE;
-    if (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer)))
+    if (careful && (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer))))
       contacts->secant = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
@@ -89,27 +112,31 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
   MpmPatchWork work;
 
   PetscFunctionBeginUser;
+  if (!contacts->careful && !contacts->holds) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->holds = PETSC_FALSE;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch           *patch = &contacts->patch[k];
-    const MpmPatchState last  = patch->held ? MPM_PATCH_STICKS : patch->state;
+    const MpmPatchState held  = patch->glides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
+    const MpmPatchState last  = patch->held ? held : patch->state;
     PetscReal           along = 0.;
     MpmPatchAnswer      answer;
 
-    patch->held  = PETSC_FALSE;
-    patch->state = StateOf(contacts, patch, sum, u, &work, &answer);
+    patch->held = patch->glides = PETSC_FALSE;
+    patch->state                = StateOf(contacts, patch, sum, u, &work, &answer);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along += answer.traction[a] * patch->traction[a];
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
     if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) changed = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
+  changed = (PetscBool)(changed && contacts->careful);
   PetscCall(MPIU_Allreduce(&changed, &contacts->secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmContactsEnd(MpmContacts *contacts)
 {
-  contacts->secant = contacts->holds = PETSC_FALSE;
-  for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].held = PETSC_FALSE;
+  contacts->careful = contacts->secant = contacts->holds = PETSC_FALSE;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    contacts->patch[k].held = contacts->patch[k].glides = PETSC_FALSE;
 }

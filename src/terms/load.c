@@ -320,10 +320,10 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const Touched *at, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does gravity act on the points by EndWeights()? */
+/* Does gravity act on the points by EndWeights()? What moves has mass where its weight is, so that it falls as one. */
 static PetscBool ActsAtEnds(const MpmLoad *load, const MpmRules *rules)
 {
-  return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2);
+  return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2 && !rules->dynamic);
 }
 
 /*

@@ -73,18 +73,21 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How much of the change of the rate from step to step is taken to go on: all of it would let errors grow. */
+/*
+  How much of the change of the rate from step to step is taken to go on: all of it would let errors grow. Nothing where there is
+  contact, whose facets come into other patches.
+*/
 #define PREDICTED_CHANGE 0.9
 
 /*
-  The increment extrapolated from the last two steps, at the nodes: loads and motions go on much as before from step to
+  The increment extrapolated from the last steps, at the nodes: loads and motions go on much as before from step to
   step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
 */
 static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
   const PetscInt  dim = model->disc.dim, bs = model->disc.block, size = dim * (dim + 1);
-  const PetscReal change =
-    model->state.dt_before > 0. ? PREDICTED_CHANGE * model->disc.sum->span / model->state.dt_last : 0.;
+  const PetscBool smooth = (PetscBool)(model->state.dt_before > 0. && !MpmSolverHasContact(&model->solver));
+  const PetscReal change = smooth ? PREDICTED_CHANGE * model->disc.sum->span / model->state.dt_last : 0.;
   const PetscReal last   = (1. + change) * model->disc.sum->span / model->state.dt_last;
   const PetscReal before = change > 0. ? change * model->disc.sum->span / model->state.dt_before : 0.;
   PetscReal      *nodal, *expected;
@@ -134,6 +137,12 @@ static PetscReal GhostFactor(const MpmModel model)
   return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
 }
 
+/* How much of the strain is its mean over pieces (docs/stabilization.md). */
+static PetscReal SmoothShare(const MpmModel model)
+{
+  return model->state.rescue.smooth && MpmReductionSeeks(model) ? MPM_SMOOTH_SAFETY : model->scene.smooth;
+}
+
 /* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
 static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
@@ -167,6 +176,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                      .materials  = model->disc.sum->materials,
                      .ghost      = solves ? GhostFactor(model) : 0.,
                      .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .smooth     = SmoothShare(model),
                      .mean       = (PetscBool)(model->disc.layout->means > 0),
                      .put_back   = model->disc.put_back,
                      .time_n     = model->state.time,
@@ -593,63 +603,64 @@ PetscErrorCode MpmStepFindReference(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Newton from the prediction; where that fails, or there is none, from rest. */
-static PetscErrorCode SolveFrom(MpmModel model, SNESConvergedReason *reason)
+/* Newton from the start at hand; from rest once more where the Krylov method had to be changed. */
+static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedReason *reason)
 {
-  PetscFunctionBeginUser;
-  if (model->solver.cache.predicted) {
-    PetscCall(MpmSolverSolve(&model->solver, reason));
-    if (*reason >= 0) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(InitialGuess(model, PETSC_FALSE));
-  }
-  {
-    const PetscBool before = model->solver.indefinite;
+  const PetscBool before = model->solver.indefinite;
 
-    PetscCall(MpmSolverSolve(&model->solver, reason));
-    if (model->solver.indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(InitialGuess(model, PETSC_FALSE)); /* the Krylov method has been changed: once more */
+  PetscFunctionBeginUser;
+  PetscCall(MpmSolverSolve(&model->solver, reason));
+  if (!rest || model->solver.indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(InitialGuess(model, PETSC_FALSE));
   PetscCall(MpmSolverSolve(&model->solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define WEARY 25 /* iterations in a step that the careful method does not spare */
-
 /*
-  Where contact makes Newton's method fail it is taken again with care, or without where it failed with it, before the step is cut, but
-  not where loads push along what nothing resists. What succeeded is how the next step starts.
+  Newton from the prediction and, where that fails or there is none, from rest. With contact it is taken with care, and without, from
+  each, but not where loads push along what nothing resists; and all but the last of these are given up when they get nowhere. What
+  succeeded is how the next step starts.
 */
 static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
-  MpmSolver *solver = &model->solver;
-  PetscBool  pushed = PETSC_FALSE;
+  MpmSolver      *solver    = &model->solver;
+  const PetscBool predicted = solver->cache.predicted, contact = MpmSolverHasContact(solver);
+  PetscBool       turns = contact;
 
   PetscFunctionBeginUser;
   solver->newton = solver->linear = 0;
-  PetscCall(SolveFrom(model, reason));
-  if (*reason < 0 && MpmSolverHasContact(solver)) PetscCall(MpmUnconstrainedIsPushed(model, &pushed));
-  if (*reason < 0 && MpmSolverHasContact(solver) && !pushed) {
-    solver->careful = (PetscBool)!solver->careful;
-    PetscCall(InitialGuess(model, solver->cache.predicted));
-    if (solver->cache.predicted) PetscCall(MpmRelaxBodies(solver, NULL, solver->x));
-    PetscCall(SolveFrom(model, reason));
-  } else if (solver->newton > WEARY) solver->careful = PETSC_FALSE;
+  for (PetscInt k = 0; k < (predicted ? 4 : 2); k++) {
+    const PetscBool rest = (PetscBool)(!predicted || k >= 2);
+
+    if (k % 2 && !turns) continue;
+    if (k) {
+      if (turns) solver->careful = (PetscBool)!solver->careful;
+      PetscCall(InitialGuess(model, (PetscBool)!rest));
+      if (!rest) PetscCall(MpmRelaxBodies(solver, NULL, solver->x));
+    }
+    solver->cache.hasty = (PetscBool)(contact && k < (predicted ? 3 : 1));
+    PetscCall(SolveFrom(model, rest, reason));
+    if (*reason >= 0) break;
+    if (!k && contact) {
+      PetscCall(MpmUnconstrainedIsPushed(model, &turns));
+      turns = (PetscBool)!turns;
+    }
+  }
+  solver->cache.hasty = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define TRUST 0.1 /* of the residual at rest: where things may slide or part, a prediction that leaves more is none */
+#define TRUST 0.1 /* of the residual at rest: where bodies may slide or part, a prediction that leaves more is none */
 
 /*
-  May anything slide on anything? What sticks now may slide in the next step. Or may bodies part whose pressures no energy
-  tells how to close again?
+  May any body slide on another? What sticks now may slide in the next step. Or may they part where no energy tells how to close
+  them again?
 */
 static PetscBool Rubs(const MpmModel model)
 {
   if (model->scene.pairs->count && model->disc.layout->saddle) return PETSC_TRUE;
   for (PetscInt k = 0; k < model->scene.pairs->count; k++)
     if (model->scene.pairs->at[k].tangential) return PETSC_TRUE;
-  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
-    if (model->scene.boundaries->at[b].friction > 0.) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

@@ -3,6 +3,7 @@
 */
 #include "options/options.h"
 #include "point/material.h"
+#include "terms/rigid.h"
 #include "time/dynamics.h"
 #include "time/model.h"
 #include "time/time_read.h"
@@ -84,6 +85,21 @@ PetscErrorCode MpmTimeControlRead(const MpmOptions *options, const char *prefix,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Is the next step foretold by the last? Plastic flow under loads is not: measured, Newton then needs more iterations, not fewer. Where
+  a boundary's motion drives it, it is.
+*/
+static PetscBool IsForetold(const MpmModel model)
+{
+  PetscBool history = PETSC_FALSE;
+
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (model->scene.materials->at[m].state_size) history = PETSC_TRUE;
+  for (PetscInt b = 0; history && b < model->scene.boundaries->count && model->scene.boundaries->at; b++)
+    if (MpmMotionMoves(&model->scene.boundaries->at[b].motion)) return PETSC_TRUE;
+  return (PetscBool)!history;
+}
+
 /* The scene's own block. Where all stages have a step of their own, the scene needs none. */
 PetscErrorCode MpmSceneTimeRead(MpmModel model, const MpmOptions *options, MpmTimeControl *control)
 {
@@ -102,14 +118,11 @@ PetscErrorCode MpmSceneTimeRead(MpmModel model, const MpmOptions *options, MpmTi
       MpmOptionsReal(&block, "end", "s", "how long it takes", MPM_RANGE_POSITIVE, MPM_OPTIONAL, &control->end, NULL));
     PetscCall(MpmIntegratorRead(&block, control));
   }
-  /* plastic flow is not foretold by the last step: measured, Newton then needs more iterations, not fewer */
-  model->state.predict = PETSC_TRUE;
-  for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    if (model->scene.materials->at[m].state_size) model->state.predict = PETSC_FALSE;
+  model->state.predict = IsForetold(model);
   PetscCall(MpmOptionsBool(
     &block, "predict",
-    "start each step from the increment extrapolated from the last two; the default is true where no material has "
-    "history",
+    "start each step from the increment extrapolated from the last ones; the default is true where no material has "
+    "history, or a boundary moves in a given way",
     &model->state.predict, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -122,7 +122,7 @@ static PetscErrorCode FindDryGround(const MpmModel model, PetscReal from, PetscB
   *any = (PetscBool)(MpmShapeDegree(model->scene.shape) < 2);
   for (PetscInt p = 0; !*any && p < model->disc.points->count; p++)
     *any = (PetscBool)((PetscReal)table->up * model->disc.points->x[p * dim + table->axis] > from);
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, any, 1, MPIU_BOOL, MPI_LOR, model->disc.grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->disc.grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
