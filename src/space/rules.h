@@ -15,6 +15,12 @@
 /* Share of means over pieces in the strain while strength is reduced and no factor of safety found. */
 #define MPM_SMOOTH_SAFETY 0.8
 
+/*
+  Half-length, in cells, beyond which a domain of an explicit step grows no more: eight times that of 2 x 2 points a cell. Grains
+  that fly are stretched without a force, and their domains would span the grid.
+*/
+#define MPM_SPRAY_HALF_LENGTH 2.
+
 /* What a space is made by, borrowed from the model. */
 typedef struct MpmRules {
   const MpmGrid     *grid;

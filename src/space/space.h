@@ -166,8 +166,8 @@ static inline void MpmBasisPlace(const MpmSpace *space, PetscInt nodes, PetscRea
 {
   for (PetscInt b = 0; b < MpmBasisCount(space); b++) basis->basis[b] = storage + b * nodes;
 }
-/* Those of the scene's shape alone. */
 /* MpmShapeBasis() of point_loop.h where derivatives are smoothed. */
 void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt shape, PetscInt point,
                          PetscReal *const basis[]);
+/* Those of the scene's shape alone. */
 void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);

@@ -151,12 +151,6 @@ static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal t
   return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
 }
 
-/*
-  Half-length, in cells, beyond which a domain of an explicit step grows no more: eight times that of 2 x 2 points a cell. Grains
-  that fly are stretched without a force, and their domains would span the grid.
-*/
-#define MPM_SPRAY_HALF_LENGTH 2.
-
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
