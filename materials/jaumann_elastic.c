@@ -11,7 +11,12 @@
   J      det F, of the whole deformation
 
   With `cohesion` the Cauchy stress is returned to Mohr-Coulomb's planes (coulomb.h), without hardening; without it the law
-  is elastic.
+  is elastic. What grows in volume at the apex, c cot phi, has come apart, by the logarithmic strain a ("opening"):
+
+    a > 0 :  a_{n+1} = a + tr(e) and the stress stays that of the apex;  where that is below 0, a_{n+1} = 0, and of e
+             acts  e' = (a + tr e) (dev e/tr e + I/3) ,  what is left once the gaps have closed
+
+  Without it every opening would be there for ever, and ground that is shaken or slides would swell.
 
   The step is exact for any rotation, before, in or after it, and for any stretch whose axes do not turn; it has a local error
   of third order, so that the path's is of second order in the step. ln V carries half of the step's rotation already, as the
@@ -44,13 +49,29 @@ static const MpmParameter parameters[] = {
   {MPM_STRENGTH, "tension", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 0,
    "largest tension that the material bears, at most c cot(friction); without it, that", NULL, 10e3, NULL}};
 
-enum { STATE_SIGMA = 0, STATE_KAPPA = MPM_SYM };
+enum { STATE_SIGMA = 0, STATE_KAPPA = MPM_SYM, STATE_OPENING };
 
 static const MpmStateVariable states[] = {{"cauchy_stress", MPM_STATE_SYM, 0., "Pa"},
-                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"},
+                                          {"opening", MPM_STATE_SCALAR, 0., "-"}};
 
-/* R sigma R^T + C ln V, dF = V R; non-zero where dF has no such parts */
-MPM_FN int TrialStress(Lame lame, const Tensor *dF, const Real *sigma_n, Sym *sigma)
+/* Takes off a strain what closes an opening a; what is left of a. While it is open nothing of the strain acts. */
+MPM_FN Scalar Close(Real a, Sym *e)
+{
+  const Scalar trace = SymTrace(e), left = ScalarAdd(ScalarConstant(a), trace);
+  const double all = ScalarValue(trace), acts = ScalarValue(left);
+  Scalar       part;
+
+  if (RealVanishes(a)) return ScalarConstant(0.);
+  if (RealValue(a) > 0. && acts > 0.) return left;
+  if (!(all < 0.)) return ScalarConstant(0.);
+  part = ScalarChain2(left, trace, acts / all, 1. / all, -acts / (all * all));
+  for (int k = 0; k < MPM_SYM; ++k) e->a[k] = ScalarMul(part, e->a[k]);
+  return ScalarConstant(0.);
+}
+
+/* R sigma R^T + C ln V, dF = V R, with what acts of ln V; non-zero where dF has no such parts */
+MPM_FN int TrialStress(Lame lame, const Tensor *dF, const Real *sigma_n, Real *opening, Sym *sigma)
 {
   const Sym b = SymLeftCauchyGreen(dF);
   Sym       e, minus, inverse, elastic, turned;
@@ -67,9 +88,10 @@ MPM_FN int TrialStress(Lame lame, const Tensor *dF, const Real *sigma_n, Sym *si
       R.a[i * MPM_DIM + j] = sum;
     }
   }
-  turned  = SymPush(&R, sigma_n);
-  elastic = ElasticStress(lame, &e);
-  *sigma  = SymAdd(&turned, &elastic);
+  turned   = SymPush(&R, sigma_n);
+  *opening = ScalarReal(Close(*opening, &e));
+  elastic  = ElasticStress(lame, &e);
+  *sigma   = SymAdd(&turned, &elastic);
   return 0;
 }
 
@@ -85,6 +107,20 @@ MPM_FN CoulombStrength StrengthFromParameters(const Real *parameter)
   return strength;
 }
 
+/* c cot phi I, or the tension that is borne; 0 without a strength, which nothing that has come apart has */
+MPM_FN Sym ApexStress(const Real *parameter)
+{
+  const CoulombStrength strength = StrengthFromParameters(parameter);
+  Real                  apex     = 0.;
+  Sym                   sigma;
+
+  if (strength.cut) apex = parameter[TENSION];
+  else if (RealValue(parameter[COHESION]) <= DBL_MAX)
+    apex = DualReal(DualDiv(DualScale(0.5, strength.shear), strength.sin_phi));
+  for (int k = 0; k < MPM_SYM; ++k) sigma.a[k] = ScalarConstant(k < 3 ? apex : 0.);
+  return sigma;
+}
+
 /* As in mohr_coulomb.c, of a stress: by its invariants, then by its principal values, less what these may be off in 3D */
 MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym *sigma)
 {
@@ -96,8 +132,8 @@ MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym
   return CoulombExcess(strength, w[0], w[2]) + (MPM_DIM == 3 ? 1e-6 * root : 0.) <= CoulombNoise(lame);
 }
 
-/* Returns sigma to the strength where it is outside; kappa is what the equivalent plastic strain grows by. */
-MPM_FN int Return(const Real *parameter, Lame lame, Sym *sigma, Real *kappa)
+/* Returns sigma to the strength where it is outside; the equivalent plastic strain grows by kappa, and the opening. */
+MPM_FN int Return(const Real *parameter, Lame lame, Sym *sigma, Real *kappa, Real *opening)
 {
   const CoulombStrength strength = StrengthFromParameters(parameter);
   const Sym             outside  = *sigma;
@@ -113,6 +149,8 @@ MPM_FN int Return(const Real *parameter, Lame lame, Sym *sigma, Real *kappa)
   if (CoulombReturn(&strength, &flow, t)) return 1;
   *sigma = SymIsotropic(&outside, &principal, t);
   *kappa = ScalarReal(SymInvariant(&outside, &principal, CoulombPlasticStrain(lame, trial, t)));
+  if (!strength.cut && DualValue(t[0]) == DualValue(t[2])) /* the apex */
+    *opening += ScalarReal(ScalarSub(SymTrace(&outside), SymTrace(sigma))) / (3. * lame.lambda + 2. * lame.mu);
   return 0;
 }
 
@@ -120,15 +158,18 @@ MPM_FN int MpmMaterialEvaluate_jaumann_elastic(const MpmLawPoint *point, const T
 {
   const Lame   lame  = LameFromParameters(point->parameter);
   const Tensor F     = TensorMulArray(dF, point->F_n);
-  Real         grown = 0.;
+  Real         grown = 0., opening = point->state_n[STATE_OPENING];
   Sym          sigma;
 
-  if (!ElasticIsRegular(point, dF) || TrialStress(lame, dF, &point->state_n[STATE_SIGMA], &sigma)) return 1;
-  if (RealValue(point->parameter[COHESION]) <= DBL_MAX && Return(point->parameter, lame, &sigma, &grown)) return 1;
+  if (!ElasticIsRegular(point, dF) || TrialStress(lame, dF, &point->state_n[STATE_SIGMA], &opening, &sigma)) return 1;
+  if (RealValue(opening) > 0.) sigma = ApexStress(point->parameter);
+  else if (RealValue(point->parameter[COHESION]) <= DBL_MAX && Return(point->parameter, lame, &sigma, &grown, &opening))
+    return 1;
   *tau = SymScale(TensorDetByCofactors(&F), &sigma);
   if (point->state) {
     SymStore(&point->state[STATE_SIGMA], &sigma);
-    point->state[STATE_KAPPA] = point->state_n[STATE_KAPPA] + grown;
+    point->state[STATE_KAPPA]   = point->state_n[STATE_KAPPA] + grown;
+    point->state[STATE_OPENING] = opening;
   }
   return 0;
 }

@@ -58,13 +58,17 @@ def check(results):
     top, bottom = results.column("outflow_top"), results.column("outflow_bottom")
     width, step = results.numbers("mpm_body_layer_upper")[0], results.column("dt")[-1]
     flux = theory.conductivity * theory.gradient * width
-    return [common.completed(results),
-            Quantity("stress_error", np.max(np.abs(stress - theory.stress(depth))) / base, None, STRESS),
-            Quantity("stress_error_at_places", at_places(results, theory, state) / base, None, STRESS),
-            Quantity("pressure_error", np.max(np.abs(state["pressure"] - theory.pressure(theory.height - state["position"][:, 1])))
-                     / theory.pressure(theory.height), None, STRESS),
-            Quantity.near("flux_top", (top[-1] - top[-2]) / step, flux, FLUX),
-            Quantity.near("flux_bottom", (bottom[-1] - bottom[-2]) / step, -flux, FLUX)]
+    pressure = np.max(np.abs(state["pressure"] - theory.pressure(theory.height - state["position"][:, 1])))
+    quantities = [common.completed(results),
+                  Quantity("stress_error", np.max(np.abs(stress - theory.stress(depth))) / base, None, STRESS),
+                  Quantity("stress_error_at_places", at_places(results, theory, state) / base, None, STRESS),
+                  Quantity("pressure_error", pressure / theory.pressure(theory.height), None, STRESS),
+                  Quantity.near("flux_top", (top[-1] - top[-2]) / step, flux, FLUX),
+                  Quantity.near("flux_bottom", (bottom[-1] - bottom[-2]) / step, -flux, FLUX)]
+    if results.option("mpm_shape_edge", "linear") == "open":
+        error = state["stress"][:, 1] - theory.stress(np.sum(state["volume"]) / width - state["position"][:, 1])
+        quantities.append(Quantity("stress_error_at_points", np.max(np.abs(error)) / base, None, STRESS))
+    return quantities
 
 
 def draw(results):

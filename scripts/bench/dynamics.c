@@ -1,15 +1,19 @@
 /*
-  Nanoseconds a point for a step of explicit dynamics, and for one residual of a quasi-static step on the same points.
+  Nanoseconds a point for a step of explicit dynamics, and for one residual of a quasi-static step on the same points; or for an
+  iteration of Newton's method in a step of implicit dynamics, and in a quasi-static one.
 
     bench_dynamics -bench_explicit SCENE -bench_static SCENE [-bench_rounds 5] [-bench_steps 10]
+    bench_dynamics -bench_implicit SCENE -bench_static SCENE [-bench_rounds 5]
 
-  explicit, static  the same scene with either integrator; the first one must not write states
-  rounds            times that each is measured; they take turns
-  steps             explicit steps, or residuals, in each of them
+  explicit, implicit, static  the same scene with either integrator; the explicit one must not write states
+  rounds                      times that each is measured; they take turns
+  steps                       explicit steps, or residuals, in each of them
 
   A step is all that lies between the starts of two steps of a run: migration, its length, space, motion, stress, the account of
   energy and the row of the history. A residual is what Newton's method asks for once an iteration, with the points' trial state, in a
-  quasi-static step from where the points then are. Seconds are those of the processor.
+  quasi-static step from where the points then are. An iteration is what a step's solution takes, over their number: residuals,
+  Jacobians and linear solutions, and with them what is made once a step (key step_); the step is always the same one, the second of
+  the dynamic model, whose points stand between the cells of the grid. Seconds are those of the processor.
 
   Lines on the terminal, for a program to read: a key and a number.
 */
@@ -18,11 +22,14 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "solve/solve.h"
+#include "time/integrator.h"
 #include "time/model.h"
 #include "time/time.h"
 
-#define BENCH_WARM   5    /* steps before the first round */
-#define BENCH_STRAIN 1e-4 /* of the quasi-static step */
+#define BENCH_WARM       5    /* steps before the first round */
+#define BENCH_STRAIN     1e-4 /* of the quasi-static step */
+#define BENCH_ITERATIONS 2    /* of Newton's method, in steps that it would end after two to four */
+#define BENCH_SHIFT      0.15
 
 typedef struct {
   MpmModel  fixed; /* quasi-static */
@@ -138,12 +145,102 @@ static PetscErrorCode Before(MpmModel model, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- iterations ---- */
+
+/* Points that have moved over the grid: at the start they stand in its cells as they were made. */
+static PetscErrorCode ShiftPoints(MpmModel model)
+{
+  const PetscInt dim = model->disc.dim;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < points.count; p++)
+    for (PetscInt a = 0; a < dim; a++) points.x[p * dim + a] += BENCH_SHIFT * model->disc.grid->h[a];
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Newton's method has done enough after so many iterations, here as there. */
+static PetscErrorCode Enough(SNES snes, PetscInt it, PetscReal xnorm, PetscReal gnorm, PetscReal fnorm,
+                             SNESConvergedReason *reason, void *ctx)
+{
+  (void)snes, (void)xnorm, (void)gnorm, (void)fnorm, (void)ctx;
+  *reason = it == BENCH_ITERATIONS ? SNES_CONVERGED_ITS : SNES_CONVERGED_ITERATING;
+  return 0;
+}
+
+/* A model's next step. It is accepted where it has no name, otherwise timed and taken back. */
+static PetscErrorCode Iterations(MpmModel model, const char *name)
+{
+  const MpmIntegrator *integrator = model->state.scheme.integrator;
+  const PetscReal      points = (PetscReal)model->state.particles->total, dt = model->state.dt_nominal, since = Now();
+  PetscReal            solve;
+  const char          *why;
+  PetscBool            retryable;
+
+  PetscFunctionBeginUser;
+  PetscCall(integrator->begin(model, model->state.time + dt, dt, PETSC_FALSE, &why));
+  PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
+  PetscCall(integrator->predict(model));
+  if (name) PetscCall(SNESSetConvergenceTest(model->solver.snes, Enough, NULL, NULL));
+  solve = Now();
+  PetscCall(integrator->solve(model, &why, &retryable));
+  solve = Now() - solve;
+  PetscCheck(!why, model->comm, PETSC_ERR_NOT_CONVERGED, "%s", why);
+  PetscCall((name ? integrator->roll_back : integrator->accept)(model));
+  if (!name) {
+    model->state.time += dt;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s_ns %.6g\nstep_%s_ns %.6g\n%s_newton %g\n", name,
+                        (double)(1e9 * solve / (points * (PetscReal)model->solver.newton)), name,
+                        (double)(1e9 * (Now() - since) / (points * (PetscReal)model->solver.newton)), name,
+                        (double)model->solver.newton));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CompareIterations(Bench *bench)
+{
+  MpmModel model;
+
+  PetscFunctionBeginUser;
+  PetscCall(CreateModel("-bench_implicit", &model));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "points %g\n", (double)model->state.particles->total));
+  PetscCall(ShiftPoints(model));
+  PetscCall(Iterations(model, NULL));
+  PetscCall(Iterations(bench->fixed, NULL));
+  PetscCall(CopyPoints(model, bench->fixed));
+  for (PetscInt round = 0; round < bench->rounds; round++) {
+    PetscCall(Iterations(bench->fixed, "static"));
+    PetscCall(Iterations(model, "implicit"));
+  }
+  PetscCall(MpmModelDestroy(&model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CompareSteps(Bench *bench, int *status)
+{
+  MpmModel model;
+
+  PetscFunctionBeginUser;
+  PetscCall(CreateModel("-bench_explicit", &model));
+  bench->points = (PetscReal)model->state.particles->total;
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "points %g\n", (double)bench->points));
+  PetscCall(MpmModelSetBeforeStep(model, Before, bench));
+  PetscCall(MpmModelRun(model, status));
+  PetscCheck(*status == 0, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED, "the explicit run gave up");
+  PetscCall(MpmModelDestroy(&model));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&bench->x[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   Bench       bench = {.rounds = 5, .steps = 10};
-  MpmModel    model;
+  PetscBool   implicit;
   PetscMPIInt size;
-  int         status;
+  int         status = 0;
 
   PetscCall(PetscInitialize(&argc, &argv, NULL, "bench_dynamics -bench_explicit SCENE -bench_static SCENE\n"));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
@@ -151,14 +248,9 @@ int main(int argc, char **argv)
   PetscCall(PetscOptionsGetInt(NULL, NULL, "-bench_rounds", &bench.rounds, NULL));
   PetscCall(PetscOptionsGetInt(NULL, NULL, "-bench_steps", &bench.steps, NULL));
   PetscCall(CreateModel("-bench_static", &bench.fixed));
-  PetscCall(CreateModel("-bench_explicit", &model));
-  bench.points = (PetscReal)model->state.particles->total;
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "points %g\n", (double)bench.points));
-  PetscCall(MpmModelSetBeforeStep(model, Before, &bench));
-  PetscCall(MpmModelRun(model, &status));
-  PetscCheck(status == 0, PETSC_COMM_WORLD, PETSC_ERR_NOT_CONVERGED, "the explicit run gave up");
-  PetscCall(MpmModelDestroy(&model));
-  for (PetscInt k = 0; k < 2; k++) PetscCall(VecDestroy(&bench.x[k]));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-bench_implicit", &implicit));
+  if (implicit) PetscCall(CompareIterations(&bench));
+  else PetscCall(CompareSteps(&bench, &status));
   PetscCall(MpmModelDestroy(&bench.fixed));
   PetscCall(PetscFinalize());
   return status;

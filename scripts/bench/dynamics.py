@@ -2,7 +2,8 @@
 
 `dynamics`: nanoseconds a point and core of an explicit step, with everything that it does, of every shape and some laws in 2D (3 x 3
 points a cell) and 3D (2 x 2 x 2), and of one residual of a quasi-static step on the same points; both take turns in one run of the program
-bench_dynamics. `dynamics_newton`: seconds of a Newton iteration of an implicit dynamic step over one of a quasi-static step.
+bench_dynamics. `dynamics_newton`: what a Newton iteration of an implicit dynamic step costs over one of a quasi-static step on the same
+points, in the same program: its residuals, Jacobian and linear solution, and with all else that a step does (step_over_quasistatic).
 `dynamics_error`: error against seconds of a bar under its weight, put on at once or over fifty of its periods.
 `dynamics_kratos`: nanoseconds a point and step of a block that its weight presses together, beside those of Kratos MPM 10.4: the
 same grid, points, law (neo-Hookean), linear functions and steps. Kratos is looked for in --environment; --install fetches it.
@@ -43,8 +44,8 @@ def add_arguments(parser):
 
 # ---- an explicit step and a residual ----
 
-def block(dim, shape, law, cells, prefix, time):
-    """A block on the ground that slides off slowly, as a scene; `time`: its block of that name."""
+def block(dim, shape, law, cells, prefix, time, more=""):
+    """A block on the ground that slides off slowly, as a scene; `time`: its block of that name; `more`: lines of its first level."""
     lower, upper = ",".join(["0.2"] * (dim - 1) + ["0"]), ",".join(["1.0"] * (dim - 1) + ["0.8"])
     velocity = f', velocity: "{",".join(["0.1"] + ["0"] * (dim - 1))}"' if "explicit" in time else ""
     every = ",".join(["0"] * dim)
@@ -63,25 +64,29 @@ def block(dim, shape, law, cells, prefix, time):
   load_g: {{type: gravity, value: "{",".join(["0"] * (dim - 1) + ["-10"])}", ramp: "0:1"}}
   time: {{{time}}}
   output: {{prefix: {prefix}, every: 0}}
-"""
+{more}"""
 
 
-def measure(arguments, dim, shape, law, cells):
-    """Points, and nanoseconds of the rounds of one run: explicit steps, residuals."""
+def measure(arguments, scenes, options):
+    """What bench_dynamics tells of two scenes, by their options' names: lists of numbers by key."""
+    found = {}
     with tempfile.TemporaryDirectory() as folder:
-        options = {"bench_rounds": arguments.repeat, "bench_steps": 5 if arguments.quick else 10}
-        for key, time in (("explicit", "integrator: explicit, cfl: 0.5, end: 1e3"), ("static", "end: 1, step: 1")):
-            scene = Path(folder) / f"{key}.yaml"
-            scene.write_text(block(dim, shape, law, cells, Path(folder) / key, time), encoding="utf-8")
-            options[f"bench_{key}"] = scene
+        options = {"bench_rounds": arguments.repeat, **options}
+        for key, text in scenes.items():
+            options[f"bench_{key}"] = Path(folder) / f"{key}.yaml"
+            options[f"bench_{key}"].write_text(text.replace("PREFIX", str(Path(folder) / key)), encoding="utf-8")
         status, output, errors = execute([arguments.helper, *words_of(options)])
     if status != 0:
         raise BenchmarkError(f"{arguments.helper}: exit status {status}\n{errors.strip()}")
-    found = {"points": [], "explicit_ns": [], "residual_ns": []}
     for words in (line.split() for line in output.splitlines()):
-        if words and words[0] in found:
-            found[words[0]].append(float(words[1]))
-    return int(found["points"][0]), found["explicit_ns"], found["residual_ns"]
+        if len(words) == 2:
+            found.setdefault(words[0], []).append(float(words[1]))
+    return found
+
+
+def over(found, one, other):
+    """The median of quotients of numbers that were measured side by side."""
+    return statistics.median(a / b for a, b in zip(found[one], found[other]))
 
 
 def steps(arguments):
@@ -90,38 +95,31 @@ def steps(arguments):
         cases = [(shape, "hencky") for shape in SHAPES] + [("gimp", law) for law in LAWS if law != "hencky"]
         for shape, law in cases:
             cells = CELLS[dim] // 2 if arguments.quick else CELLS[dim]
-            points, explicit, residual = measure(arguments, dim, shape, law, cells)
-            table.add(dim=dim, shape=shape, law=law, points=points, explicit_ns=statistics.median(explicit),
-                      residual_ns=statistics.median(residual),
-                      ratio=statistics.median(a / b for a, b in zip(explicit, residual)))
+            scenes = {key: block(dim, shape, law, cells, "PREFIX", time)
+                      for key, time in (("explicit", "integrator: explicit, cfl: 0.5, end: 1e3"), ("static", "end: 1, step: 1"))}
+            found = measure(arguments, scenes, {"bench_steps": 5 if arguments.quick else 10})
+            table.add(dim=dim, shape=shape, law=law, points=int(found["points"][0]),
+                      explicit_ns=statistics.median(found["explicit_ns"]), residual_ns=statistics.median(found["residual_ns"]),
+                      ratio=over(found, "explicit_ns", "residual_ns"))
 
 
 # ---- a Newton iteration ----
 
-def iteration(run):
-    """Milliseconds of a Newton iteration: its residual, Jacobian and solve."""
-    return 1e3 * sum(run[timer] for timer in ("residual", "jacobian", "solve")) / run["newton_iterations"]
-
-
 def newton(arguments):
-    table = Table(arguments.out, "dynamics_newton", ("dim", "shape", "integrator", "newton", "ms", "over_quasistatic", "status"))
-    ways = {"quasistatic": "end: 1, step: 0.1",
-            **{name: f"integrator: {name}, end: 1, step: 0.1" for name in ("backward_euler", "newmark", "generalized_alpha")}}
-    for dim, shape in ((2, "gimp"), (2, "gimp_bspline2"), (3, "gimp")):
-        cells = (CELLS[dim] if dim == 2 else 12) // (2 if arguments.quick else 1)
-        with tempfile.TemporaryDirectory() as folder:
-            scenes = {way: Path(folder) / f"{way}.yaml" for way in ways}
-            for way, scene in scenes.items():
-                scene.write_text(block(dim, shape, "hencky", cells, "run", ways[way]), encoding="utf-8")
-            runs = in_turn(arguments.repeat, [lambda scene=scene: run_scene(arguments.program, scene, {}) for scene in scenes.values()])
-        base = [iteration(run) for run in runs[0] if run.completed]
-        for way, mine in zip(ways, runs):
-            row = {"dim": dim, "shape": shape, "integrator": way, "status": mine[0].status}
-            if mine[0].completed and base:
-                times = [iteration(run) for run in mine]
-                row.update(newton=mine[0]["newton_iterations"], ms=statistics.median(times),
-                           over_quasistatic=statistics.median(a / b for a, b in zip(times, base)))
-            table.add(**row)
+    table = Table(arguments.out, "dynamics_newton", ("dim", "shape", "integrator", "mass", "points", "static_ns", "implicit_ns",
+                                                     "over_quasistatic", "step_over_quasistatic"))
+    time = "end: 1, step: 0.002"
+    ways = [("newmark", "lumped"), ("newmark", "consistent"), ("generalized_alpha", "lumped"), ("backward_euler", "lumped")]
+    for dim, shape in ((2, "linear"), (2, "gimp"), (2, "gimp_bspline2"), (3, "linear"), (3, "gimp")):
+        cells = (60 if dim == 2 else 12) // (2 if arguments.quick else 1)
+        for integrator, mass in ways:
+            scenes = {key: block(dim, shape, "hencky", cells, "PREFIX", words + time, "  newton_lag: false\n")
+                      for key, words in (("static", ""), ("implicit", f"integrator: {integrator}, mass: {mass}, "))}
+            found = measure(arguments, scenes, {"bench_rounds": 3 * arguments.repeat})
+            table.add(dim=dim, shape=shape, integrator=integrator, mass=mass, points=int(found["points"][0]),
+                      static_ns=statistics.median(found["static_ns"]), implicit_ns=statistics.median(found["implicit_ns"]),
+                      over_quasistatic=over(found, "implicit_ns", "static_ns"),
+                      step_over_quasistatic=over(found, "step_implicit_ns", "step_static_ns"))
 
 
 # ---- error against seconds ----

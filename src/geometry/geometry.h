@@ -46,6 +46,8 @@ PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal ha
 PetscBool MpmRegionIsRound(MpmRegion region);
 /* Puts a place onto the round surface along its normal, which is returned, outward; what it was below it, m. */
 PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[]);
+/* Of a round one, m. */
+PetscReal MpmRegionRadius(MpmRegion region);
 
 /*
   Reads -<prefix>vertices, a polygon that does not meet itself: x and y of `count` vertices in order; free with

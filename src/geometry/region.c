@@ -548,3 +548,8 @@ PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[])
   }
   return region->radius - norm;
 }
+
+PetscReal MpmRegionRadius(MpmRegion region)
+{
+  return region->radius;
+}

@@ -135,37 +135,34 @@ static inline void AddSegment(PetscInt degree, PetscReal t, PetscReal s, PetscRe
   enters by less than MPM_SHAPE_TOUCH of its length is not entered: the interval before it is taken to reach that far, as at an edge.
   A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no stiffness.
 */
-static inline PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, PetscInt *first, PetscReal w[],
-                                 PetscReal g[])
+MPM_INLINE PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, PetscInt *first, PetscReal w[], PetscReal g[])
 {
   const PetscReal inverse = 0.5 / l, reach = l - 2. * l * MPM_SHAPE_TOUCH;
   const PetscReal knot = at.offset - at.local; /* distance from the point to the lower end of its interval */
   PetscInt        low = 0, high = 0, count;
-  PetscReal       from = -l, shared[2] = {0., 0.}; /* what linear functions' intervals add to the node between them */
+  PetscReal       from = -l, weight[3] = {0.}, slope[3] = {0.}; /* of the nodes that the next interval meets, too */
 
   while (at.index + low > at.lower && knot + (PetscReal)low > -reach) low--;
   while (at.index + high < at.upper && knot + (PetscReal)(high + 1) < reach) high++;
   *first = at.index + low - degree / 2;
   count  = high - low + degree + 1;
-  for (PetscInt k = 0; degree > 1 && k < count; k++) w[k] = g[k] = 0.;
   for (PetscInt j = low; j <= high; j++) {
     const PetscReal to = (j == high) ? l : knot + (PetscReal)(j + 1);
     const PetscReal t = at.local - (PetscReal)j + 0.5 * (from + to), f = (to - from) * inverse;
 
-    if (degree == 1) { /* at once: a sum in memory would wait for the store before it */
-      PetscReal weight[2] = {shared[0], 0.}, slope[2] = {shared[1], 0.};
-
-      AddSegment(degree, t, to - from, f, weight, slope);
-      w[j - low] = weight[0];
-      g[j - low] = slope[0];
-      shared[0]  = weight[1];
-      shared[1]  = slope[1];
-    } else AddSegment(degree, t, to - from, f, w + (j - low), g + (j - low));
-    from = to;
+    AddSegment(degree, t, to - from, f, weight, slope);
+    w[j - low] = weight[0];
+    g[j - low] = slope[0];
+    for (PetscInt i = 0; i < degree; i++) {
+      weight[i] = weight[i + 1];
+      slope[i]  = slope[i + 1];
+    }
+    weight[degree] = slope[degree] = 0.;
+    from                           = to;
   }
-  if (degree == 1) {
-    w[count - 1] = shared[0];
-    g[count - 1] = shared[1];
+  for (PetscInt i = 0; i < degree; i++) {
+    w[count - degree + i] = weight[i];
+    g[count - degree + i] = slope[i];
   }
   return count;
 }
@@ -264,8 +261,8 @@ static inline void TrimEnds(MpmShapeLine *line)
 }
 
 /* Inlined with a constant degree, so that each shape gets its own straight-line code. */
-static inline void Evaluate(PetscInt degree, MpmEdgeType edge, PetscReal xi, PetscReal l, PetscInt edge_lower,
-                            PetscInt edge_upper, MpmShapeLine *line)
+MPM_INLINE void Evaluate(PetscInt degree, MpmEdgeType edge, PetscReal xi, PetscReal l, PetscInt edge_lower,
+                         PetscInt edge_upper, MpmShapeLine *line)
 {
   const Interval at = Locate(degree, xi, edge_lower, edge_upper);
 
@@ -293,25 +290,49 @@ PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond,
   return k == 0 ? 2. : k == 1 ? -1. : 0.;
 }
 
-void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
-                      PetscInt edge_upper, MpmShapeLine *line)
+/* Of one shape, which is a constant here. */
+MPM_INLINE void EvaluateAll(PetscInt degree, PetscBool domain, MpmEdgeType edge, PetscInt count,
+                            const MpmShapePlaces *at, const MpmShapeLines *lines)
+{
+  const PetscInt width = lines->width;
+
+  for (PetscInt k = 0; k < count; k++) {
+    MpmShapeLine line = {.weight = &lines->weight[k * width], .gradient = &lines->gradient[k * width]};
+
+    Evaluate(degree, edge, at->xi[k], domain ? at->half_length[k] : 0., at->edge_lower[k], at->edge_upper[k], &line);
+    for (PetscInt i = line.count; i < width; i++) line.gradient[i] = 0.;
+    lines->first[k] = line.first;
+    lines->count[k] = line.count;
+  }
+}
+
+void MpmShapeEvaluateAll(MpmShapeType type, MpmEdgeType edge, PetscInt count, const MpmShapePlaces *at,
+                         const MpmShapeLines *lines)
 {
   switch (type) {
   case MPM_SHAPE_GIMP:
-    Evaluate(1, edge, xi, half_length, edge_lower, edge_upper, line);
+    EvaluateAll(1, PETSC_TRUE, edge, count, at, lines);
     break;
   case MPM_SHAPE_BSPLINE2:
-    Evaluate(2, edge, xi, 0., edge_lower, edge_upper, line);
+    EvaluateAll(2, PETSC_FALSE, edge, count, at, lines);
     break;
   case MPM_SHAPE_BSPLINE3:
-    Evaluate(3, edge, xi, 0., edge_lower, edge_upper, line);
+    EvaluateAll(3, PETSC_FALSE, edge, count, at, lines);
     break;
   case MPM_SHAPE_GIMP_BSPLINE2:
-    Evaluate(2, edge, xi, half_length, edge_lower, edge_upper, line);
+    EvaluateAll(2, PETSC_TRUE, edge, count, at, lines);
     break;
   default:
-    Evaluate(1, edge, xi, 0., edge_lower, edge_upper, line);
+    EvaluateAll(1, PETSC_FALSE, edge, count, at, lines);
   }
+}
+
+void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
+                      PetscInt edge_upper, MpmShapeLine *line)
+{
+  const MpmShapeLines lines = {0, &line->first, &line->count, line->weight, line->gradient};
+
+  MpmShapeEvaluateAll(type, edge, 1, &(MpmShapePlaces){&xi, &half_length, &edge_lower, &edge_upper}, &lines);
 }
 
 void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal by, PetscInt edge_lower,

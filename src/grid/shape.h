@@ -83,6 +83,18 @@ typedef struct {
 */
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                       PetscInt edge_upper, MpmShapeLine *line);
+/* That for many points and axes: the arguments, and what becomes of them, in arrays. */
+typedef struct {
+  const PetscReal *xi, *half_length;
+  const PetscInt  *edge_lower, *edge_upper;
+} MpmShapePlaces;
+typedef struct {
+  PetscInt   width; /* numbers a line; gradients behind its nodes become 0 */
+  PetscInt  *first, *count;
+  PetscReal *weight, *gradient;
+} MpmShapeLines;
+void MpmShapeEvaluateAll(MpmShapeType type, MpmEdgeType edge, PetscInt count, const MpmShapePlaces *at,
+                         const MpmShapeLines *lines);
 /*
   The weights at xi + by of the polynomials that hold in the knot interval of xi, also where they do not hold any more; domains are
   left out of account.

@@ -54,14 +54,22 @@ static PetscErrorCode FillStress(const void *ctx, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* In saturated ground that of the water's balance: of laws of small strain 1 + tr(F - I), whose change is what has flowed. */
 static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
 {
   const MpmPoints *points = ((const Source *)ctx)->points;
-  const PetscInt   dim    = ((const Source *)ctx)->model->disc.dim;
+  const MpmModel   model  = ((const Source *)ctx)->model;
+  const PetscInt   dim    = model->disc.dim;
 
   PetscFunctionBeginUser;
-  for (PetscInt p = 0; p < points->count; p++)
-    values[p] = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal *F = &points->F[p * dim * dim];
+
+    values[p] =
+      points->volume0[p] * (model->disc.layout->taken_up < 0
+                              ? MpmDeterminant(dim, F)
+                              : MpmPointVolumeRatio(&model->scene.materials->at[points->material[p]], dim, F));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -77,7 +77,8 @@ static PetscErrorCode PrintMotion(const MpmModel model)
       PetscCall(
         PetscSNPrintf(text, sizeof(text), " with beta %g, gamma %g", (double)motion->beta, (double)motion->gamma));
     PetscCall(PetscPrintf(model->comm, "  integrator %s%s, transfer %s, %s mass\n", MpmIntegratorTypes[motion->type],
-                          text, MpmTransferTypes[motion->transfer.type], motion->consistent ? "consistent" : "lumped"));
+                          text, MpmTransferTypes[motion->transfer.type],
+                          motion->lumped || motion->type == MPM_EXPLICIT ? "lumped" : "consistent"));
     break;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

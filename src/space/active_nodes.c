@@ -40,13 +40,12 @@ static PetscErrorCode MapAllocate(NodeMap *map, PetscInt64 *size)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Calls for each row of a group's nodes along x: `row` is their places in the map. */
+/* Goes through the rows of a group's nodes along x: `row` is their places in the map. */
 #define FOR_GROUP_ROWS(map, group, row) \
-  for (PetscInt k_ = 0; k_ < (group)->count[2]; k_++) \
-    for (PetscInt j_ = 0; \
-         j_ < (group)->count[1] && \
-         (row = MapAt(map, (const PetscInt[]){(group)->first[0], (group)->first[1] + j_, (group)->first[2] + k_}), 1); \
-         j_++)
+  for (PetscInt k_ = 0, x_ = (map)->upper[0] - (map)->lower[0], y_ = (map)->upper[1] - (map)->lower[1]; \
+       k_ < (group)->count[2]; k_++) \
+    for (PetscInt j_ = ((row) = MapAt(map, (group)->first) + k_ * y_ * x_, 0); j_ < (group)->count[1]; \
+         j_++, (row) += x_)
 
 /* Marks the nodes that this rank's points touch. */
 static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)

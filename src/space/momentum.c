@@ -17,85 +17,6 @@
 
 const char *const MpmTransferTypes[] = {"apic", "flip", NULL};
 
-typedef struct {
-  const MpmTransfer *transfer;
-  PetscReal         *storage, *sums;
-  MpmStencil         at;
-} Work;
-
-static PetscErrorCode WorkCreate(const MpmSum *sum, const MpmTransfer *transfer, Work *work)
-{
-  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim), dim = sum->space->dim;
-
-  PetscFunctionBeginUser;
-  work->transfer = transfer;
-  PetscCall(PetscMalloc1((most * (2 + 2 * dim)), &work->storage));
-  work->at.weight = work->storage;
-  work->sums      = work->at.weight + most;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The sums of one group: [c][i], mass first, then momentum, then mass times acceleration. */
-MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscInt numbers,
-                                  Work *work, PetscReal nodal[])
-{
-  const MpmPoints *points = sum->points;
-  const PetscInt   n = known.n, dim = known.dim;
-  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
-  const PetscBool  affine = (PetscBool)(work->transfer->type == MPM_TRANSFER_APIC);
-  PetscInt         first[MPM_MAX_DIM];
-
-  MpmSpaceAt(sum->space, group->first, first);
-  for (PetscInt k = 0; k < n * numbers; k++) work->sums[k] = 0.;
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt  p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
-    const PetscReal mass = MpmPointMass(points, sum->materials, p);
-    PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM];
-
-    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
-    MpmFetch(points->x, ahead, dim);
-    MpmFetch(points->velocity, ahead, dim);
-    MpmStencilEvaluate(known, sum, first, p, &work->at);
-    if (affine) MpmStencilAffine(known, sum, work->transfer, p, work->at.second, C);
-    for (PetscInt i = 0; i < n; i++) work->sums[i] += mass * work->at.weight[i];
-    if (numbers > 1)
-      MpmStencilAddMomentum(known, mass, &points->velocity[p * dim], affine ? C : NULL, &work->at, work->sums + n);
-    if (numbers > 1 + dim)
-      MpmStencilAddMomentum(known, mass, &points->acceleration[p * dim], NULL, &work->at, work->sums + n * (1 + dim));
-  }
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt c = 0; c < numbers; c++) nodal[nodes[i] * numbers + c] += work->sums[c * n + i];
-  return PETSC_SUCCESS;
-}
-
-PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
-                                  PetscReal velocity[], PetscReal acceleration[])
-{
-  const MpmSpace *space   = sum->space;
-  const PetscInt  dim     = space->dim;
-  const PetscInt  numbers = 1 + (velocity ? dim : 0) + (acceleration ? dim : 0);
-  PetscReal      *nodal;
-  Work            work;
-
-  PetscFunctionBeginUser;
-  PetscCall(WorkCreate(sum, transfer, &work));
-  PetscCall(PetscCalloc1((space->local * numbers), &nodal));
-  for (PetscInt g = 0; g < space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &space->groups[g], ToNodes, sum, &space->groups[g], numbers, &work, nodal);
-  PetscCall(MpmSpaceAddToOwners(space, numbers, nodal));
-  PetscCall(MpmSpaceToGhosts(space, numbers, nodal));
-  for (PetscInt i = 0; i < space->local; i++) {
-    const PetscReal *at = &nodal[i * numbers], by = at[0] > 0. ? 1. / at[0] : 0.;
-
-    mass[i] = at[0];
-    for (PetscInt a = 0; velocity && a < dim; a++) velocity[i * dim + a] = by * at[1 + a];
-    for (PetscInt a = 0; acceleration && a < dim; a++) acceleration[i * dim + a] = by * at[1 + dim + a];
-  }
-  PetscCall(PetscFree(nodal));
-  PetscCall(PetscFree(work.storage));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- sums ---- */
 
 /* Adds m x v, and the moment m sum_b eps_cab B_ab of the affine part. */
@@ -105,8 +26,7 @@ MPM_INLINE void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], co
   for (PetscInt c = dim == 2 ? 2 : 0; c < 3; c++) {
     const PetscInt a = (c + 1) % 3, b = (c + 2) % 3;
 
-    angular[c] += mass * (x[a] * v[b] - x[b] * v[a]);
-    if (B) angular[c] += mass * (B[b * dim + a] - B[a * dim + b]);
+    angular[c] += mass * (x[a] * v[b] - x[b] * v[a] + (B ? B[b * dim + a] - B[a * dim + b] : 0.));
   }
 }
 
@@ -123,21 +43,23 @@ MPM_INLINE PetscErrorCode SumGroup(const MpmKnown known, const MpmSum *sum, cons
     const PetscInt  p    = sum->space->order[s];
     const PetscReal mass = MpmPointMass(points, sum->materials, p), *v = &points->velocity[p * dim];
     PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM], B[MPM_MAX_DIM * MPM_MAX_DIM];
+    PetscReal       square = 0.; /* of the velocity, over the point */
     MpmStencil      at;
 
     sums->mass += mass;
     for (PetscInt a = 0; a < dim; a++) {
       sums->momentum[a] += mass * v[a];
-      sums->kinetic += 0.5 * mass * v[a] * v[a];
+      square += v[a] * v[a];
     }
     if (affine) {
       MpmStencilPlace(known, sum, first, p, &at);
       MpmStencilAffine(known, sum, transfer, p, at.second, C);
       for (PetscInt k = 0; k < dim * dim; k++) {
         B[k] = C[k] * at.second[k % dim];
-        sums->kinetic += 0.5 * mass * C[k] * B[k];
+        square += C[k] * B[k];
       }
     }
+    sums->kinetic += 0.5 * mass * square;
     AddAngular(dim, mass, &points->x[p * dim], v, affine ? B : NULL, sums->angular);
   }
   return PETSC_SUCCESS;
@@ -158,8 +80,10 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
   The numbers of a node stand side by side in vectors of the processor: a point touches few nodes on an axis, and there are as
   many numbers.
 */
-#define SLIM 4
-typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), aligned(sizeof(PetscReal))));
+MPM_INLINE Slim Load(PetscInt dim, const PetscReal v[])
+{
+  return dim == 2 ? (Slim){v[0], v[1], 0., 0.} : (Slim){v[0], v[1], v[2], 0.};
+}
 
 /* Of a node in the first pass: momentum, and mass behind it; and force. */
 typedef struct {
@@ -191,12 +115,24 @@ typedef struct {
   Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM];
 } Carried;
 
-/* Mass, momentum and force of one point, added to those of its group's nodes. */
+/* A point's weights along x and what they are times the way to the nodes, which every row of nodes takes. */
+typedef struct {
+  PetscReal weight[MPM_MAX_WIDTH], gradient[MPM_MAX_WIDTH], moment[MPM_MAX_WIDTH];
+} Row;
+
+/* Mass, momentum and force of one point, added to those of its nodes. */
 MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at, const Carried *of,
-                         Sums *restrict sums)
+                         const PetscInt nodes[], Sums *restrict sums)
 {
   const PetscInt   dim = known.dim, W = sum->space->width;
   const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W], *gx = &sum->space->shape[0].gradient[p * dim * W];
+  Row              line;
+
+  for (PetscInt k = 0; k < known.count[0]; k++) {
+    line.weight[k]   = wx[k];
+    line.gradient[k] = gx[k];
+    line.moment[k]   = wx[k] * at->away[0][k];
+  }
 
   for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
     const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];
@@ -209,9 +145,11 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, PetscInt p, co
       if (dim == 3) row += of->slope[2] * at->away[2][l];
       if (dim == 3) across += of->P[2] * g;
       row *= w;
-      for (PetscInt k = 0; k < known.count[0]; k++, sums++) {
-        sums->moving += row * wx[k] + by_away * (wx[k] * at->away[0][k]);
-        sums->force -= across * wx[k] + along * gx[k];
+      for (PetscInt k = 0; k < known.count[0]; k++) {
+        Sums *to = &sums[*nodes++];
+
+        to->moving += row * line.weight[k] + by_away * line.moment[k];
+        to->force -= across * line.weight[k] + along * line.gradient[k];
       }
     }
   }
@@ -219,79 +157,80 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, PetscInt p, co
 
 /* A point's momentum, its mass behind it, and the derivatives of it that its affine velocity makes. */
 MPM_INLINE void Momentum(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
-                         const MpmStencil *at, Slim *momentum, Slim slope[])
+                         const MpmStencil *at, Carried *of)
 {
   const PetscInt  dim  = known.dim;
   const PetscReal mass = MpmPointMass(sum->points, sum->materials, p), *v = &sum->points->velocity[p * dim];
   PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM];
 
-  *momentum =
+  of->momentum =
     dim == 2 ? (Slim){mass * v[0], mass * v[1], mass, 0.} : (Slim){mass * v[0], mass * v[1], mass * v[2], mass};
   if (transfer->type != MPM_TRANSFER_APIC) {
-    for (PetscInt b = 0; b < dim; b++) slope[b] = (Slim){0.};
+    for (PetscInt b = 0; b < dim; b++) of->slope[b] = (Slim){0.};
     return;
   }
   MpmStencilAffine(known, sum, transfer, p, at->second, C);
   for (PetscInt b = 0; b < dim; b++)
-    slope[b] = dim == 2 ? (Slim){mass * C[b], mass * C[dim + b], 0., 0.}
-                        : (Slim){mass * C[b], mass * C[dim + b], mass * C[2 * dim + b], 0.};
+    of->slope[b] = dim == 2 ? (Slim){mass * C[b], mass * C[dim + b], 0., 0.}
+                            : (Slim){mass * C[b], mass * C[dim + b], mass * C[2 * dim + b], 0.};
 }
 
 MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        const MpmTransfer *transfer, Sums *restrict sums, PetscReal nodal[])
+                                        const MpmTransfer *transfer, Sums *restrict sums)
 {
-  const PetscInt  n = known.n, dim = known.dim, numbers = MPM_MOTION(dim);
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
-  PetscInt        first[MPM_MAX_DIM];
+  PetscInt first[MPM_MAX_DIM];
 
   MpmSpaceAt(sum->space, group->first, first);
-  for (PetscInt i = 0; i < n; i++) sums[i] = (Sums){{0.}, {0.}};
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
     Carried        of;
     MpmStencil     at;
 
     MpmSumFetch(known, sum, s);
-    MpmFetch(sum->points->velocity, MpmSumAhead(sum, s), dim);
+    MpmFetch(sum->points->velocity, MpmSumAhead(sum, s), known.dim);
     MpmStencilPlace(known, sum, first, p, &at);
-    Momentum(known, sum, transfer, p, &at, &of.momentum, of.slope);
+    Momentum(known, sum, transfer, p, &at, &of);
     PointStress(known, sum, p, of.P);
-    AddPoint(known, sum, p, &at, &of, sums);
-  }
-  for (PetscInt i = 0; i < n; i++) {
-    PetscReal *to = &nodal[nodes[i] * numbers];
-
-    to[0] += sums[i].moving[dim];
-    for (PetscInt c = 0; c < dim; c++) to[1 + c] += sums[i].moving[c];
-    for (PetscInt c = 0; c < dim; c++) to[1 + dim + c] += sums[i].force[c];
+    AddPoint(known, sum, p, &at, &of, &sum->space->group_nodes[group->node_offset], sums);
   }
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal nodal[])
+PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[], PetscReal velocity[],
+                                PetscReal force[])
 {
-  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim);
+  const PetscInt dim = sum->space->dim, local = sum->space->local;
   Sums          *sums;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(most, &sums));
+  PetscCall(PetscCalloc1(local, &sums));
   for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToNodes, sum, &sum->space->groups[g], transfer, sums,
-                 nodal);
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToNodes, sum, &sum->space->groups[g], transfer, sums);
+  for (PetscInt i = 0; i < local; i++) sums[i].force += Load(dim, &force[i * dim]);
+  PetscCall(MpmSpaceAddToOwners(sum->space, 2 * SLIM, (PetscReal *)sums));
+  PetscCall(MpmSpaceToGhosts(sum->space, 2 * SLIM, (PetscReal *)sums));
+  for (PetscInt i = 0; i < local; i++) {
+    const PetscReal by = sums[i].moving[dim] > 0. ? 1. / sums[i].moving[dim] : 0.;
+
+    mass[i] = sums[i].moving[dim];
+    for (PetscInt a = 0; a < dim; a++) velocity[i * dim + a] = by * sums[i].moving[a];
+    for (PetscInt a = 0; a < dim; a++) force[i * dim + a] = sums[i].force[a];
+  }
   PetscCall(PetscFree(sums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- and back ---- */
 
-/* Values at a group's nodes: [i][c]. */
+/* Values at the local nodes, [i][c], and how they go to the points. */
 typedef struct {
-  Slim *v_new, *change, *a_new, *again;
+  const MpmTransfer *transfer;
+  Slim              *v_new, *change, *a_new, *again;
 } Gathered;
 
 /* A field at a point, and its moments along the axes where `by` is not NULL. */
 MPM_INLINE Slim InterpolateSlim(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at,
-                                const Slim values[], Slim *by)
+                                const PetscInt nodes[], const Slim values[], Slim *by)
 {
   const PetscInt   dim = known.dim, W = sum->space->width;
   const PetscReal *wx    = &sum->space->shape[0].weight[p * dim * W];
@@ -300,11 +239,11 @@ MPM_INLINE Slim InterpolateSlim(const MpmKnown known, const MpmSum *sum, PetscIn
   for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
     Slim sheet = {0.}, along = {0.}, across = {0.};
 
-    for (PetscInt j = 0; j < known.count[1]; j++, values += known.count[0]) {
-      Slim row = values[0] * wx[0], moment = by ? values[0] * at->line[0][0] : row;
+    for (PetscInt j = 0; j < known.count[1]; j++, nodes += known.count[0]) {
+      Slim row = values[nodes[0]] * wx[0], moment = {0.};
 
-      for (PetscInt k = 1; k < known.count[0]; k++) row += values[k] * wx[k];
-      for (PetscInt k = 1; by && k < known.count[0]; k++) moment += values[k] * at->line[0][k];
+      for (PetscInt k = 1; k < known.count[0]; k++) row += values[nodes[k]] * wx[k];
+      for (PetscInt k = 0; by && k < known.count[0]; k++) moment += values[nodes[k]] * at->line[0][k];
       sheet += row * wx[W + j];
       if (!by) continue;
       along += moment * wx[W + j];
@@ -330,102 +269,214 @@ MPM_INLINE Slim InterpolateSlim(const MpmKnown known, const MpmSum *sum, PetscIn
 }
 
 /* The points' momentum alone, as AddPoint() has it. */
-MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at, const Slim momentum,
-                         const Slim slope[], Slim *restrict sums)
+MPM_INLINE void AddAgain(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at, const Carried *of,
+                         const PetscInt nodes[], Slim *restrict sums)
 {
   const PetscInt   dim = known.dim, W = sum->space->width;
   const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W];
+  Row              line;
+
+  for (PetscInt k = 0; k < known.count[0]; k++) {
+    line.weight[k] = wx[k];
+    line.moment[k] = wx[k] * at->away[0][k];
+  }
 
   for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
     for (PetscInt j = 0; j < known.count[1]; j++) {
       const PetscReal w       = dim == 2 ? wx[W + j] : wx[W + j] * wx[2 * W + l];
-      const Slim      by_away = slope[0] * w;
-      Slim            row     = momentum + slope[1] * at->away[1][j];
+      const Slim      by_away = of->slope[0] * w;
+      Slim            row     = of->momentum + of->slope[1] * at->away[1][j];
 
-      if (dim == 3) row += slope[2] * at->away[2][l];
+      if (dim == 3) row += of->slope[2] * at->away[2][l];
       row *= w;
-      for (PetscInt k = 0; k < known.count[0]; k++, sums++) *sums += row * wx[k] + by_away * (wx[k] * at->away[0][k]);
+      for (PetscInt k = 0; k < known.count[0]; k++) sums[*nodes++] += row * line.weight[k] + by_away * line.moment[k];
     }
   }
 }
 
-MPM_INLINE Slim Load(PetscInt dim, const PetscReal v[])
-{
-  return dim == 2 ? (Slim){v[0], v[1], 0., 0.} : (Slim){v[0], v[1], v[2], 0.};
-}
-
 /* One point's velocity and acceleration; the stencil's lines are there where it has an affine one. */
-MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
-                          const MpmMotionStep *step, const MpmStencil *at, const Gathered *nodes)
+MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmMotionStep *step,
+                          const MpmStencil *at, const PetscInt nodes[], const Gathered *of)
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = known.dim;
-  const PetscBool  apic   = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
+  const PetscBool  apic   = (PetscBool)(of->transfer->type == MPM_TRANSFER_APIC);
   Slim             by[MPM_MAX_DIM], change, moves;
 
   if (apic) {
-    moves = InterpolateSlim(known, sum, p, at, nodes->v_new, by);
+    moves = InterpolateSlim(known, sum, p, at, nodes, of->v_new, by);
     for (PetscInt k = 0; k < dim * dim; k++) points->affine[p * dim * dim + k] = by[k % dim][k / dim];
     for (PetscInt c = 0; c < dim; c++) points->velocity[p * dim + c] = moves[c];
   } else {
-    moves  = InterpolateSlim(known, sum, p, at, nodes->v_new, NULL);
-    change = InterpolateSlim(known, sum, p, at, nodes->change, NULL);
+    moves  = InterpolateSlim(known, sum, p, at, nodes, of->v_new, NULL);
+    change = InterpolateSlim(known, sum, p, at, nodes, of->change, NULL);
     for (PetscInt c = 0; c < dim; c++) {
       PetscReal *v = &points->velocity[p * dim + c];
 
-      *v = (1. - transfer->pic) * (*v + change[c]) + transfer->pic * moves[c];
+      *v = (1. - of->transfer->pic) * (*v + change[c]) + of->transfer->pic * moves[c];
     }
   }
   for (PetscInt c = 0; step->moves && c < dim; c++) step->moves[p * dim + c] = moves[c];
   if (!step->a_new) return;
-  change = InterpolateSlim(known, sum, p, at, nodes->a_new, NULL);
+  change = InterpolateSlim(known, sum, p, at, nodes, of->a_new, NULL);
   for (PetscInt c = 0; c < dim; c++) points->acceleration[p * dim + c] = change[c];
 }
 
 MPM_INLINE PetscErrorCode MotionToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                         const MpmTransfer *transfer, const MpmMotionStep *step, const Gathered *at)
+                                         const MpmMotionStep *step, const Gathered *at)
 {
   const PetscInt  dim   = known.dim;
-  const PetscBool apic  = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
+  const PetscBool apic  = (PetscBool)(at->transfer->type == MPM_TRANSFER_APIC);
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
   PetscInt        first[MPM_MAX_DIM];
 
   MpmSpaceAt(sum->space, group->first, first);
-  for (PetscInt i = 0; i < known.n; i++) {
-    at->v_new[i] = Load(dim, &step->v_new[nodes[i] * dim]);
-    at->again[i] = (Slim){0.};
-    if (!apic) at->change[i] = at->v_new[i] - Load(dim, &step->v_old[nodes[i] * dim]);
-    if (step->a_new) at->a_new[i] = Load(dim, &step->a_new[nodes[i] * dim]);
-  }
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
-    Slim           momentum, slope[MPM_MAX_DIM];
+    Carried        of;
     MpmStencil     stencil;
 
     MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
     MpmFetch(sum->points->velocity, ahead, dim);
     MpmStencilPlace(known, sum, first, p, &stencil);
-    if (apic) MpmStencilLines(known, sum, p, transfer->degree, &stencil);
-    MovePoint(known, sum, transfer, p, step, &stencil, at);
+    if (apic) MpmStencilLines(known, sum, p, at->transfer->degree, &stencil);
+    MovePoint(known, sum, p, step, &stencil, nodes, at);
     if (!step->again) continue;
-    Momentum(known, sum, transfer, p, &stencil, &momentum, slope);
-    AddAgain(known, sum, p, &stencil, momentum, slope, at->again);
+    Momentum(known, sum, at->transfer, p, &stencil, &of);
+    AddAgain(known, sum, p, &stencil, &of, nodes, at->again);
   }
-  for (PetscInt i = 0; step->again && i < known.n; i++)
-    for (PetscInt c = 0; c < dim; c++) step->again[nodes[i] * dim + c] += at->again[i][c];
   return PETSC_SUCCESS;
 }
 
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step)
 {
-  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim);
-  Gathered       at;
+  const PetscInt  dim = sum->space->dim, local = sum->space->local;
+  const PetscBool flip = (PetscBool)(transfer->type != MPM_TRANSFER_APIC);
+  Gathered        at   = {.transfer = transfer};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc4(most, &at.v_new, most, &at.change, most, &at.a_new, most, &at.again));
+  PetscCall(PetscMalloc4(local, &at.v_new, (flip ? local : 0), &at.change, (step->a_new ? local : 0), &at.a_new,
+                         (step->again ? local : 0), &at.again));
+  for (PetscInt i = 0; i < local; i++) {
+    at.v_new[i] = Load(dim, &step->v_new[i * dim]);
+    if (flip) at.change[i] = at.v_new[i] - Load(dim, &step->v_old[i * dim]);
+    if (step->a_new) at.a_new[i] = Load(dim, &step->a_new[i * dim]);
+    if (step->again) at.again[i] = (Slim){0.};
+  }
   for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], transfer, step, &at);
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], step, &at);
+  for (PetscInt i = 0; step->again && i < local; i++)
+    for (PetscInt c = 0; c < dim; c++) step->again[i * dim + c] += at.again[i][c];
   PetscCall(PetscFree4(at.v_new, at.change, at.a_new, at.again));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- momentum and mass alone ---- */
+
+/* sums_i += w_i value at the nodes of one point */
+MPM_INLINE void AddValue(const MpmKnown known, const MpmSum *sum, PetscInt p, const Slim value, const PetscInt nodes[],
+                         Slim *restrict sums)
+{
+  const PetscInt   dim = known.dim, W = sum->space->width;
+  const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W];
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, nodes += known.count[0]) {
+      const Slim row = value * (dim == 2 ? wx[W + j] : wx[W + j] * wx[2 * W + l]);
+
+      for (PetscInt k = 0; k < known.count[0]; k++) sums[nodes[k]] += row * wx[k];
+    }
+  }
+}
+
+/* Momentum of one group's points, mass behind it; and mass times acceleration, or NULL. */
+MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                  const MpmTransfer *transfer, Slim *restrict moving, Slim *restrict accelerated)
+{
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim    = known.dim;
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+  PetscInt         first[MPM_MAX_DIM];
+
+  MpmSpaceAt(sum->space, group->first, first);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
+    Carried        of;
+    MpmStencil     at;
+
+    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
+    MpmFetch(points->x, ahead, dim);
+    MpmFetch(points->velocity, ahead, dim);
+    MpmStencilPlace(known, sum, first, p, &at);
+    Momentum(known, sum, transfer, p, &at, &of);
+    AddAgain(known, sum, p, &at, &of, nodes, moving);
+    if (accelerated)
+      AddValue(known, sum, p, Load(dim, &points->acceleration[p * dim]) * MpmPointMass(points, sum->materials, p),
+               nodes, accelerated);
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
+                                  PetscReal velocity[], PetscReal acceleration[])
+{
+  const MpmSpace *space = sum->space;
+  const PetscInt  dim = space->dim, local = space->local;
+  Slim           *moving, *accelerated    = NULL;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(local, &moving));
+  if (acceleration) PetscCall(PetscCalloc1(local, &accelerated));
+  for (PetscInt g = 0; g < space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &space->groups[g], ToNodes, sum, &space->groups[g], transfer, moving, accelerated);
+  PetscCall(MpmSpaceAddToOwners(space, SLIM, (PetscReal *)moving));
+  PetscCall(MpmSpaceToGhosts(space, SLIM, (PetscReal *)moving));
+  if (acceleration) PetscCall(MpmSpaceAddToOwners(space, SLIM, (PetscReal *)accelerated));
+  if (acceleration) PetscCall(MpmSpaceToGhosts(space, SLIM, (PetscReal *)accelerated));
+  for (PetscInt i = 0; i < local; i++) {
+    const PetscReal by = moving[i][dim] > 0. ? 1. / moving[i][dim] : 0.;
+
+    mass[i] = moving[i][dim];
+    for (PetscInt a = 0; a < dim; a++) velocity[i * dim + a] = by * moving[i][a];
+    for (PetscInt a = 0; acceleration && a < dim; a++) acceleration[i * dim + a] = by * accelerated[i][a];
+  }
+  PetscCall(PetscFree(moving));
+  PetscCall(PetscFree(accelerated));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One group's part of M a; `a` and `sums` are [i][c], of the local nodes. */
+MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const Slim a[],
+                                        Slim *restrict sums)
+{
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p     = sum->space->order[s];
+    const Slim     value = InterpolateSlim(known, sum, p, NULL, nodes, a, NULL);
+
+    MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), known.dim * sum->space->width);
+    AddValue(known, sum, p, value * MpmPointMass(sum->points, sum->materials, p), nodes, sums);
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[])
+{
+  const PetscInt dim = sum->space->dim, local = sum->space->local;
+  Slim          *values, *sums;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(local, &values, local, &sums));
+  for (PetscInt i = 0; i < local; i++) {
+    values[i] = Load(dim, &a[i * dim]);
+    sums[i]   = (Slim){0.};
+  }
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MultiplyGroup, sum, &sum->space->groups[g], values, sums);
+  for (PetscInt i = 0; i < local; i++)
+    for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += sums[i][c];
+  PetscCall(PetscFree2(values, sums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

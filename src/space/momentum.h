@@ -23,8 +23,8 @@ typedef struct {
 } MpmTransfer;
 
 /*
-  Mass (kg), and velocity (m/s) and acceleration (m/s2) weighted by it, at all local nodes, ghosts included; `velocity` and
-  `acceleration`, dim values a node, may be NULL. Nodes without mass are at rest.
+  Mass (kg), and velocity (m/s) and acceleration (m/s2) weighted by it, at all local nodes, ghosts included; dim values a
+  node; `acceleration` may be NULL. Nodes without mass are at rest.
 */
 PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
                                   PetscReal velocity[], PetscReal acceleration[]);

@@ -6,14 +6,13 @@
 #include "base/types.h"
 #include "space/momentum.h"
 
-/* Numbers a node: mass, momentum, and the points' forces, in this order. */
-#define MPM_MOTION(dim) (1 + 2 * (dim))
-
 /*
-  Adds this rank's part to `nodal`, MPM_MOTION(dim) numbers a local node: kg, kg m/s, and N, sum_p V_p sigma_p grad w_ip in the
-  stress of the step's start, taken negative: what it pushes with.
+  Mass (kg) and velocity (m/s) at all local nodes, ghosts included; and added to `force`, of which each rank has its part of the
+  loads, what the points push with, - sum_p V_p sigma_p grad w_ip in the stress of the step's start, N. Afterwards ghosts have
+  what their owners have. dim values a node; nodes without mass are at rest.
 */
-PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal nodal[]);
+PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[], PetscReal velocity[],
+                                PetscReal force[]);
 
 /* What the second pass takes from the local nodes, dim values each, and what it leaves. */
 typedef struct {
@@ -23,3 +22,6 @@ typedef struct {
 } MpmMotionStep;
 /* The points' new velocities and accelerations. Before the points are moved: the weights are those of the step's start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
+
+/* y += M a with the points' consistent mass: values at the local nodes, dim each; the rows of ghosts hold what this rank adds. */
+PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[]);

@@ -21,6 +21,7 @@ typedef struct MpmRules {
   PetscInt           wall_count;
   const MpmWall     *walls;
   MpmStretch         stretch;
+  PetscReal          longest; /* half-length of a domain, cells: what has been drawn further parts; 0: any */
   const MpmMaterial *materials;
   PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
   PetscBool          mean;          /* points of one cell stand side by side, for means over it */
@@ -34,7 +35,7 @@ typedef struct MpmRules {
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /*
-  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, clipped at walls and at the
-  grid's edges. The clipping is not kept. PETSC_FALSE where the point has no stretch.
+  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, no longer than the rules' longest,
+  clipped at walls and at the grid's edges. The clipping is not kept. PETSC_FALSE where the point has no stretch.
 */
 PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt point, PetscReal half[]);

@@ -61,19 +61,23 @@ typedef struct {
   cell and a place of `width` beside it; and by the shape of the box. With more shapes than one that is also the place of
   the nodes touched with the scene's shape.
 */
-static PetscErrorCode MakeKeys(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, Boxes *boxes)
+MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, const MpmRules *rules,
+                                   const MpmPoints *points, Boxes *boxes)
 {
-  const PetscInt  n = space->point_count, dim = space->dim, width = space->width;
+  const PetscInt  n = space->point_count, width = space->width;
   const PetscBool many               = (PetscBool)(space->shape_count > 1);
   PetscInt        lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
 
   PetscFunctionBeginUser;
   boxes->cells = boxes->shapes = 1;
-  for (PetscInt k = 0; k < n * dim; k++) {
-    lower[k % dim] = PetscMin(lower[k % dim], boxes->first[k]);
-    upper[k % dim] = PetscMax(upper[k % dim], boxes->first[k] + (rules->mean ? width : 0));
+  for (PetscInt p = 0; p < n; p++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      lower[a] = PetscMin(lower[a], boxes->first[p * dim + a]);
+      upper[a] = PetscMax(upper[a], boxes->first[p * dim + a]);
+    }
   }
   for (PetscInt a = 0; n && a < dim; a++) {
+    upper[a] += rules->mean ? width : 0;
     boxes->cells *= upper[a] - lower[a] + 1;
     boxes->shapes *= width * (rules->mean ? width : 1) * (many ? width * width : 1);
   }
@@ -109,7 +113,8 @@ static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const M
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3(n, &boxes->cell_key, n, &boxes->shape_key, n, &order));
   PetscCall(PetscMalloc1(n, &space->order));
-  PetscCall(MakeKeys(space, rules, points, boxes));
+  if (dim == 2) PetscCall(MakeKeys(2, space, rules, points, boxes));
+  else PetscCall(MakeKeys(3, space, rules, points, boxes));
   PetscCall(CountingSort(n, boxes->shape_key, boxes->shapes, NULL, order));
   PetscCall(CountingSort(n, boxes->cell_key, boxes->cells, order, space->order));
 #define SAME(key, i) (boxes->key[space->order[i]] == boxes->key[space->order[(i)-1]])

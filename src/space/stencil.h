@@ -1,20 +1,24 @@
 #pragma once
 /*
-  The inner loops between points and nodes that carry mass and momentum: one point's weights, and the affine part of its velocity.
+  The inner loops between points and nodes that carry mass and momentum: where a point's nodes stand, and the affine part of its
+  velocity.
 */
 #include "grid/grid.h"
 #include "space/momentum.h"
 #include "space/point_loop.h"
 
+/* A vector of the processor; a pointer to numbers may be taken for one to vectors. */
+#define SLIM 4
+typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+
 /* A second moment below this part of a cell's square is no base for a quotient: points on an edge of the grid. */
 #define MPM_STENCIL_THIN 1e-2
 
-/* One point's weights at its group's nodes, and where these stand from it along each axis. */
+/* Where the nodes of a point's group stand from it along each axis. */
 typedef struct {
-  PetscReal *weight;                           /* of all nodes, x fastest */
-  PetscReal  away[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* m */
-  PetscReal  second[MPM_MAX_DIM];              /* D_b, m2 */
-  PetscReal  line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* what takes the weights' place along an axis for the affine part */
+  PetscReal away[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* m */
+  PetscReal second[MPM_MAX_DIM];              /* D_b, m2 */
+  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* what takes the weights' place along an axis for the affine part */
 } MpmStencil;
 
 /* Where the nodes of the group stand from the point, and the second moments of its weights. */
@@ -36,24 +40,6 @@ MPM_INLINE void MpmStencilPlace(const MpmKnown known, const MpmSum *sum, const P
   }
 }
 
-/* That, and the weights. */
-MPM_INLINE void MpmStencilEvaluate(const MpmKnown known, const MpmSum *sum, const PetscInt first[], PetscInt p,
-                                   MpmStencil *at)
-{
-  const PetscInt   dim = known.dim, W = sum->space->width;
-  const PetscReal *w      = &sum->space->shape[0].weight[p * dim * W];
-  PetscReal       *weight = at->weight;
-
-  MpmStencilPlace(known, sum, first, p, at);
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
-      const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
-
-      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w[k] * row;
-    }
-  }
-}
-
 /* C, by which the point's velocity varies */
 MPM_INLINE void MpmStencilAffine(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer, PetscInt p,
                                  const PetscReal second[], PetscReal C[])
@@ -66,34 +52,6 @@ MPM_INLINE void MpmStencilAffine(const MpmKnown known, const MpmSum *sum, const 
     const PetscReal by = transfer->degree < 2 ? 1. : 1. / PetscMax(second[b], MPM_STENCIL_THIN * h2);
 
     for (PetscInt a = 0; a < dim; a++) C[a * dim + b] = by * B[a * dim + b];
-  }
-}
-
-/* sums[c][i] += w_i m (v_c + C_c. (x_i - x_p)) */
-MPM_INLINE void MpmStencilAddMomentum(const MpmKnown known, const PetscReal mass, const PetscReal v[],
-                                      const PetscReal *C, const MpmStencil *at, PetscReal sums[])
-{
-  const PetscInt dim = known.dim;
-
-  for (PetscInt c = 0; c < dim; c++) {
-    PetscReal *restrict to = &sums[c * known.n];
-    const PetscReal *w     = at->weight;
-
-    for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-      for (PetscInt j = 0; j < known.count[1]; j++, w += known.count[0], to += known.count[0]) {
-        PetscReal row = mass * v[c];
-
-        if (C) row += mass * C[c * dim + 1] * at->away[1][j];
-        if (C && dim == 3) row += mass * C[c * dim + 2] * at->away[2][l];
-        if (C) {
-          const PetscReal slope = mass * C[c * dim];
-
-          for (PetscInt k = 0; k < known.count[0]; k++) to[k] += w[k] * (row + slope * at->away[0][k]);
-        } else {
-          for (PetscInt k = 0; k < known.count[0]; k++) to[k] += w[k] * row;
-        }
-      }
-    }
   }
 }
 

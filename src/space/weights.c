@@ -47,6 +47,14 @@ void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[],
   }
 }
 
+/* A half-length in cells, clipped. */
+static inline PetscReal Clipped(const MpmRules *rules, PetscReal l, PetscReal xi, PetscInt lower, PetscInt upper)
+{
+  const PetscReal room = PetscMin(xi - (PetscReal)lower, (PetscReal)upper - xi);
+
+  return PetscMax(PetscMin(rules->longest > 0. ? PetscMin(l, rules->longest) : l, room), 0.);
+}
+
 PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt p, PetscReal half[])
 {
   const MpmGrid   *grid = rules->grid;
@@ -59,24 +67,75 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
   MpmSpaceEdges(rules, x, lower, upper);
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
-    PetscReal       l  = points->half_length[p * dim + a] * U[a] / grid->h[a];
 
-    l       = PetscMin(l, PetscMin(xi - (PetscReal)lower[a], (PetscReal)upper[a] - xi));
-    half[a] = PetscMax(l, 0.);
+    half[a] = Clipped(rules, points->half_length[p * dim + a] * U[a] / grid->h[a], xi, lower[a], upper[a]);
   }
   return good;
 }
 
-/* Those of all points, and the longest: infinite when a point has no stretch. */
+/*
+  ---- blocks of points ----
+
+  What takes divisions is done for a block of points at a time, number by number: a number for each point and axis.
+*/
+#define BLOCK   32
+#define NUMBERS (BLOCK * MPM_MAX_DIM)
+
+typedef struct {
+  PetscReal lower[NUMBERS], h[NUMBERS];    /* of the grid, on the number's axis */
+  PetscReal xi[NUMBERS];                   /* where the points are, in cells, */
+  PetscInt  first[NUMBERS], last[NUMBERS]; /* and the edges that bound the material around them */
+} Block;
+
+static void BlockCreate(const MpmRules *rules, Block *block)
+{
+  const MpmGrid *grid = rules->grid;
+  const PetscInt dim  = grid->dim;
+
+  for (PetscInt k = 0; k < BLOCK * dim; k++) {
+    block->lower[k] = grid->lower[k % dim];
+    block->h[k]     = grid->h[k % dim];
+    block->first[k] = 0;
+    block->last[k]  = grid->nodes[k % dim] - 1;
+  }
+}
+
+/* Of the points from `from` on. Returns how many: all that are left, or a full block. */
+static PetscInt BlockPlace(const MpmRules *rules, const MpmPoints *points, PetscInt from, Block *block)
+{
+  const PetscInt   dim = rules->grid->dim, count = PetscMin(BLOCK, points->count - from);
+  const PetscReal *x = &points->x[from * dim];
+
+  for (PetscInt k = 0; k < count * dim; k++) block->xi[k] = (x[k] - block->lower[k]) / block->h[k];
+  for (PetscInt p = 0; rules->wall_count && p < count; p++)
+    MpmSpaceEdges(rules, &x[p * dim], &block->first[p * dim], &block->last[p * dim]);
+  return count;
+}
+
+/* The half-lengths of all points, and the longest: infinite when a point has no stretch. */
 static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
 {
   const PetscInt dim = rules->grid->dim;
+  Block          block;
+  PetscReal      U[NUMBERS], most[NUMBERS];
 
   *longest = 0.;
-  for (PetscInt p = 0; p < points->count; p++) {
-    if (!MpmSpaceHalfLengths(rules, points, p, &half[p * dim])) *longest = PETSC_INFINITY;
-    for (PetscInt a = 0; a < dim; a++) *longest = PetscMax(*longest, half[p * dim + a]);
+  BlockCreate(rules, &block);
+  for (PetscInt k = 0; k < NUMBERS; k++) most[k] = 0.;
+  for (PetscInt from = 0; from < points->count; from += BLOCK) {
+    const PetscInt   count  = BlockPlace(rules, points, from, &block);
+    const PetscReal *length = &points->half_length[from * dim], *F = &points->F[from * dim * dim];
+    PetscReal       *to = &half[from * dim];
+
+    for (PetscInt k = 0; k < count * dim; k++) U[k] = 1.;
+    for (PetscInt p = 0; p < count; p++)
+      if (rules->stretch(&F[p * dim * dim], &U[p * dim])) *longest = PETSC_INFINITY;
+    for (PetscInt k = 0; k < count * dim; k++) {
+      to[k]   = Clipped(rules, length[k] * U[k] / block.h[k], block.xi[k], block.first[k], block.last[k]);
+      most[k] = PetscMax(most[k], to[k]);
+    }
   }
+  for (PetscInt k = 0; k < NUMBERS; k++) *longest = PetscMax(*longest, most[k]);
 }
 
 /* The nodes that points touch with one shape, and their weights: per point and axis `width` values. */
@@ -93,16 +152,12 @@ typedef struct {
   PetscInt     spacing;
 } Shape;
 
-/* The weights of a point on one axis, gradients by xi; edges and nodes are those of the grid. */
-static void EvaluateLine(const Shape *shape, MpmEdgeType edge, PetscReal xi, PetscReal half, PetscInt lower,
-                         PetscInt upper, MpmShapeLine *line)
+/* The weights of a point on one axis with nodes on a coarser lattice, gradients by xi; edges and nodes are those of the grid. */
+static void EvaluateCoarse(const Shape *shape, MpmEdgeType edge, PetscReal xi, PetscReal half, PetscInt lower,
+                           PetscInt upper, MpmShapeLine *line)
 {
   const PetscInt r = shape->spacing;
 
-  if (r == 1) {
-    MpmShapeEvaluate(shape->type, edge, xi, half, lower, upper, line);
-    return;
-  }
   /* the lattice's nodes on the edges, or next behind them */
   MpmShapeEvaluate(shape->type, edge, xi / (PetscReal)r, half / (PetscReal)r, lower / r, (upper + r - 1) / r, line);
   for (PetscInt i = line->count - 1; i >= 0; i--) {
@@ -117,37 +172,67 @@ static void EvaluateLine(const Shape *shape, MpmEdgeType edge, PetscReal xi, Pet
   line->count = (line->count - 1) * r + 1;
 }
 
+/* One block's, derivatives by xi. */
+static void EvaluateBlock(const MpmRules *rules, const Shape *shape, const Block *block, PetscInt count,
+                          const PetscReal half[], const MpmShapeLines *lines)
+{
+  const PetscInt width = lines->width;
+
+  if (shape->spacing == 1) {
+    MpmShapeEvaluateAll(shape->type, rules->edge, count,
+                        &(MpmShapePlaces){block->xi, half ? half : block->xi, block->first, block->last}, lines);
+    return;
+  }
+  for (PetscInt k = 0; k < count; k++) {
+    MpmShapeLine line = {.weight = &lines->weight[k * width], .gradient = &lines->gradient[k * width]};
+
+    EvaluateCoarse(shape, rules->edge, block->xi[k], half ? half[k] : 0., block->first[k], block->last[k], &line);
+    for (PetscInt i = line.count; i < width; i++) line.gradient[i] = 0.;
+    lines->first[k] = line.first;
+    lines->count[k] = line.count;
+  }
+}
+
+/* Means over the cell of a block's lines. */
+static void AverageBlock(const MpmRules *rules, const Shape *shape, const Block *block, PetscInt count,
+                         const PetscReal half[], const MpmShapeLines *lines, PetscReal mean[])
+{
+  for (PetscInt k = 0; k < count; k++) {
+    const MpmShapeLine line = {lines->first[k], lines->count[k], &lines->weight[k * lines->width],
+                               &lines->gradient[k * lines->width], &mean[k * lines->width]};
+
+    MpmShapeMean(shape->type, rules->edge, block->xi[k], half ? half[k] : 0., block->first[k], block->last[k], &line);
+  }
+}
+
 static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
                                     const Shape *shape, const PetscReal half[], Lines *lines)
 {
-  const MpmGrid *grid = rules->grid;
-  const PetscInt dim = grid->dim, count = points->count * dim;
+  const PetscInt dim = rules->grid->dim, width = lines->width, count = points->count * dim;
+  MpmWeights    *values = &lines->values;
+  PetscReal     *h;
+  Block          block;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(count, &lines->first, count, &lines->count));
-  PetscCall(PetscMalloc3((count * lines->width), &lines->values.weight, (count * lines->width), &lines->values.gradient,
-                         (lines->mean ? count * lines->width : 0), &lines->values.mean));
-  if (!lines->mean) lines->values.mean = NULL;
-  for (PetscInt p = 0; p < points->count; p++) {
-    PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscCall(PetscMalloc3((count * width), &values->weight, (count * width), &values->gradient,
+                         (lines->mean ? count * width : 0), &values->mean));
+  if (!lines->mean) values->mean = NULL;
+  PetscCall(PetscMalloc1((BLOCK * dim * width), &h));
+  BlockCreate(rules, &block);
+  for (PetscInt k = 0; k < BLOCK * dim * width; k++) h[k] = block.h[k / width];
+  for (PetscInt from = 0; from < points->count; from += BLOCK) {
+    const PetscInt      here = BlockPlace(rules, points, from, &block) * dim, k = from * dim;
+    const MpmShapeLines to = {width, &lines->first[k], &lines->count[k], &values->weight[k * width],
+                              &values->gradient[k * width]};
 
-    MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-    for (PetscInt a = 0; a < dim; a++) {
-      const PetscInt  k    = p * dim + a;
-      const PetscReal xi   = (points->x[k] - grid->lower[a]) / grid->h[a];
-      MpmShapeLine    line = {.weight   = &lines->values.weight[k * lines->width],
-                              .gradient = &lines->values.gradient[k * lines->width]};
-
-      EvaluateLine(shape, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
-      for (PetscInt i = 0; i < line.count; i++) line.gradient[i] /= grid->h[a];
-      if (lines->mean) {
-        line.mean = &lines->values.mean[k * lines->width];
-        MpmShapeMean(shape->type, rules->edge, xi, half ? half[k] : 0., lower[a], upper[a], &line);
-      }
-      lines->first[k] = line.first + (a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0);
-      lines->count[k] = line.count;
-    }
+    EvaluateBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to);
+    for (PetscInt i = 0; i < here * width; i++) to.gradient[i] /= h[i];
+    if (lines->mean) AverageBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to, &values->mean[k * width]);
   }
+  for (PetscInt p = 0; space->parts.stride && p < points->count; p++)
+    lines->first[p * dim + dim - 1] += MpmSpaceShift(space, points->part, p);
+  PetscCall(PetscFree(h));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

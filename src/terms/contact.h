@@ -20,6 +20,7 @@ typedef struct {
   PetscReal portion; /* and of its area that is this facet's; of round facets, of that of its point's which touch */
   PetscInt  round;   /* it stands on the round surface that cut its body's lattice (round_facets.c) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
+  PetscReal arm[MPM_MAX_DIM], turn; /* round: from the surface's centre; what turning adds to its distance (Turn), m */
 } MpmFacet;
 
 /* What a piece's point keeps from step to step. */
@@ -51,6 +52,7 @@ typedef struct {
   PetscReal     strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
   PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
   PetscBool     round;   /* a facet on a round surface, which touches by itself */
+  PetscBool     direct;  /* in an explicit step: no equations are solved */
   PetscBool     held;    /* touches whatever the law says (contact_states.c), and sticks, or */
   PetscBool     glides;  /* slides this way with the traction that goes with its pressure */
   PetscReal     way[MPM_MAX_DIM];
@@ -76,15 +78,16 @@ typedef struct MpmContacts {
   PetscReal  cell;  /* the smallest size of one, m */
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
-  PetscBool  careful, secant;                          /* Newton's method takes, now, the secants of what slides */
-  PetscBool  holds;                                    /* and it holds patches, of any rank */
-  PetscInt   facet_count, capacity, patch_count, most; /* most: facets of a patch */
-  MpmFacet  *facet;
-  MpmPatch  *patch;
-  PetscInt   piece_own, piece_count; /* this rank's, and with the neighbours' */
-  MpmPiece  *piece;
-  PetscReal *weight;
-  PetscBool  weighed; /* the weights are those of the facets that were found last */
+  const PetscReal *moved;           /* explicit steps: displacements, contact having acted at others; or NULL */
+  PetscBool        careful, secant; /* Newton's method takes, now, the secants of what slides */
+  PetscBool        holds;           /* and it holds patches, of any rank */
+  PetscInt         facet_count, capacity, patch_count, most; /* most: facets of a patch */
+  MpmFacet        *facet;
+  MpmPatch        *patch;
+  PetscInt         piece_own, piece_count; /* this rank's, and with the neighbours' */
+  MpmPiece        *piece;
+  PetscReal       *weight;
+  PetscBool        weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 
 /*
@@ -139,6 +142,12 @@ PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *wor
 PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work);
 /* At work->value. */
 void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer);
+/* At displacements u of the local nodes; of a boundary whose motion is prescribed. */
+void MpmPatchEvaluateAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                        MpmPatchWork *work, MpmPatchAnswer *answer);
+/* The slip that is kept becomes that at displacements u, where contact acted at others: at most what it slides at. */
+void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                      MpmPatchWork *work, MpmPatchAnswer *answer);
 /* The force on the material at a facet. */
 void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
                    const MpmPatchAnswer *answer, PetscReal force[]);
@@ -179,6 +188,11 @@ PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints
 PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
                                    const MpmFacet *start);
 PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);
+/*
+  A step whose forces balance at `part` of it: round facets of boundaries whose motion is prescribed touch where they are then, by the nodes'
+  velocities v at the step's start, m/s, dim a node, as they turn until its end.
+*/
+PetscErrorCode MpmContactsTurn(MpmContacts *contacts, const MpmSum *sum, const PetscReal v[], PetscReal part);
 /* The number of the cell of a place, of a part of the material. */
 PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part);
 /* Distance from a boundary as it stands at the step's start, or is expected to stand where it is free. */

@@ -48,13 +48,16 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
       y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
 }
 
-/* k'/k of what may slide. What rolls leaves its slip behind with the places that part: it creeps by as much as they give. */
+/*
+  k'/k of what may slide; less than 1 for the sake of Newton's method. What rolls leaves its slip behind with the places that part: it
+  creeps by as much as they give.
+*/
 #define SLIDING 0.1
-#define ROLLING 1.
+#define EQUAL   1.
 
 PetscReal MpmPatchAlong(const MpmPatch *patch)
 {
-  return patch->round ? ROLLING : SLIDING;
+  return patch->round || patch->direct ? EQUAL : SLIDING;
 }
 
 /* The traction of a patch that is held and glides: no more than its pressure changes it. */
@@ -139,11 +142,26 @@ static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
   }
 }
 
+/* The slip at work->value: the mean of the facets. */
+static void Slip(const MpmContacts *contacts, const MpmPatch *patch, PetscInt dim, const MpmPatchWork *work,
+                 PetscReal slip[])
+{
+  for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet = &contacts->facet[f];
+    PetscReal       way[MPM_MAX_DIM];
+
+    Relative(&contacts->before[patch->boundary], &contacts->after[patch->boundary], dim, facet->place,
+             work->value[f - patch->begin], way);
+    MpmContactAcross(dim, facet->normal, way);
+    for (PetscInt a = 0; a < dim; a++) slip[a] += facet->area / patch->area * (facet->slip[a] + way[a]);
+  }
+}
+
 void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer)
 {
   const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
-  const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
-  const PetscInt     dim = boundary->dim;
+  const PetscInt     dim      = boundary->dim;
 
   *answer = (MpmPatchAnswer){.active = boundary->bilateral};
   Distances(contacts, patch, work);
@@ -157,24 +175,51 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     /* what rounding took from the place counts where a body's balance depends on its depth */
     for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
-    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches);
+    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches - facet->turn);
     if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
-    answer->gap += share * (surface->distance - facet->touches);
-    if (!boundary->tangential) continue;
-    Relative(before, after, dim, facet->place, value, at);
-    MpmContactAcross(dim, facet->normal, at);
-    for (PetscInt a = 0; a < dim; a++) answer->slip[a] += share * (facet->slip[a] + at[a]);
+    answer->gap += share * (surface->distance - facet->touches - facet->turn);
   }
   answer->gap -= patch->shift;
   if (!boundary->bilateral) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
   if (!answer->active) {
     answer->gap = 0.;
-    for (PetscInt a = 0; a < dim; a++) answer->slip[a] = 0.;
     return;
   }
   answer->any       = PETSC_TRUE;
   answer->stiffness = patch->stiffness;
-  if (boundary->tangential) Friction(contacts, patch, answer);
+  if (!boundary->tangential) return;
+  Slip(contacts, patch, dim, work, answer->slip);
+  Friction(contacts, patch, answer);
+}
+
+/* The facets' displacements. */
+static void Values(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                   MpmPatchWork *work)
+{
+  for (PetscInt f = patch->begin; f < patch->end; f++)
+    MpmPatchValue(contacts, sum, patch, f, u, work->value[f - patch->begin]);
+}
+
+void MpmPatchEvaluateAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                        MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  Values(contacts, patch, sum, u, work);
+  MpmPatchEvaluate(contacts, patch, work, answer);
+}
+
+void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                      MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  const PetscInt dim    = sum->space->dim;
+  PetscReal      square = 0., most = 0.;
+
+  if (!answer->active || !contacts->boundaries[patch->boundary].tangential) return;
+  for (PetscInt a = 0; a < dim; a++) most += PetscSqr(answer->slip[a]);
+  Values(contacts, patch, sum, u, work);
+  Slip(contacts, patch, dim, work, answer->slip);
+  for (PetscInt a = 0; a < dim; a++) square += PetscSqr(answer->slip[a]);
+  if (!answer->slides || square <= most) return;
+  for (PetscInt a = 0; a < dim; a++) answer->slip[a] *= PetscSqrtReal(most / square);
 }
 
 void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
@@ -239,6 +284,7 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
     const PetscReal area    = patch->round ? PetscPowRealInt(contacts->cell, sum->space->dim - 1) : patch->area;
 
     if (!(area > 0.) || !(inverse > 0.)) continue;
+    patch->direct    = PETSC_TRUE;
     patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
   }
 }

@@ -24,11 +24,7 @@ static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch,
                              MpmPatchWork *work, MpmPatchAnswer *answer)
 {
   if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
-  else {
-    for (PetscInt f = patch->begin; f < patch->end; f++)
-      MpmPatchValue(contacts, sum, patch, f, u, work->value[f - patch->begin]);
-    MpmPatchEvaluate(contacts, patch, work, answer);
-  }
+  else MpmPatchEvaluateAt(contacts, patch, sum, u, work, answer);
   if (!answer->active) return MPM_PATCH_OPEN;
   return answer->slides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
 }

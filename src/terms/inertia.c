@@ -5,7 +5,8 @@
 
   Nodes that are no grid's, those of rigid bodies, have a mass of their own, which is lumped in any case.
 */
-#include "space/point_loop.h"
+#include "space/motion.h"
+#include "space/stencil.h"
 #include "terms/inertia.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
@@ -29,29 +30,19 @@ PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One group's part of M a with a consistent mass; `work->values` and `force` hold [c][i]. */
-MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        const PetscReal a[], MpmWorkspace *work, PetscReal y[])
+/* A point's weights at its group's nodes, x fastest. */
+MPM_INLINE void FindWeights(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal weight[])
 {
-  const PetscInt n = known.n;
+  const PetscInt   dim = known.dim, W = space->width;
+  const PetscReal *w = &space->shape[0].weight[p * dim * W];
 
-  MpmSumGather(known, sum, group, a, work->values);
-  for (PetscInt k = 0; k < n * known.block; k++) work->force[k] = 0.;
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p    = sum->space->order[s];
-    const PetscReal  mass = MpmPointMass(sum->points, sum->materials, p);
-    const PetscReal *w    = work->basis.basis[0];
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
+      const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
 
-    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
-    for (PetscInt c = 0; c < known.dim; c++) {
-      PetscReal value = 0.;
-
-      for (PetscInt i = 0; i < n; i++) value += w[i] * work->values[c * n + i];
-      for (PetscInt i = 0; i < n; i++) work->force[c * n + i] += mass * value * w[i];
+      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w[k] * row;
     }
   }
-  MpmSumScatter(known, sum, group, work->force, y);
-  return PETSC_SUCCESS;
 }
 
 /* The first owned node whose mass is lumped. */
@@ -63,16 +54,11 @@ static PetscInt FirstLumped(const MpmInertia *inertia, const MpmSpace *space)
 PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
 {
   const PetscInt dim = sum->space->dim;
-  MpmWorkspace   work;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = FirstLumped(inertia, sum->space) * dim; k < sum->space->owned * dim; k++)
-    y[k] += inertia->mass[k / dim] * a[k];
-  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MultiplyGroup, sum, &sum->space->groups[g], a, &work, y);
-  PetscCall(PetscFree(work.storage));
+  for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
+    for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += inertia->mass[i] * a[i * dim + c];
+  if (inertia->consistent) PetscCall(MpmMassMultiply(sum, a, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,26 +98,57 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The element block of a group's consistent mass, and what its lumped nodes have. */
-static PetscErrorCode AddGroup(const MpmInertia *inertia, const MpmSum *sum, const MpmGroup *group, MpmWorkspace *work,
-                               PetscReal element[], MpmPattern *pattern)
+#define TOGETHER 8 /* points whose products are summed before they go to the element */
+
+/* factor sum_p m_p w_i w_j of one group, added to the blocks of its element. */
+MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscReal factor,
+                                     PetscReal work[], PetscReal element[])
 {
-  const MpmKnown known = KnownGeneral(sum->layout, group);
   const PetscInt n = known.n, bs = known.block;
+  PetscReal *restrict w = work;
 
-  PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(element, n * n * bs * bs));
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p    = sum->space->order[s];
-    const PetscReal  mass = inertia->factor * MpmPointMass(sum->points, sum->materials, p);
-    const PetscReal *w    = work->basis.basis[0];
+  for (PetscInt from = group->point_begin; from < group->point_end; from += TOGETHER) {
+    const PetscInt count = PetscMin(TOGETHER, group->point_end - from);
+    PetscReal      mass[TOGETHER];
 
-    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt j = 0; j < n; j++)
-        for (PetscInt c = 0; c < known.dim; c++) element[((i * bs + c) * bs + c) * n + j] += mass * w[i] * w[j];
+    for (PetscInt q = 0; q < count; q++) {
+      const PetscInt p = sum->space->order[from + q];
+
+      mass[q] = factor * MpmPointMass(sum->points, sum->materials, p);
+      FindWeights(known, sum->space, p, &w[q * n]);
+    }
+    for (PetscInt i = 0; i < n; i++) {
+      PetscReal *restrict to = &element[i * bs * bs * n];
+      PetscReal by[TOGETHER];
+
+      for (PetscInt q = 0; q < count; q++) by[q] = mass[q] * w[q * n + i];
+      for (PetscInt j = 0; j + SLIM <= n; j += SLIM) {
+        Slim four = by[0] * *(const Slim *)&w[j];
+
+        for (PetscInt q = 1; q < count; q++) four += by[q] * *(const Slim *)&w[q * n + j];
+        for (PetscInt c = 0; c < known.dim; c++) *(Slim *)&to[(c * bs + c) * n + j] += four;
+      }
+      for (PetscInt j = n / SLIM * SLIM; j < n; j++) {
+        PetscReal one = by[0] * w[j];
+
+        for (PetscInt q = 1; q < count; q++) one += by[q] * w[q * n + j];
+        for (PetscInt c = 0; c < known.dim; c++) to[(c * bs + c) * n + j] += one;
+      }
+    }
   }
-  MpmPatternAddBlock(pattern, sum->space, group, element);
+  return PETSC_SUCCESS;
+}
+
+PetscInt MpmInertiaWork(PetscInt nodes)
+{
+  return (TOGETHER + 1) * nodes;
+}
+
+PetscErrorCode MpmInertiaAddElement(const MpmSum *sum, const MpmGroup *group, PetscReal factor, PetscReal work[],
+                                    PetscReal element[])
+{
+  PetscFunctionBeginUser;
+  MPM_DISPATCH(sum->layout, group, AddElement, sum, group, factor, work, element);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,8 +157,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 {
   const MpmInertia *inertia = (const MpmInertia *)ctx;
   const PetscInt    bs = sum->block, most = PetscPowInt(sum->space->width, sum->space->dim);
-  PetscReal        *element;
-  MpmWorkspace      work;
+  PetscReal        *element, *work;
 
   PetscFunctionBeginUser;
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
@@ -153,13 +169,16 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     for (PetscInt c = 0; c < sum->space->dim; c++) block[c * bs + c] = inertia->factor * inertia->mass[i];
     MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
   }
-  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
-  for (PetscInt g = 0; g < sum->space->group_count; g++)
-    PetscCall(AddGroup(inertia, sum, &sum->space->groups[g], &work, element, pattern));
-  PetscCall(PetscFree(element));
-  PetscCall(PetscFree(work.storage));
+  if (!inertia->consistent || sum->mass_factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2((most * most * bs * bs), &element, MpmInertiaWork(most), &work));
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+
+    PetscCall(PetscArrayzero(element, PetscSqr(group->node_count * bs)));
+    PetscCall(MpmInertiaAddElement(sum, group, inertia->factor, work, element));
+    MpmPatternAddBlock(pattern, sum->space, group, element);
+  }
+  PetscCall(PetscFree2(element, work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,7 +204,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
       const PetscInt  p    = sum->space->order[s];
       const PetscReal mass = inertia->factor * MpmPointMass(sum->points, sum->materials, p);
 
-      MpmSumBasis(KnownGeneral(sum->layout, group), sum->space, p, PETSC_TRUE, &work.basis);
+      FindWeights(KnownGeneral(sum->layout, group), sum->space, p, work.basis.basis[0]);
       for (PetscInt i = 0; i < group->node_count; i++)
         for (PetscInt c = 0; c < dim; c++)
           blocks[(nodes[i] * bs + c) * bs + c] += mass * PetscSqr(work.basis.basis[0][i]);

@@ -24,3 +24,10 @@ PetscErrorCode MpmInertiaReset(MpmInertia *inertia);
 PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space);
 /* y += M a, of values at the local nodes, dim a node; the rows of ghosts hold what this rank adds to them. */
 PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[]);
+/*
+  Adds factor times the consistent mass of a group's points to its element, as MpmPatternAddBlock() takes it; `work`: room for
+  MpmInertiaWork() numbers, by the most nodes that a group has.
+*/
+PetscInt       MpmInertiaWork(PetscInt nodes);
+PetscErrorCode MpmInertiaAddElement(const MpmSum *sum, const MpmGroup *group, PetscReal factor, PetscReal work[],
+                                    PetscReal element[]);

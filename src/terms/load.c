@@ -236,47 +236,122 @@ static PetscReal WithinCell(PetscReal xi, PetscReal wanted)
   return PetscMin(PetscMax(wanted, cell), cell + 1.);
 }
 
+/* A point, and the nodes that it touches. */
+typedef struct {
+  const MpmRules  *rules;
+  const MpmSpace  *space;
+  const MpmPoints *points;
+  const MpmGroup  *group;
+  PetscInt         point;
+} Touched;
+
+/* The shape with which a shape's value at a place is that of the nodal function. */
+static MpmShapeType AtPlace(MpmShapeType shape)
+{
+  if (!MpmShapeHasDomain(shape)) return shape;
+  return shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
+}
+
+/* The point's own weights on each axis, at the group's nodes. */
+static void OwnLines(const Touched *at, PetscReal line[][MPM_MAX_WIDTH])
+{
+  const PetscInt dim = at->space->dim;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    for (PetscInt i = 0; i < at->group->count[a]; i++)
+      line[a][i] = a < dim ? at->space->shape[0].weight[(at->point * dim + a) * at->space->width + i] : 1.;
+}
+
+/* On one axis, the mean of the nodes' functions at `count` places xi, in cells; between edges. */
+static void LineAt(const Touched *at, PetscInt axis, PetscInt count, const PetscReal xi[], PetscReal line[])
+{
+  const PetscInt  dim   = at->space->dim;
+  const PetscInt  shift = axis == dim - 1 ? MpmSpaceShift(at->space, at->points->part, at->point) : 0;
+  const PetscReal share = 1. / (PetscReal)count;
+  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+  MpmShapeLine    there = {.weight = weight, .gradient = unused};
+  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  MpmSpaceEdges(at->rules, &at->points->x[at->point * dim], lower, upper);
+  for (PetscInt i = 0; i < at->group->count[axis]; i++) line[i] = 0.;
+  for (PetscInt n = 0; n < count; n++) {
+    const PetscReal inside = PetscMin(PetscMax(xi[n], (PetscReal)lower[axis]), (PetscReal)upper[axis]);
+
+    MpmShapeEvaluate(AtPlace(at->rules->shape), at->rules->edge, inside, 0., lower[axis], upper[axis], &there);
+    for (PetscInt i = 0; i < at->group->count[axis]; i++) {
+      const PetscInt k = at->group->first[axis] + i - there.first - shift;
+
+      if (k >= 0 && k < there.count) line[i] += share * weight[k];
+    }
+  }
+}
+
+static void Product(const MpmGroup *group, PetscReal line[][MPM_MAX_WIDTH], PetscReal weight[])
+{
+  for (PetscInt k = 0; k < group->count[2]; k++)
+    for (PetscInt j = 0; j < group->count[1]; j++)
+      for (PetscInt i = 0; i < group->count[0]; i++) *weight++ = line[0][i] * line[1][j] * line[2][k];
+}
+
 /*
   Weights of the face's centre instead of the point's: a traction does its work where it acts. Shapes without a domain take
   the point, or the place next to the face's centre between the point's own nodes, which have its mass.
 */
-static PetscErrorCode FaceWeights(const MpmLoad *load, const MpmRules *rules, const MpmSpace *space,
-                                  const MpmPoints *points, PetscInt p, const MpmGroup *group, PetscReal weight[])
+static PetscErrorCode FaceWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
 {
-  const MpmGrid     *grid = rules->grid;
-  const PetscInt     dim = grid->dim, axis = load->face_axis, W = space->width;
-  const MpmShapeType at_face = !MpmShapeHasDomain(rules->shape)          ? rules->shape
-                               : rules->shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2
-                                                                         : MPM_SHAPE_LINEAR;
-  PetscReal    line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], face_weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH], xi;
-  MpmShapeLine face = {.weight = face_weight, .gradient = unused};
-  PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], shift = axis == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0,
-                                                   n = 0;
+  const MpmGrid   *grid   = at->rules->grid;
+  const MpmPoints *points = at->points;
+  const PetscInt   dim = grid->dim, axis = load->face_axis, p = at->point;
+  const PetscBool  domain = MpmShapeHasDomain(at->rules->shape);
+  PetscReal        line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], xi;
 
   PetscFunctionBeginUser;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    for (PetscInt i = 0; i < group->count[a]; i++)
-      line[a][i] = a < dim ? space->shape[0].weight[(p * dim + a) * W + i] : 1.;
-  if (MpmShapeHasDomain(rules->shape) || load->at_face) {
-    PetscCheck(!rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+  OwnLines(at, line);
+  if (domain || load->at_face) {
+    PetscCheck(!at->rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     xi = (points->x[p * dim + axis] - grid->lower[axis] +
           (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
          grid->h[axis];
-    MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-    xi = PetscMin(PetscMax(xi, (PetscReal)lower[axis]), (PetscReal)upper[axis]);
-    if (!MpmShapeHasDomain(rules->shape))
-      xi = WithinCell((points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis], xi);
-    MpmShapeEvaluate(at_face, rules->edge, xi, 0., lower[axis], upper[axis], &face);
-    for (PetscInt i = 0; i < group->count[axis]; i++) {
-      const PetscInt k = group->first[axis] + i - face.first - shift;
-
-      line[axis][i] = k >= 0 && k < face.count ? face_weight[k] : 0.;
-    }
+    if (!domain) xi = WithinCell((points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis], xi);
+    LineAt(at, axis, 1, &xi, line[axis]);
   }
-  for (PetscInt k = 0; k < group->count[2]; k++)
-    for (PetscInt j = 0; j < group->count[1]; j++)
-      for (PetscInt i = 0; i < group->count[0]; i++) weight[n++] = line[0][i] * line[1][j] * line[2][k];
+  Product(at->group, line, weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does gravity act on the points by EndWeights()? What moves has mass where its weight is, so that it falls as one. */
+static PetscBool ActsAtEnds(const MpmLoad *load, const MpmRules *rules)
+{
+  return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2 && !rules->dynamic);
+}
+
+/*
+  On the axis that gravity acts along most the mean of the functions at both ends of the point's domain, instead of that over it.
+
+  What a stress sigma_p over a domain of the length 2l puts on a node is sigma_p (w(y + l) - w(y - l)) times the area across.
+  Summed by parts over a column of domains with a stress linear in y, that is the trapezoidal rule for the integral of
+  w d sigma/dy. With the same rule for the weight, ground at rest, or with water that rises steadily, has exactly linear stress at its
+  points. The mean over the domain is the integral itself, l^2/12 of w's slope at the material's ends less: a pair of forces
+  there, which bends the stress of the last rows. (Domains of `gimp` that lie in one cell have both alike.)
+*/
+static PetscErrorCode EndWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
+{
+  const MpmGrid *grid = at->rules->grid;
+  const PetscInt dim = grid->dim, p = at->point;
+  PetscReal      line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM], ends[2];
+  PetscInt       axis = 0;
+
+  PetscFunctionBeginUser;
+  PetscCheck(MpmSpaceHalfLengths(at->rules, at->points, p, half), PETSC_COMM_SELF, PETSC_ERR_FP,
+             "point %" PetscInt_FMT " has no stretch", at->points->id[p]);
+  for (PetscInt a = 1; a < dim; a++)
+    if (PetscAbsReal(load->value[a]) > PetscAbsReal(load->value[axis])) axis = a;
+  for (PetscInt s = 0; s < 2; s++)
+    ends[s] = (at->points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis] + (s ? half[axis] : -half[axis]);
+  OwnLines(at, line);
+  LineAt(at, axis, 2, ends, line[axis]);
+  Product(at->group, line, weight);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -318,12 +393,14 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt  p = space->order[s];
+      const PetscInt  p  = space->order[s];
+      const Touched   at = {rules, space, points, group, p};
       const PetscReal amount =
         Sign(load, sum) * factor * (share ? share[p] : MpmPointMassStart(points, sum->materials, p));
 
       if (amount == 0.) continue;
-      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, rules, space, points, p, group, basis.basis[0]));
+      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, &at, basis.basis[0]));
+      else if (ActsAtEnds(load, rules)) PetscCall(EndWeights(load, &at, basis.basis[0]));
       else MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
         for (PetscInt a = 0; a < numbers; a++)

@@ -34,15 +34,6 @@
 
 /* ---- sums ---- */
 
-/* A patch of prescribed motion at the local unknowns u. */
-static void Evaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
-                     MpmPatchWork *work, MpmPatchAnswer *answer)
-{
-  for (PetscInt f = patch->begin; f < patch->end; f++)
-    MpmPatchValue(contacts, sum, patch, f, u, work->value[f - patch->begin]);
-  MpmPatchEvaluate(contacts, patch, work, answer);
-}
-
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                PetscInt *failed)
 {
@@ -58,7 +49,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
     MpmPatchAnswer  answer;
 
     if (MpmContactsBody(contacts, patch->boundary)) continue;
-    Evaluate(contacts, patch, sum, u, &work, &answer);
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
@@ -86,7 +77,7 @@ PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, c
     MpmPatchAnswer  answer;
 
     if (MpmContactsBody(contacts, patch->boundary)) continue;
-    Evaluate(contacts, patch, sum, at, &work, &answer);
+    MpmPatchEvaluateAt(contacts, patch, sum, at, &work, &answer);
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       const MpmFacet *facet = &contacts->facet[f];
       PetscReal       force[MPM_MAX_DIM], moved[MPM_MAX_DIM], value[MPM_MAX_DIM];
@@ -141,7 +132,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
     MpmPatchAnswer  answer;
 
     if (MpmContactsBody(contacts, patch->boundary)) continue;
-    Evaluate(contacts, patch, sum, u, &work, &answer);
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     Change(contacts, patch, sum, du, &work, &gap, slip);
     for (PetscInt a = 0; a < dim; a++) {
@@ -254,7 +245,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     MpmPatchAnswer  answer;
 
     if (MpmContactsBody(contacts, patch->boundary)) continue;
-    Evaluate(contacts, patch, sum, u, &work, &answer);
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     FactorsOf(contacts, patch, sum, &work, &answer, &factors);
     for (PetscInt i = 0; i < n; i++) {
@@ -327,7 +318,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     MpmPatchAnswer  answer;
 
     if (MpmContactsBody(contacts, patch->boundary)) continue;
-    Evaluate(contacts, patch, sum, u, &work, &answer);
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     FactorsOf(contacts, patch, sum, &work, &answer, &factors);
     Element(contacts, patch, sum, &work, &answer, &factors, element);
@@ -403,7 +394,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
   PetscReal          *depth = &contacts->depth[b];
 
   if (body) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
-  else Evaluate(contacts, patch, sum, u, work, answer);
+  else MpmPatchEvaluateAt(contacts, patch, sum, u, work, answer);
   if (!answer->any) return;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     PetscReal force[3] = {0., 0., 0.}, arm[3] = {0., 0., 0.}, about[MPM_MAX_DIM];
@@ -426,6 +417,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
       *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
   }
   *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
+  if (contacts->moved) MpmPatchKeepSlip(contacts, patch, sum, contacts->moved, work, answer);
   MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
   if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
 }
@@ -450,7 +442,7 @@ static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum,
     shift[k] = 0.;
     if (!boundary->augmented) continue;
     if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer);
-    else Evaluate(contacts, patch, sum, u, &work, &answer);
+    else MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     if (!answer.active) continue;
     shift[k] = -answer.gap;
     *worst   = PetscMax(*worst, PetscAbsReal(answer.gap + patch->shift) / boundary->penetration);

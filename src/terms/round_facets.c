@@ -11,6 +11,14 @@
   SITES such places on each axis, where a boundary is near, each a facet and a patch by itself: where a round surface
   meets another one, only little of a cell's touches, and its mean distance there would go up and down as the body rolls over the cells.
 
+  The pressure of what rolls goes on over the material by R dW a step, dW the angle by which it turns. In a step that balances forces at a part
+  theta of it, as the generalised-alpha method does, a body would be pushed at places that are (1 - theta) R dW ahead. So what turning
+  alone adds to a facet's distance between then and the step's end, with the spin W of the step's start,
+
+    dg = (1 - theta) dt n . W (r + (1 + theta)/2 dt W r) ,   r = R N ,
+
+  does not count (MpmContactsTurn, contact_patches.c). The rest of its way does, so that what stops the body is as stiff at the step's end as it is elsewhere.
+
   A face belongs to the surface where that took the next point of the lattice; what parted later is as it was cut.
 */
 #include "geometry/geometry.h"
@@ -93,6 +101,7 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
     facet->place[a] = points->x[p * dim + a];
     for (PetscInt c = 0; c < dim; c++) facet->place[a] += F[a * dim + c] * (site->at[c] - points->x0[p * dim + c]);
     seen += share * area[a] * site->outward[a];
+    facet->arm[a] = MpmRegionRadius(region) * site->outward[a];
   }
   for (PetscInt a = 0; a < dim; a++) site->outward[a] *= PetscMax(seen, 0.);
 }

@@ -203,6 +203,17 @@ static PetscReal OpenWater(const MpmSurfaceFaces *faces, const MpmSurfaceFace *f
   return faces->open * table->weight * PetscMax(MpmWaterTableDepth(table, time, face->place), 0.);
 }
 
+/* That of the water at rest under a drained face above the level, where ground below the face is not dry yet. */
+static PetscReal Suction(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, PetscReal time)
+{
+  const MpmWaterTable *table = faces->table;
+  const MpmDryGround  *dry   = &sum->dry;
+
+  if (!dry->any || !faces->surfaces->at[face->surface].drained) return 0.;
+  if ((PetscReal)dry->up * face->place[dry->axis] > dry->from + MPM_TOLERANCE * sum->cell[dry->axis]) return 0.;
+  return faces->open * table->weight * PetscMin(MpmWaterTableDepth(table, time, face->place), 0.);
+}
+
 static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
 {
   MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
@@ -210,7 +221,8 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   PetscFunctionBeginUser;
   if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
   for (PetscInt k = 0; k < faces->face_count; k++) {
-    faces->face[k].water = OpenWater(faces, &faces->face[k], step->rules->time);
+    faces->face[k].water   = OpenWater(faces, &faces->face[k], step->rules->time);
+    faces->face[k].suction = Suction(faces, &faces->face[k], step->sum, step->rules->time);
     if (IsHeld(faces, &faces->face[k])) PetscCall(PrepareFace(faces, step->sum, &faces->face[k]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -232,7 +244,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
-    flow.excess -= faces->pressure[face->surface] + face->water;
+    flow.excess -= faces->pressure[face->surface] + face->water + face->suction;
     if (Outflow(faces, face, sum, &flow)) AddFlow(faces, face, sum, &flow, residual);
     else (*failed)++;
   }
@@ -357,7 +369,7 @@ static PetscErrorCode FindOutflow(MpmSurfaceFaces *faces, const MpmSum *sum, con
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
-    flow.excess -= faces->pressure[face->surface] + face->water;
+    flow.excess -= faces->pressure[face->surface] + face->water + face->suction;
     if (Outflow(faces, face, sum, &flow)) faces->outflow[face->surface] += flow.outflow;
   }
   PetscCall(PetscFree(flow.work.storage));

@@ -29,6 +29,7 @@
 #include "space/motion.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "terms/contact.h"
 #include "terms/damping.h"
 #include "terms/inertia.h"
 #include "terms/rigid_body.h"
@@ -59,7 +60,6 @@ PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics)
   PetscFunctionBeginUser;
   if (!*dynamics) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(*dynamics));
-  PetscCall(PetscFree((*dynamics)->sums));
   PetscCall(PetscFree((*dynamics)->moves));
   PetscCall(PetscFree(*dynamics));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -80,13 +80,20 @@ void MpmDynamicsSetStage(MpmModel model)
   damping->acting     = model->state.bcs;
 }
 
+/* Outside of a step the balance has neither inertia nor damping. */
+static void Stop(MpmModel model)
+{
+  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
+  model->disc.sum->part                                     = 1.;
+  model->disc.sum->mass_factor                              = 0.;
+}
+
 PetscErrorCode MpmDynamicsBegin(MpmModel model)
 {
   const PetscInt last = model->state.stage - 1;
 
   PetscFunctionBeginUser;
-  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
-  model->disc.sum->part                                     = 1.;
+  Stop(model);
   if (!MpmStagesAreDynamic(model) || last < 0) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC &&
       model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
@@ -229,8 +236,10 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
   for (PetscInt k = 0; k < count; k++)
     inertia->at_rest[k] = (1. - method->alpha_m) * dynamics->a_rest[k] + method->alpha_m * dynamics->a_start[k];
   inertia->factor     = (1. - method->alpha_m) * dynamics->a_factor;
-  inertia->consistent = MpmModelMotion(model)->consistent;
+  inertia->consistent = (PetscBool)!MpmModelMotion(model)->lumped;
   inertia->active     = PETSC_TRUE;
+
+  model->disc.sum->mass_factor = inertia->consistent ? inertia->factor : 0.;
   PetscCall(PetscMalloc1(count, &rest));
   for (PetscInt k = 0; k < count; k++) rest[k] = end * dynamics->v_rest[k] + method->alpha_f * dynamics->v_start[k];
   PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, inertia->mass, end * dynamics->v_factor, rest));
@@ -313,8 +322,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   const PetscBool first  = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
 
   PetscFunctionBeginUser;
-  model->disc.inertia->active       = PETSC_FALSE;
-  model->disc.sum->part             = 1.;
+  Stop(model);
   model->state.scheme.load_at_start = first ? 1. : method.alpha_f;
   PetscCall(MpmStepPrepare(model, time, dt, again, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
@@ -332,6 +340,8 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   SetRates(model, &method, dt);
   PetscCall(EndConstrained(model, time));
   PetscCall(SetForces(model, &method));
+  PetscCall(
+    MpmContactsTurn(model->disc.contacts, model->disc.sum, model->state.scheme.dynamics->v_start, 1. - method.alpha_f));
   PetscCall(KeepLoads(model, time, method.alpha_f));
   PetscCall(AddStart(model, method.alpha_f, why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -413,16 +423,14 @@ static PetscErrorCode Accept(MpmModel model)
                       &(MpmMotionStep){.v_old = dynamics->v_old, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));
   PetscCall(MpmIntegratorQuasistatic.accept(model));
   if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.trial;
-  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
-  model->disc.sum->part                                     = 1.;
+  Stop(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RollBack(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
-  model->disc.sum->part                                     = 1.;
+  Stop(model);
   PetscCall(MpmIntegratorQuasistatic.roll_back(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

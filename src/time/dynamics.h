@@ -21,8 +21,8 @@ struct MpmDynamics {
   PetscReal  alpha_f; /* what of the points' forces and the loads is the step's start's */
   PetscReal *v_old, *v_start, *a_start, *a_rest, *v_rest, *v_new, *a_new;
   PetscReal *loads; /* the mean of the loads over the step, N */
-  PetscInt   sums_room, moves_room;
-  PetscReal *sums, *moves; /* of explicit steps: MPM_MOTION(dim) numbers a node; the points' velocities, m/s */
+  PetscInt   moves_room;
+  PetscReal *moves; /* of explicit steps: the points' velocities, m/s */
 };
 
 extern const char *const MpmIntegratorTypes[];

@@ -228,15 +228,18 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
 
 PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
 {
-  const MpmMotionControl *motion = MpmModelMotion(model);
-  const MpmEnergy        *energy = &model->state.scheme.energy;
+  const MpmMotionControl *motion   = MpmModelMotion(model);
+  const MpmEnergy        *energy   = &model->state.scheme.energy;
+  const PetscBool         moves    = (PetscBool)(motion->type != MPM_QUASISTATIC);
+  MpmTransfer             transfer = motion->transfer;
   PetscReal               sum[2 + MPM_MAX_DIM + 3];
   MpmMotionSums           sums = {.mass = 0.};
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
-  if (motion->type != MPM_QUASISTATIC) PetscCall(MpmMotionSum(model->disc.sum, &motion->transfer, &sums));
+  if (motion->type != MPM_EXPLICIT && !motion->lumped) transfer.type = MPM_TRANSFER_FLIP;
+  if (moves) PetscCall(MpmMotionSum(model->disc.sum, &transfer, &sums));
   sum[0] = sums.kinetic;
   sum[1] = BY_DIM(Elastic, model->disc.dim, model, model->disc.points);
   PetscCall(PetscArraycpy(&sum[2], sums.momentum, MPM_MAX_DIM));

@@ -163,21 +163,15 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 
 /* ---- a step ---- */
 
-/* Room for the sums of the first pass and the points' velocities. */
+/* Room for the points' velocities. */
 static PetscErrorCode Resize(MpmModel model)
 {
-  const PetscInt sums  = model->disc.space->local * MPM_MOTION(model->disc.dim);
   const PetscInt moves = model->disc.points->count * model->disc.dim;
   MpmDynamics   *dynamics;
 
   PetscFunctionBeginUser;
   PetscCall(MpmDynamicsResize(model));
   dynamics = model->state.scheme.dynamics;
-  if (sums > dynamics->sums_room) {
-    PetscCall(PetscFree(dynamics->sums));
-    PetscCall(PetscMalloc1(sums, &dynamics->sums));
-    dynamics->sums_room = sums;
-  }
   if (moves > dynamics->moves_room) {
     PetscCall(PetscFree(dynamics->moves));
     PetscCall(PetscMalloc1(moves, &dynamics->moves));
@@ -290,9 +284,9 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
 {
   const MpmTransfer *transfer = &MpmModelMotion(model)->transfer;
   const PetscBool    first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
-  const PetscInt     dim = model->disc.dim, numbers = MPM_MOTION(dim), local = model->disc.space->local;
+  const PetscInt     dim = model->disc.dim, local = model->disc.space->local;
   MpmDynamics       *dynamics = model->state.scheme.dynamics;
-  PetscReal         *sums = dynamics->sums, *force = model->disc.residual, *mass = model->disc.inertia->mass;
+  PetscReal         *force = model->disc.residual, *mass = model->disc.inertia->mass;
 
   PetscFunctionBeginUser;
   if (first || !IsPlain(model)) {
@@ -305,21 +299,12 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
     PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, force));
     PetscCall(MpmSpaceToGhosts(model->disc.space, dim, force));
   } else {
-    PetscCall(PetscArrayzero(sums, local * numbers));
-    PetscCall(MpmMotionToNodes(model->disc.sum, transfer, sums));
-    for (PetscInt k = 0; k < local * dim; k++) sums[k / dim * numbers + 1 + dim + k % dim] += model->disc.force[k];
-    PetscCall(MpmSpaceAddToOwners(model->disc.space, numbers, sums));
-    PetscCall(MpmSpaceToGhosts(model->disc.space, numbers, sums));
-    for (PetscInt i = 0; i < local; i++) {
-      const PetscReal *of = &sums[i * numbers], by = of[0] > 0. ? 1. / of[0] : 0.;
-
-      mass[i] = of[0];
-      for (PetscInt a = 0; a < dim; a++) dynamics->v_old[i * dim + a] = by * of[1 + a];
-      for (PetscInt a = 0; a < dim; a++) force[i * dim + a] = of[1 + dim + a];
-    }
+    PetscCall(PetscArraycpy(force, model->disc.force, local * dim));
+    PetscCall(MpmMotionToNodes(model->disc.sum, transfer, mass, dynamics->v_old, force));
     PetscCall(PrescribeStart(model, dynamics->v_old)); /* what supports move at does not come from the points */
   }
-  for (PetscInt k = 0; k < local * dim; k++) force[k] += mass[k / dim] * model->disc.sum->gravity[k % dim];
+  for (PetscInt i = 0; i < local; i++)
+    for (PetscInt a = 0; a < dim; a++) force[i * dim + a] += mass[i] * model->disc.sum->gravity[a];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -394,8 +379,8 @@ static void AddGravity(const MpmModel model, const PetscReal gravity[], PetscRea
 {
   const PetscInt dim = model->disc.dim;
 
-  for (PetscInt k = 0; k < model->disc.space->owned * dim; k++)
-    loads[k] += model->disc.inertia->mass[k / dim] * gravity[k % dim];
+  for (PetscInt i = 0; i < model->disc.space->owned; i++)
+    for (PetscInt a = 0; a < dim; a++) loads[i * dim + a] += model->disc.inertia->mass[i] * gravity[a];
 }
 
 /* Half of what gravity gains in the step: from that of its start to the mean. */
@@ -451,7 +436,8 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal *again)
   if (!again) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, again));
   PetscCall(MpmSpaceToGhosts(model->disc.space, dim, again));
-  for (PetscInt k = 0; k < count; k++) again[k] = mass[k / dim] > 0. ? again[k] / mass[k / dim] : 0.;
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    for (PetscInt a = 0; a < dim; a++) again[i * dim + a] = mass[i] > 0. ? again[i * dim + a] / mass[i] : 0.;
   Prescribe(model, again);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -551,8 +537,10 @@ static PetscErrorCode Accept(MpmModel model)
   sum->trial = model->disc.trial;
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
-  sum->trial = NULL;
+  sum->trial                  = NULL;
+  model->disc.contacts->moved = model->disc.u;
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
+  model->disc.contacts->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
   if (!model->disc.grid->outflow) MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

@@ -91,9 +91,9 @@ static PetscErrorCode ReadDamping(const MpmOptions *block, MpmDampingControl *da
 /* What dynamic stages say beside. */
 static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *motion)
 {
-  static const char *const masses[] = {"lumped", "consistent", NULL};
+  static const char *const masses[] = {"consistent", "lumped", NULL};
   PetscInt                 type = (PetscInt)motion->type, transfer = (PetscInt)motion->transfer.type;
-  PetscInt                 mass = motion->consistent ? 1 : 0;
+  PetscInt                 mass = motion->lumped ? 1 : 0;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsWord(block, "integrator",
@@ -117,8 +117,11 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
   }
   if (type == MPM_EXPLICIT || MpmOptionsHelp()) PetscCall(ReadExplicit(block, motion));
   if (type != MPM_EXPLICIT || MpmOptionsHelp())
-    PetscCall(MpmOptionsWord(block, "mass", "of the nodes, in implicit dynamics", masses, MPM_OPTIONAL, &mass, NULL));
-  motion->consistent = (PetscBool)(mass == 1);
+    PetscCall(MpmOptionsWord(block, "mass",
+                             "in implicit dynamics: consistent (the default), that of the points; lumped at the nodes, "
+                             "cheaper, with more inertia against rotation",
+                             masses, MPM_OPTIONAL, &mass, NULL));
+  motion->lumped = (PetscBool)(mass == 1);
   PetscCall(MpmOptionsWord(block, "transfer",
                            "of velocities between points and nodes: apic keeps angular momentum, flip the most energy",
                            MpmTransferTypes, MPM_OPTIONAL, &transfer, NULL));

@@ -145,6 +145,12 @@ static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal t
   return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
 }
 
+/*
+  Half-length, in cells, beyond which a domain of an explicit step grows no more: eight times that of 2 x 2 points a cell. Grains
+  that fly are stretched without a force, and their domains would span the grid.
+*/
+#define MPM_SPRAY_HALF_LENGTH 2.
+
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
@@ -159,6 +165,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                      .wall_count = model->state.walls.count,
                      .walls      = model->state.walls.at,
                      .stretch    = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
+                     .longest    = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
                      .parts      = model->disc.parts,
                      .materials  = model->disc.sum->materials,
                      .ghost      = solves ? GhostFactor(model) : 0.,

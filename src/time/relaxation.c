@@ -120,13 +120,13 @@ PetscBool MpmModelScales(const MpmModel model)
   return (PetscBool)(relaxation->on && relaxation->scaled);
 }
 
-/* Masses of the local nodes, ghosts included, in place of the sums of the step's first pass. */
+/* Masses of the local nodes, ghosts included, in place of the velocities with which an implicit step starts. */
 static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
 {
   const MpmMotionControl *motion = MpmModelMotion(model);
   const PetscReal         cfl    = motion->cfl * MpmExplicitPart(motion);
   const PetscReal         by     = 0.25 * PetscSqr(model->disc.sum->dt / cfl);
-  PetscReal              *to     = model->state.scheme.dynamics->sums;
+  PetscReal              *to     = model->state.scheme.dynamics->v_start;
 
   PetscFunctionBeginUser;
   PetscCall(MpmStiffnessRows(model->disc.sum, to));
@@ -159,7 +159,7 @@ static PetscReal NodesKinetic(const MpmModel model)
   PetscReal          kinetic  = 0.;
 
   for (PetscInt k = 0; k < model->disc.inertia->owned * dim; k++)
-    kinetic += 0.5 * dynamics->sums[k / dim] * PetscSqr(dynamics->v_new[k]);
+    kinetic += 0.5 * dynamics->v_start[k / dim] * PetscSqr(dynamics->v_new[k]);
   return kinetic;
 }
 

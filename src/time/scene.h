@@ -30,7 +30,7 @@ typedef struct {
   MpmIntegratorType type;
   PetscReal         rho_inf;     /* of the generalised-alpha method: what is left of the fastest oscillation a step */
   PetscReal         beta, gamma; /* Newmark's */
-  PetscBool         consistent;  /* mass, in implicit steps */
+  PetscBool         lumped;      /* mass, in implicit steps */
   MpmDampingControl damping;
   MpmTransfer       transfer;
   PetscReal         cfl; /* of explicit steps: in parts of the time that a wave takes through a cell */

@@ -109,8 +109,26 @@ static PetscErrorCode Project(MpmModel model, PetscInt c, PetscReal nodal[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is the node where the ground is dry, from a height on? And the pressure that it then has. */
-static PetscBool IsDry(const MpmModel model, PetscReal time, PetscReal from, PetscInt node, PetscReal *pressure)
+/*
+  Is there dry ground: does a point stand above `from`? Asked for splines, which smooth the corner that the pressure has there and
+  need not where the ground ends below it. Collective.
+*/
+static PetscErrorCode FindDryGround(const MpmModel model, PetscReal from, PetscBool *any)
+{
+  const MpmWaterTable *table = model->scene.water;
+  const PetscInt       dim   = model->disc.dim;
+
+  PetscFunctionBeginUser;
+  *any = (PetscBool)(MpmShapeDegree(model->scene.shape) < 2);
+  for (PetscInt p = 0; !*any && p < model->disc.points->count; p++)
+    *any = (PetscBool)((PetscReal)table->up * model->disc.points->x[p * dim + table->axis] > from);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->disc.grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is the node where dry ground begins, at a height, or above? And its pressure: `dry` above, or that of water at rest goes on. */
+static PetscBool IsDry(const MpmModel model, PetscReal time, PetscReal from, PetscBool dry, PetscInt node,
+                       PetscReal *pressure)
 {
   const MpmWaterTable *table = model->scene.water;
   PetscReal            x[MPM_MAX_DIM], slack, height;
@@ -119,7 +137,7 @@ static PetscBool IsDry(const MpmModel model, PetscReal time, PetscReal from, Pet
   slack  = MPM_TOLERANCE * model->disc.grid->h[table->axis];
   height = (PetscReal)table->up * x[table->axis];
   if (height < from - slack) return PETSC_FALSE;
-  *pressure = height < from + slack ? table->weight * PetscMin(MpmWaterTableDepth(table, time, x), 0.) : 0.;
+  *pressure = !dry || height < from + slack ? table->weight * PetscMin(MpmWaterTableDepth(table, time, x), 0.) : 0.;
   return PETSC_TRUE;
 }
 
@@ -129,15 +147,17 @@ PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time)
   const PetscInt  bs = model->disc.block, c = MpmPressureComponent(model->disc.layout);
   const PetscBool all  = model->state.scheme.water_held;
   const PetscReal from = DryHeight(model, time);
+  PetscBool       dry  = PETSC_TRUE;
   PetscReal      *nodal;
 
   PetscFunctionBeginUser;
   if (c < 0 || !(from < PETSC_INFINITY || all)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (from < PETSC_INFINITY) PetscCall(FindDryGround(model, from, &dry));
   PetscCall(PetscCalloc1(space->local, &nodal));
   if (all) PetscCall(Project(model, c, nodal));
   for (PetscInt i = 0; i < space->local; i++) {
     if (MpmSpaceIsExtra(space, i) || !MpmConstraintsFree(model->disc.constraints, i * bs + c)) continue;
-    if (all || IsDry(model, time, from, i, &nodal[i]))
+    if (all || IsDry(model, time, from, dry, i, &nodal[i]))
       MpmConstraintsHold(model->disc.constraints, i * bs + c, nodal[i]);
   }
   PetscCall(PetscFree(nodal));

@@ -238,11 +238,41 @@ START_TEST(test_flow)
 }
 END_TEST
 
+/* What has come apart at the apex bears nothing until it has closed, and then as much as if it had not; all in steps of any size. */
+START_TEST(test_opening)
+{
+  const double c = 5e3, friction = 30. * 3.14159265358979323846 / 180., apex = c / tan(friction),
+               bulk  = LAMBDA + 2. / 3. * MU;
+  const double way[] = {0.02, 0.01, -0.012, 0.004, -0.03, -0.02};
+  Point        point = Elastic();
+  double       dF[DIM2], tau[SYM], a = -apex / bulk, J = 1.;
+
+  PointSet(&point, "cohesion", c);
+  PointSet(&point, "friction", 30.);
+  for (size_t k = 0; k < sizeof way / sizeof way[0]; ++k) {
+    Identity(dF);
+    dF[0] = exp(0.7 * way[k]);
+    for (int i = 1; i < DIM; ++i) dF[i * DIM + i] = exp(0.3 / (DIM - 1) * way[k]);
+    ck_assert_int_eq(PointStep(&point, dF, tau), 0);
+    a += way[k];
+    J *= exp(way[k]);
+    if (a > 0.) {
+      Expect("opening", point.state[LawState(point.law, "opening")], a, 1e-14);
+      for (int i = 0; i < 3; ++i) Expect("apex", tau[i], J * apex, 1e-6);
+    } else {
+      Expect("closed", point.state[LawState(point.law, "opening")], 0., 0.);
+      Expect("mean stress", (tau[0] + tau[1] + tau[2]) / 3., J * (apex + bulk * a), 1e-6 * bulk);
+    }
+  }
+  Expect("the end is closed", a < 0., 1., 0.);
+}
+END_TEST
+
 TCase *JaumannCase(void)
 {
   TCase             *tcase   = tcase_create("Jaumann's rate");
   const TTest *const tests[] = {test_rotation,       test_stretch, test_simple_shear, test_closed_cycle,
-                                test_there_and_back, test_return,  test_flow};
+                                test_there_and_back, test_return,  test_flow,         test_opening};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   return tcase;

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
 from talus_test import Test, difference, example  # noqa: E402
 
 BAR = {"mpm_grid_upper": "12.5,1", "mpm_grid_cells": "40,1", "mpm_shape": "gimp_bspline2", "mpm_time_transfer": "flip",
@@ -59,6 +60,15 @@ def beam(test):
         end = one.results.column(column)[-1]
         test.check(f"beam.restart.{column}", abs(on.results.column(column)[-1] - end) / np.abs(one.results.column(column)).max(),
                    None, 1e-8)
+
+
+def fall(test):
+    """A block that falls stays as it is, with every shape: its weight is where its mass is."""
+    for shape in ("gimp", "bspline2", "gimp_bspline2"):
+        for mass in ("consistent", "lumped"):
+            run = test.run(HERE / "free_fall.yaml", mpm_shape=shape, mpm_time_mass=mass, mpm_quiet=None)
+            speed = run.table("velocity")[:, 1]
+            test.check(f"fall.{shape}.{mass}", np.abs(speed + 9.81 * 0.4).max(), None, 1e-10)
 
 
 def discs(test):
@@ -115,6 +125,7 @@ with Test() as check:
     orders(check)
     bar(check)
     beam(check)
+    fall(check)
     discs(check)
     block(check)
     supports(check)

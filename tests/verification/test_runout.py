@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""What fails and runs: a dam break, a column of sand, a slope past failure and one that finds its angle of repose, on coarse grids."""
+"""What fails and runs: a dam break, a column of sand, a pile of rods, a slope past failure and one that finds its angle of repose, on coarse grids."""
 import sys
 from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
 from talus_test import Test, difference, example  # noqa: E402
 
 
@@ -35,6 +36,20 @@ def sand(test):
     test.check_example("column", run, "column_collapse")
 
 
+def rods(test):
+    run = test.run(example("rod_collapse"), mpm_grid_cells="55,12", mpm_output_every=1000, mpm_quiet=None)
+    test.check_example("rods", run, "rod_collapse")
+
+
+def spray(test):
+    """Sand that is drawn out without a force parts: its points' domains grow to four cells and no further."""
+    run = test.run(HERE / "spray.yaml")
+    test.check("spray.completed", run.results.summary["status"] == "completed", 1, 1)
+    velocity, place = (run.results.state("last")[name][:, 0] for name in ("velocity", "position"))
+    test.near("spray.left", velocity[place < 1.2].mean(), -2.0, relative=0.02)
+    test.near("spray.right", velocity[place > 5.2].mean(), 2.0, relative=0.02)
+
+
 def slope(test):
     run = test.run(example("slope_runout"), mpm_grid_cells="60,16", mpm_stage_fail_time_cfl=0.9, mpm_output_every=400, mpm_quiet=None)
     test.check_example("slope", run, "slope_runout")
@@ -53,5 +68,7 @@ with Test() as check:
     dam(check)
     viscous(check)
     sand(check)
+    rods(check)
+    spray(check)
     slope(check)
     repose(check)
