@@ -61,6 +61,12 @@ typedef struct {
   PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
 } MpmPatch;
 
+/* What Newton's method makes of patches (contact_states.c), on all ranks. */
+typedef struct {
+  PetscBool careful, secant; /* it may take the secants of what slides, and does */
+  PetscBool holds;           /* it holds patches */
+} MpmContactMode;
+
 /* Those of this rank's points, and what they do. */
 typedef struct MpmContacts {
   PetscInt           boundary_count;
@@ -78,9 +84,8 @@ typedef struct MpmContacts {
   PetscReal  cell;  /* the smallest size of one, m */
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
-  const PetscReal *moved;           /* explicit steps: displacements, contact having acted at others; or NULL */
-  PetscBool        careful, secant; /* Newton's method takes, now, the secants of what slides */
-  PetscBool        holds;           /* and it holds patches, of any rank */
+  const PetscReal *moved; /* explicit steps: displacements, contact having acted at others; or NULL */
+  MpmContactMode   mode;
   PetscInt         facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet        *facet;
   MpmPatch        *patch;

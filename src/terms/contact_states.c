@@ -87,7 +87,7 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
   PetscFunctionBeginUser;
   MpmContactsEnd(contacts);
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  contacts->careful = careful;
+  contacts->mode.careful = careful;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch      *patch = &contacts->patch[k];
@@ -96,13 +96,13 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
     patch->state = StateOf(contacts, patch, sum, u, &work, &answer);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
     if (patch->state == MPM_PATCH_OPEN) Hold(contacts, patch, sum, u, &work);
-    if (patch->held) contacts->holds = PETSC_TRUE;
+    if (patch->held) contacts->mode.holds = PETSC_TRUE;
     if (careful && (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer))))
-      contacts->secant = PETSC_TRUE;
+      contacts->mode.secant = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->mode.holds, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->mode.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,8 +112,8 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
   MpmPatchWork work;
 
   PetscFunctionBeginUser;
-  if (!contacts->careful && !contacts->holds) PetscFunctionReturn(PETSC_SUCCESS);
-  contacts->holds = PETSC_FALSE;
+  if (!contacts->mode.careful && !contacts->mode.holds) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->mode.holds = PETSC_FALSE;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch           *patch = &contacts->patch[k];
@@ -129,14 +129,14 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
     if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) changed = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
-  changed = (PetscBool)(changed && contacts->careful);
-  PetscCall(MPIU_Allreduce(&changed, &contacts->secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  changed = (PetscBool)(changed && contacts->mode.careful);
+  PetscCall(MPIU_Allreduce(&changed, &contacts->mode.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmContactsEnd(MpmContacts *contacts)
 {
-  contacts->careful = contacts->secant = contacts->holds = PETSC_FALSE;
+  contacts->mode.careful = contacts->mode.secant = contacts->mode.holds = PETSC_FALSE;
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     contacts->patch[k].held = contacts->patch[k].glides = PETSC_FALSE;
 }
