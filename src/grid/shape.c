@@ -130,12 +130,34 @@ static inline void AddSegment(PetscInt degree, PetscReal t, PetscReal s, PetscRe
   }
 }
 
+/* Adds the means over its whole interval instead. */
+static inline void AddPiece(PetscInt degree, PetscReal f, PetscReal w[], PetscReal g[])
+{
+  static const PetscReal weight[3][4] = {
+    {0.5, 0.5}, {1. / 6., 2. / 3., 1. / 6.}, {1. / 24., 11. / 24., 11. / 24., 1. / 24.}};
+  static const PetscReal gradient[3][4] = {{-1., 1.}, {-0.5, 0., 0.5}, {-1. / 6., -0.5, 0.5, 1. / 6.}};
+
+  for (PetscInt k = 0; k <= degree; k++) {
+    w[k] += f * weight[degree - 1][k];
+    g[k] += f * gradient[degree - 1][k];
+  }
+}
+
+/* What a segment adds: of the polynomials there, or, for `whole`, of their means over the interval. */
+static inline void AddPart(PetscInt degree, PetscBool whole, PetscReal t, PetscReal s, PetscReal f, PetscReal w[],
+                           PetscReal g[])
+{
+  if (whole) AddPiece(degree, f, w, g);
+  else AddSegment(degree, t, s, f, w, g);
+}
+
 /*
   Averages over [-l, l] about the point; returns how many nodes from *first on were filled. An interval that the domain
   enters by less than MPM_SHAPE_TOUCH of its length is not entered: the interval before it is taken to reach that far, as at an edge.
   A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no stiffness.
 */
-MPM_INLINE PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, PetscInt *first, PetscReal w[], PetscReal g[])
+MPM_INLINE PetscInt AddDomain(PetscInt degree, PetscBool whole, Interval at, PetscReal l, PetscInt *first,
+                              PetscReal w[], PetscReal g[])
 {
   const PetscReal inverse = 0.5 / l, reach = l - 2. * l * MPM_SHAPE_TOUCH;
   const PetscReal knot = at.offset - at.local; /* distance from the point to the lower end of its interval */
@@ -150,7 +172,7 @@ MPM_INLINE PetscInt AddDomain(PetscInt degree, Interval at, PetscReal l, PetscIn
     const PetscReal to = (j == high) ? l : knot + (PetscReal)(j + 1);
     const PetscReal t = at.local - (PetscReal)j + 0.5 * (from + to), f = (to - from) * inverse;
 
-    AddSegment(degree, t, to - from, f, weight, slope);
+    AddPart(degree, whole, t, to - from, f, weight, slope);
     w[j - low] = weight[0];
     g[j - low] = slope[0];
     for (PetscInt i = 0; i < degree; i++) {
@@ -260,22 +282,36 @@ static inline void TrimEnds(MpmShapeLine *line)
   line->count -= lead;
 }
 
-/* Inlined with a constant degree, so that each shape gets its own straight-line code. */
-MPM_INLINE void Evaluate(PetscInt degree, MpmEdgeType edge, PetscReal xi, PetscReal l, PetscInt edge_lower,
-                         PetscInt edge_upper, MpmShapeLine *line)
+/*
+  The weights, or with `whole` their means over pieces, of all nodes of the intervals that the domain touches. Inlined with a constant
+  degree, so that each shape gets its own straight-line code.
+*/
+MPM_INLINE void Touch(PetscInt degree, PetscBool whole, MpmEdgeType edge, Interval at, PetscReal l, MpmShapeLine *line)
 {
-  const Interval at = Locate(degree, xi, edge_lower, edge_upper);
+  const PetscInt edge_lower = at.lower, edge_upper = degree % 2 ? at.upper + 1 : at.upper;
 
   if (l > MPM_SHAPE_POINT) {
-    line->count = AddDomain(degree, at, l, &line->first, line->weight, line->gradient);
+    line->count = AddDomain(degree, whole, at, l, &line->first, line->weight, line->gradient);
   } else {
     line->first = at.index - degree / 2;
     line->count = degree + 1;
     for (PetscInt k = 0; k <= degree; k++) line->weight[k] = line->gradient[k] = 0.;
-    AddSegment(degree, at.local, 0., 1., line->weight, line->gradient);
+    AddPart(degree, whole, at.local, 0., 1., line->weight, line->gradient);
   }
   if (degree > 1) FoldEdges(degree, MpmEdgeOf(edge, degree, edge_upper - edge_lower), edge_lower, edge_upper, line);
-  TrimEnds(line);
+}
+
+/* A line, and its smoothed weights: all nodes of the intervals stay, for a piece's mean is 0 in none. */
+static void EvaluateSmooth(PetscInt degree, MpmEdgeType edge, Interval at, PetscReal l, MpmShapeLine *line)
+{
+  MpmShapeLine mean = {.weight = line->cross, .gradient = line->slope};
+
+  Touch(degree, PETSC_FALSE, edge, at, l, line);
+  Touch(degree, PETSC_TRUE, edge, at, l, &mean);
+  for (PetscInt k = 0; k < line->count; k++) {
+    line->cross[k] = line->weight[k] + line->smooth * (line->cross[k] - line->weight[k]);
+    line->slope[k] = line->gradient[k] + line->smooth * (line->slope[k] - line->gradient[k]);
+  }
 }
 
 MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells)
@@ -297,9 +333,20 @@ MPM_INLINE void EvaluateAll(PetscInt degree, PetscBool domain, MpmEdgeType edge,
   const PetscInt width = lines->width;
 
   for (PetscInt k = 0; k < count; k++) {
-    MpmShapeLine line = {.weight = &lines->weight[k * width], .gradient = &lines->gradient[k * width]};
+    const Interval  here = Locate(degree, at->xi[k], at->edge_lower[k], at->edge_upper[k]);
+    const PetscReal l    = domain ? at->half_length[k] : 0.;
+    MpmShapeLine    line = {.weight = &lines->weight[k * width], .gradient = &lines->gradient[k * width]};
 
-    Evaluate(degree, edge, at->xi[k], domain ? at->half_length[k] : 0., at->edge_lower[k], at->edge_upper[k], &line);
+    if (lines->smooth > 0.) {
+      line.smooth = lines->smooth;
+      line.cross  = &lines->cross[k * width];
+      line.slope  = &lines->slope[k * width];
+      EvaluateSmooth(degree, edge, here, l, &line);
+      for (PetscInt i = line.count; i < width; i++) line.slope[i] = 0.;
+    } else {
+      Touch(degree, PETSC_FALSE, edge, here, l, &line);
+      TrimEnds(&line);
+    }
     for (PetscInt i = line.count; i < width; i++) line.gradient[i] = 0.;
     lines->first[k] = line.first;
     lines->count[k] = line.count;
@@ -330,7 +377,13 @@ void MpmShapeEvaluateAll(MpmShapeType type, MpmEdgeType edge, PetscInt count, co
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                       PetscInt edge_upper, MpmShapeLine *line)
 {
-  const MpmShapeLines lines = {0, &line->first, &line->count, line->weight, line->gradient};
+  const MpmShapeLines lines = {.first    = &line->first,
+                               .count    = &line->count,
+                               .weight   = line->weight,
+                               .gradient = line->gradient,
+                               .smooth   = line->smooth,
+                               .cross    = line->cross,
+                               .slope    = line->slope};
 
   MpmShapeEvaluateAll(type, edge, 1, &(MpmShapePlaces){&xi, &half_length, &edge_lower, &edge_upper}, &lines);
 }

@@ -55,6 +55,9 @@ typedef struct {
   PetscReal *weight;
   PetscReal *gradient; /* derivatives by xi (divide by h for d/dx) */
   PetscReal *mean;     /* means over the cell, which MpmShapeMean() makes */
+  PetscReal  smooth;   /* share of the means over pieces in what follows, 0: it is not made */
+  PetscReal *cross;    /* weights that take part in gradients along other axes, */
+  PetscReal *slope;    /* and gradients, both smoothed */
 } MpmShapeLine;
 
 /* Overlaps with an interval that are smaller than this part of the domain are rounding. */
@@ -75,7 +78,10 @@ typedef struct {
 - edge_upper  - last node
 
   Output Parameter:
-. line - the nodes, and their weights in arrays of the caller's: room for MpmShapeWidth() of them
+. line - the nodes, and their weights in arrays of the caller's: room for MpmShapeWidth() of them; `smooth` is input
+
+  With `smooth` the weights and gradients that make a displacement's gradient are those of the point and, so much of them, the means over
+  the spline's pieces (the cells, for even degrees the cells around nodes) in which the domain lies. Linear fields keep their gradients.
 
   Nodes beyond the edges do not exist. With MPM_EDGE_LINEAR their coefficients are the linear extension u_{-k} = 2 u_0 -
   u_k. With either type the edge node carries the edge's value exactly, and a linear field has its nodal values as
@@ -89,9 +95,11 @@ typedef struct {
   const PetscInt  *edge_lower, *edge_upper;
 } MpmShapePlaces;
 typedef struct {
-  PetscInt   width; /* numbers a line; gradients behind its nodes become 0 */
+  PetscInt   width; /* numbers a line; gradients and slopes behind its nodes become 0 */
   PetscInt  *first, *count;
   PetscReal *weight, *gradient;
+  PetscReal  smooth;
+  PetscReal *cross, *slope;
 } MpmShapeLines;
 void MpmShapeEvaluateAll(MpmShapeType type, MpmEdgeType edge, PetscInt count, const MpmShapePlaces *at,
                          const MpmShapeLines *lines);

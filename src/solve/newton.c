@@ -347,7 +347,7 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   }
   if (Stalls(&solver->cache, it, fnorm) && solver->cache.hasty && *reason == SNES_CONVERGED_ITERATING)
     *reason = SNES_DIVERGED_LOCAL_MIN;
-  if (*reason > 0 && solver->disc->contacts->mode.holds) *reason = SNES_CONVERGED_ITERATING;
+  if (*reason > 0 && solver->disc->contacts->newton.holds) *reason = SNES_CONVERGED_ITERATING;
   if (!it) solver->cache.imbalance = PETSC_INFINITY;
   if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -646,10 +646,10 @@ static PetscErrorCode SearchByNorm(Search *search, PetscBool *found)
 static PetscErrorCode FollowContacts(Search *search)
 {
   const MpmDiscretization *disc = search->solver->disc;
-  const PetscBool          held = disc->contacts->mode.holds;
+  const PetscBool          held = disc->contacts->newton.holds;
 
   PetscFunctionBeginUser;
-  if (!disc->contacts->mode.careful && !held) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!disc->contacts->newton.careful && !held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGatherSolution(search->solver, search->W));
   PetscCall(MpmContactsFollow(disc->contacts, disc->sum, disc->u));
   if (!held) PetscFunctionReturn(PETSC_SUCCESS);

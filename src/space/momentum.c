@@ -445,19 +445,31 @@ PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Nodes of a group that the processor's registers hold, by their places in it. */
+#define FEW 9
+static const PetscInt few[FEW] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+
 /* One group's part of M a; `a` and `sums` are [i][c], of the local nodes. */
 MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const Slim a[],
                                         Slim *restrict sums)
 {
+  const PetscBool here  = (PetscBool)(known.n <= FEW);
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  Slim            of[FEW], to[FEW];
 
+  for (PetscInt i = 0; here && i < known.n; i++) {
+    of[i] = a[nodes[i]];
+    to[i] = (Slim){0.};
+  }
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p     = sum->space->order[s];
-    const Slim     value = InterpolateSlim(known, sum, p, NULL, nodes, a, NULL);
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
 
     MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), known.dim * sum->space->width);
-    AddValue(known, sum, p, value * MpmPointMass(sum->points, sum->materials, p), nodes, sums);
+    if (here) AddValue(known, sum, p, InterpolateSlim(known, sum, p, NULL, few, of, NULL) * mass, few, to);
+    else AddValue(known, sum, p, InterpolateSlim(known, sum, p, NULL, nodes, a, NULL) * mass, nodes, sums);
   }
+  for (PetscInt i = 0; here && i < known.n; i++) sums[nodes[i]] += to[i];
   return PETSC_SUCCESS;
 }
 
@@ -477,6 +489,30 @@ PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal
   for (PetscInt i = 0; i < local; i++)
     for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += sums[i][c];
   PetscCall(PetscFree2(values, sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- at a point ---- */
+
+PetscErrorCode MpmSpinAtPoint(const MpmSum *sum, PetscInt group, PetscInt point, const PetscReal v[], PetscReal W[])
+{
+  const MpmGroup *of    = &sum->space->groups[group];
+  const MpmKnown  known = KnownGeneral(sum->layout, of);
+  const PetscInt *nodes = &sum->space->group_nodes[of->node_offset], dim = known.dim, n = known.n;
+  PetscReal      *storage, *basis[1 + MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((n * (1 + MPM_MAX_DIM)), &storage));
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis[b] = &storage[b * n];
+  MpmShapeBasis(known, sum->space, 0, point, PETSC_FALSE, basis);
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++) {
+      W[a * dim + b] = 0.;
+      for (PetscInt i = 0; i < n; i++)
+        W[a * dim + b] += 0.5 * (v[nodes[i] * dim + a] * basis[1 + b][i] - v[nodes[i] * dim + b] * basis[1 + a][i]);
+    }
+  }
+  PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -25,3 +25,6 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
 
 /* y += M a with the points' consistent mass: values at the local nodes, dim each; the rows of ghosts hold what this rank adds. */
 PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[]);
+
+/* The spin at a point of a group of velocities v of the local nodes, 1/s: W_ab = (v_a,b - v_b,a)/2, dim x dim. */
+PetscErrorCode MpmSpinAtPoint(const MpmSum *sum, PetscInt group, PetscInt point, const PetscReal v[], PetscReal W[]);

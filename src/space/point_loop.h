@@ -284,6 +284,10 @@ MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, Petsc
   PetscReal *restrict b0 = basis[0], *restrict b1 = basis[1], *restrict b2 = basis[2], *restrict b3 = basis[3];
   const PetscInt nx = count[0];
 
+  if (space->shape[shape].cross) {
+    MpmSpaceSmoothBasis(space, count, shape, point, basis);
+    return;
+  }
   for (PetscInt l = 0; l < (dim == 2 ? 1 : count[2]); l++) {
     const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];
 

@@ -12,6 +12,15 @@
 #define MPM_GHOST_SPARSE 1e-1 /* where points are sparse; */
 #define MPM_GHOST_RESCUE 1e-1 /* and where a run would give up with less */
 
+/* Share of means over pieces in the strain while strength is reduced and no factor of safety found. */
+#define MPM_SMOOTH_SAFETY 0.8
+
+/*
+  Half-length, in cells, beyond which a domain of an explicit step grows no more: eight times that of 2 x 2 points a cell. Grains
+  that fly are stretched without a force, and their domains would span the grid.
+*/
+#define MPM_SPRAY_HALF_LENGTH 2.
+
 /* What a space is made by, borrowed from the model. */
 typedef struct MpmRules {
   const MpmGrid     *grid;
@@ -24,10 +33,11 @@ typedef struct MpmRules {
   PetscReal          longest; /* half-length of a domain, cells: what has been drawn further parts; 0: any */
   const MpmMaterial *materials;
   PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
-  PetscBool          mean;          /* points of one cell stand side by side, for means over it */
-  PetscReal          time_n, time;  /* the step is from time_n to time */
-  PetscBool          put_back;      /* the points were put back after the last step, which kept their stress */
-  PetscBool          dynamic;       /* a step with inertia that is solved for */
+  PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
+  PetscBool          mean;   /* points of one cell stand side by side, for means over it */
+  PetscReal          time_n, time;         /* the step is from time_n to time */
+  PetscBool          put_back;             /* the points were put back after the last step, which kept their stress */
+  PetscBool          dynamic;              /* a step with inertia that is solved for */
   PetscReal          gravity[MPM_MAX_DIM]; /* m/s2 */
   PetscInt           parts;                /* of the material, with nodes of their own; 0 or 1: none */
 } MpmRules;

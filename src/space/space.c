@@ -12,8 +12,10 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree2(space->first, space->count));
-  for (PetscInt k = 0; k < space->shape_count; k++)
+  for (PetscInt k = 0; k < space->shape_count; k++) {
     PetscCall(PetscFree3(space->shape[k].weight, space->shape[k].gradient, space->shape[k].mean));
+    PetscCall(PetscFree2(space->shape[k].cross, space->shape[k].slope));
+  }
   PetscCall(PetscFree(space->support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
@@ -281,6 +283,28 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   for (PetscInt k = 0; k < space->extra.count; k++)
     for (PetscInt c = 0; c < rules->layout->block; c++) space->unknown_count += space->extra.free[k] >> c & 1;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt shape, PetscInt point,
+                         PetscReal *const basis[])
+{
+  static const PetscReal  one = 1., zero = 0.;
+  const MpmWeights *const of  = &space->shape[shape];
+  const PetscInt          dim = space->dim, W = space->width, x = point * dim * W, y = x + W, z = y + W;
+  const PetscReal        *wz = dim == 2 ? &one : &of->weight[z], *cz = dim == 2 ? &one : &of->cross[z];
+  const PetscReal        *sz = dim == 2 ? &zero : &of->slope[z];
+  PetscInt                n  = 0;
+
+  for (PetscInt l = 0; l < (dim == 2 ? 1 : count[2]); l++) {
+    for (PetscInt j = 0; j < count[1]; j++) {
+      for (PetscInt k = 0; k < count[0]; k++, n++) {
+        basis[0][n] = of->weight[x + k] * of->weight[y + j] * wz[l];
+        basis[1][n] = of->slope[x + k] * of->cross[y + j] * cz[l];
+        basis[2][n] = of->cross[x + k] * of->slope[y + j] * cz[l];
+        if (dim == 3) basis[3][n] = of->cross[x + k] * of->cross[y + j] * sz[l];
+      }
+    }
+  }
 }
 
 void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis)

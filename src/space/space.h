@@ -26,11 +26,12 @@ typedef struct {
 } MpmCell;
 
 /*
-  Weights of a shape: per point and axis `width` values, from the first node of the point's group on; gradients by x; and
-  means over the cell, NULL where no field asks for its deviation.
+  Weights of a shape: per point and axis `width` values, from the first node of the point's group on; gradients by x;
+  means over the cell, NULL where no field asks for its deviation; and NULL where nothing is smoothed, what makes the
+  derivatives of fields in their place: weights across an axis, and gradients along it.
 */
 typedef struct {
-  PetscReal *weight, *gradient, *mean;
+  PetscReal *weight, *gradient, *mean, *cross, *slope;
 } MpmWeights;
 
 /*
@@ -165,5 +166,8 @@ static inline void MpmBasisPlace(const MpmSpace *space, PetscInt nodes, PetscRea
 {
   for (PetscInt b = 0; b < MpmBasisCount(space); b++) basis->basis[b] = storage + b * nodes;
 }
+/* MpmShapeBasis() of point_loop.h where derivatives are smoothed. */
+void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt shape, PetscInt point,
+                         PetscReal *const basis[]);
 /* Those of the scene's shape alone. */
 void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);

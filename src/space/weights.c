@@ -198,8 +198,11 @@ static void AverageBlock(const MpmRules *rules, const Shape *shape, const Block 
                          const PetscReal half[], const MpmShapeLines *lines, PetscReal mean[])
 {
   for (PetscInt k = 0; k < count; k++) {
-    const MpmShapeLine line = {lines->first[k], lines->count[k], &lines->weight[k * lines->width],
-                               &lines->gradient[k * lines->width], &mean[k * lines->width]};
+    const MpmShapeLine line = {.first    = lines->first[k],
+                               .count    = lines->count[k],
+                               .weight   = &lines->weight[k * lines->width],
+                               .gradient = &lines->gradient[k * lines->width],
+                               .mean     = &mean[k * lines->width]};
 
     MpmShapeMean(shape->type, rules->edge, block->xi[k], half ? half[k] : 0., block->first[k], block->last[k], &line);
   }
@@ -218,16 +221,28 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
   PetscCall(PetscMalloc3((count * width), &values->weight, (count * width), &values->gradient,
                          (lines->mean ? count * width : 0), &values->mean));
   if (!lines->mean) values->mean = NULL;
+  values->cross = values->slope = NULL;
+  if (rules->smooth > 0.) PetscCall(PetscMalloc2((count * width), &values->cross, (count * width), &values->slope));
   PetscCall(PetscMalloc1((BLOCK * dim * width), &h));
   BlockCreate(rules, &block);
   for (PetscInt k = 0; k < BLOCK * dim * width; k++) h[k] = block.h[k / width];
   for (PetscInt from = 0; from < points->count; from += BLOCK) {
-    const PetscInt      here = BlockPlace(rules, points, from, &block) * dim, k = from * dim;
-    const MpmShapeLines to = {width, &lines->first[k], &lines->count[k], &values->weight[k * width],
-                              &values->gradient[k * width]};
+    const PetscInt here = BlockPlace(rules, points, from, &block) * dim, k = from * dim;
+    MpmShapeLines  to = {.width    = width,
+                         .first    = &lines->first[k],
+                         .count    = &lines->count[k],
+                         .weight   = &values->weight[k * width],
+                         .gradient = &values->gradient[k * width]};
+
+    if (rules->smooth > 0.) {
+      to.smooth = rules->smooth;
+      to.cross  = &values->cross[k * width];
+      to.slope  = &values->slope[k * width];
+    }
 
     EvaluateBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to);
     for (PetscInt i = 0; i < here * width; i++) to.gradient[i] /= h[i];
+    for (PetscInt i = 0; to.slope && i < here * width; i++) to.slope[i] /= h[i];
     if (lines->mean) AverageBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to, &values->mean[k * width]);
   }
   for (PetscInt p = 0; space->parts.stride && p < points->count; p++)

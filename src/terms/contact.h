@@ -61,11 +61,11 @@ typedef struct {
   PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
 } MpmPatch;
 
-/* What Newton's method makes of patches (contact_states.c), on all ranks. */
+/* How Newton's method goes about what may slide (contact_states.c). */
 typedef struct {
-  PetscBool careful, secant; /* it may take the secants of what slides, and does */
-  PetscBool holds;           /* it holds patches */
-} MpmContactMode;
+  PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
+  PetscBool holds;           /* and it holds patches, of any rank */
+} MpmContactNewton;
 
 /* Those of this rank's points, and what they do. */
 typedef struct MpmContacts {
@@ -85,7 +85,7 @@ typedef struct MpmContacts {
   PetscReal  touch,
     tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
   const PetscReal *moved; /* explicit steps: displacements, contact having acted at others; or NULL */
-  MpmContactMode   mode;
+  MpmContactNewton newton;
   PetscInt         facet_count, capacity, patch_count, most; /* most: facets of a patch */
   MpmFacet        *facet;
   MpmPatch        *patch;
@@ -140,8 +140,7 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
 PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 void           MpmContactsEnd(MpmContacts *contacts);
 
-/* One patch (contact_patch.c). */
-/* k' of what may slide, over the stiffness across. */
+/* One patch (contact_patch.c): k' of what may slide, over the stiffness across. */
 PetscReal      MpmPatchAlong(const MpmPatch *patch);
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);
 PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work);

@@ -76,8 +76,8 @@ static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatc
   const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
   const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
   const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
-  const MpmContactLaw law      = {patch->stiffness, MpmPatchAlong(patch), boundary->friction,   adhesion,
-                                  strength,         boundary->stick,      contacts->mode.secant};
+  const MpmContactLaw law      = {patch->stiffness, MpmPatchAlong(patch), boundary->friction,     adhesion,
+                                  strength,         boundary->stick,      contacts->newton.secant};
   const PetscReal     pressure = -patch->stiffness * answer->gap;
   MpmContactFriction  friction;
 

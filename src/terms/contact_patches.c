@@ -22,7 +22,6 @@
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "space/point_loop.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"
@@ -737,48 +736,5 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
   MpmRigidBegin(contacts, step->rules->time, step->rules->dynamic ? step->rules->time - step->rules->time_n : 0.,
                 step->rules->gravity);
   while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- round surfaces that turn (round_facets.c) ---- */
-
-/* W r at a point, with the spin W of a velocity of the nodes. */
-static void Spin(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const PetscReal v[],
-                 PetscReal *basis[], const PetscReal r[], PetscReal Wr[])
-{
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset], dim = known.dim;
-
-  for (PetscInt a = 0; a < dim; a++) {
-    Wr[a] = 0.;
-    for (PetscInt c = 0; c < dim; c++)
-      for (PetscInt i = 0; i < known.n; i++)
-        Wr[a] += 0.5 * (v[nodes[i] * dim + a] * basis[1 + c][i] - v[nodes[i] * dim + c] * basis[1 + a][i]) * r[c];
-  }
-}
-
-PetscErrorCode MpmContactsTurn(MpmContacts *contacts, const MpmSum *sum, const PetscReal v[], PetscReal part)
-{
-  const PetscInt dim = sum->space->dim, most = PetscPowInt(sum->space->width, dim);
-  PetscReal     *storage, *basis[1 + MPM_MAX_DIM];
-
-  PetscFunctionBeginUser;
-  if (!contacts->shaped || part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((most * (1 + MPM_MAX_DIM)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis[b] = &storage[b * most];
-  for (PetscInt f = 0; f < contacts->facet_count; f++) {
-    MpmFacet       *facet = &contacts->facet[f];
-    const MpmGroup *group = &sum->space->groups[facet->group];
-    const MpmKnown  known = KnownGeneral(sum->layout, group);
-    PetscReal       way[MPM_MAX_DIM], again[MPM_MAX_DIM];
-
-    if (!facet->round || MpmContactsBody(contacts, facet->boundary)) continue;
-    MpmShapeBasis(known, sum->space, 0, facet->point, PETSC_FALSE, basis);
-    Spin(known, sum, group, v, basis, facet->arm, way);
-    Spin(known, sum, group, v, basis, way, again);
-    facet->turn = 0.;
-    for (PetscInt a = 0; a < dim; a++)
-      facet->turn += (1. - part) * sum->dt * facet->normal[a] * (way[a] + 0.5 * (1. + part) * sum->dt * again[a]);
-  }
-  PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -87,7 +87,7 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
   PetscFunctionBeginUser;
   MpmContactsEnd(contacts);
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  contacts->mode.careful = careful;
+  contacts->newton.careful = careful;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch      *patch = &contacts->patch[k];
@@ -96,13 +96,13 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
     patch->state = StateOf(contacts, patch, sum, u, &work, &answer);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
     if (patch->state == MPM_PATCH_OPEN) Hold(contacts, patch, sum, u, &work);
-    if (patch->held) contacts->mode.holds = PETSC_TRUE;
+    if (patch->held) contacts->newton.holds = PETSC_TRUE;
     if (careful && (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer))))
-      contacts->mode.secant = PETSC_TRUE;
+      contacts->newton.secant = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->mode.holds, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->mode.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->newton.holds, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->newton.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,8 +112,8 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
   MpmPatchWork work;
 
   PetscFunctionBeginUser;
-  if (!contacts->mode.careful && !contacts->mode.holds) PetscFunctionReturn(PETSC_SUCCESS);
-  contacts->mode.holds = PETSC_FALSE;
+  if (!contacts->newton.careful && !contacts->newton.holds) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->newton.holds = PETSC_FALSE;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch           *patch = &contacts->patch[k];
@@ -129,14 +129,14 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
     if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) changed = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
-  changed = (PetscBool)(changed && contacts->mode.careful);
-  PetscCall(MPIU_Allreduce(&changed, &contacts->mode.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  changed = (PetscBool)(changed && contacts->newton.careful);
+  PetscCall(MPIU_Allreduce(&changed, &contacts->newton.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmContactsEnd(MpmContacts *contacts)
 {
-  contacts->mode.careful = contacts->mode.secant = contacts->mode.holds = PETSC_FALSE;
+  contacts->newton.careful = contacts->newton.secant = contacts->newton.holds = PETSC_FALSE;
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     contacts->patch[k].held = contacts->patch[k].glides = PETSC_FALSE;
 }

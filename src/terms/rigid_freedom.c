@@ -80,6 +80,23 @@ static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What is solved for follows no motion. */
+static PetscErrorCode CheckMotion(const MpmOptions *block, const MpmBoundary *boundary, const MpmFreedom *freedom)
+{
+  const PetscInt dim = boundary->dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < dim; a++)
+    MpmCheckInput(boundary->motion.translation[a] == 0. || !(freedom->free[0] >> a & 1),
+                  "-%smotion: must be 0 along axis %c, which is among -%sfree", block->prefix, "xyz"[a],
+                  block -> prefix);
+  for (PetscInt a = 0; a < (dim == 2 ? 1 : 3); a++)
+    MpmCheckInput(boundary->motion.rotation[dim == 2 ? 2 : a] == 0. || !(freedom->free[1] >> a & 1),
+                  "-%srotation: must be 0 about axis %c, which is among -%sfree", block->prefix,
+                  dim == 2 ? 'z' : "xyz"[a], block -> prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CheckAbsent(const MpmOptions *block)
 {
   static const char *const options[] = {"load", "moment", "load_ramp", "mass", "inertia", "velocity"};
@@ -121,6 +138,7 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
   PetscCall(MpmOptionsReals(block, "moment", "N m", "moment on it in total (2D: one number, per metre), with `free`",
                             MPM_RANGE_ANY, MPM_OPTIONAL, dim == 2 ? 1 : 3, freedom->moment, NULL));
   if (!MpmOptionsHelp()) {
+    PetscCall(CheckMotion(block, boundary, freedom));
     PetscCall(CheckPush(block, "load", freedom->load, freedom->free[0], dim));
     PetscCall(CheckPush(block, "moment", freedom->moment, freedom->free[1], dim == 2 ? 1 : 3));
   }

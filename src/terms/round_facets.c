@@ -17,7 +17,7 @@
 
     dg = (1 - theta) dt n . W (r + (1 + theta)/2 dt W r) ,   r = R N ,
 
-  does not count (MpmContactsTurn, contact_patches.c). The rest of its way does, so that what stops the body is as stiff at the step's end as it is elsewhere.
+  does not count. The rest of its way does, so that what stops the body is as stiff at the step's end as it is elsewhere.
 
   A face belongs to the surface where that took the next point of the lattice; what parted later is as it was cut.
 */
@@ -25,6 +25,8 @@
 #include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/points.h"
+#include "space/motion.h"
+#include "space/sum.h"
 #include "terms/contact.h"
 
 #define SITES 4    /* places of a face on each axis: a disc rolls on fewer like a polygon; with 8 nothing changes */
@@ -135,6 +137,32 @@ PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, cons
     MpmBoundaryDistance(boundary, &still, site.at, &surface);
     facet.touches = PetscMin(surface.distance, 0.);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsTurn(MpmContacts *contacts, const MpmSum *sum, const PetscReal v[], PetscReal part)
+{
+  PetscFunctionBeginUser;
+  if (!contacts->shaped || part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt f = 0; f < contacts->facet_count; f++) {
+    MpmFacet      *facet = &contacts->facet[f];
+    const PetscInt dim   = contacts->boundaries[facet->boundary].dim;
+    PetscReal      W[MPM_MAX_DIM * MPM_MAX_DIM], way[MPM_MAX_DIM];
+
+    if (!facet->round || MpmContactsBody(contacts, facet->boundary)) continue;
+    PetscCall(MpmSpinAtPoint(sum, facet->group, facet->point, v, W));
+    for (PetscInt a = 0; a < dim; a++) {
+      way[a] = 0.;
+      for (PetscInt c = 0; c < dim; c++) way[a] += W[a * dim + c] * facet->arm[c];
+    }
+    facet->turn = 0.;
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscReal again = 0.;
+
+      for (PetscInt c = 0; c < dim; c++) again += W[a * dim + c] * way[c];
+      facet->turn += (1. - part) * sum->dt * facet->normal[a] * (way[a] + 0.5 * (1. + part) * sum->dt * again);
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -137,6 +137,12 @@ static PetscReal GhostFactor(const MpmModel model)
   return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
 }
 
+/* How much of the strain is its mean over pieces (docs/stabilization.md). */
+static PetscReal SmoothShare(const MpmModel model)
+{
+  return model->state.rescue.smooth && MpmReductionSeeks(model) ? MPM_SMOOTH_SAFETY : model->scene.smooth;
+}
+
 /* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
 static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
@@ -144,12 +150,6 @@ static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal t
 
   return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
 }
-
-/*
-  Half-length, in cells, beyond which a domain of an explicit step grows no more: eight times that of 2 x 2 points a cell. Grains
-  that fly are stretched without a force, and their domains would span the grid.
-*/
-#define MPM_SPRAY_HALF_LENGTH 2.
 
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
@@ -170,6 +170,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                      .materials  = model->disc.sum->materials,
                      .ghost      = solves ? GhostFactor(model) : 0.,
                      .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .smooth     = SmoothShare(model),
                      .mean       = (PetscBool)(model->disc.layout->means > 0),
                      .put_back   = model->disc.put_back,
                      .time_n     = model->state.time,

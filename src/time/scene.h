@@ -127,6 +127,7 @@ typedef struct {
   PetscBool        fbar, fbar_auto;
   PetscBool        fbar_plain; /* F-bar averages dilation by shear, too */
   const char      *fbar_why;   /* what `auto` went by, or NULL */
+  PetscReal        smooth;     /* share of means over pieces in the strain of a solid */
   PetscInt         stage_count;
   MpmStage        *stages;
 } MpmScene;

@@ -14,6 +14,8 @@
 /* Cuts of one step before F-bar averages dilation, too; while the factor of safety is sought. */
 #define CUTS_WITH_DILATION 1
 #define CUTS_IN_REDUCTION  5
+/* And cuts before it goes without smoothed strains, for one step. */
+#define CUTS_WITH_SMOOTHING 2
 
 /*
   Is the error in time of the step that has been solved for too large? Not where a shorter step has not made it smaller: it
@@ -122,6 +124,16 @@ static PetscErrorCode AverageDilation(MpmModel model, const char *why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Goes on with the points' own strains, in this step: at the limit load Newton's method finds its way more easily with them. */
+static PetscErrorCode StopSmoothing(MpmModel model, const char *why)
+{
+  PetscFunctionBeginUser;
+  model->state.rescue.smooth = PETSC_FALSE;
+  model->state.dt_wanted     = model->state.dt_nominal;
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; this step with -mpm_stabilization_smooth 0", why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Was the step cut, and did Newton's method need more than half of the iterations that it may take even so? */
 static PetscErrorCode HasStruggled(MpmModel model, PetscBool *struggled)
 {
@@ -164,6 +176,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
   const PetscBool dilation = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
+  const PetscBool smooth   = (PetscBool)(model->state.rescue.smooth && MpmReductionSeeks(model));
   const PetscInt  most     = dilation ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION;
   PetscReal       next;
   PetscBool       retryable, again = PETSC_FALSE;
@@ -190,6 +203,11 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
       continue;
     }
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
+    if (smooth && model->state.rescue.smooth && (!again || model->state.cuts >= CUTS_WITH_SMOOTHING)) {
+      PetscCall(StopSmoothing(model, *why));
+      again = PETSC_FALSE;
+      continue;
+    }
     if (model->state.rescue.dilation && (!again || model->state.cuts >= most)) {
       PetscCall(AverageDilation(model, *why));
       model->state.dt_wanted = model->state.dt_nominal;

@@ -128,11 +128,11 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
   char              options[4096];
 
   PetscFunctionBeginUser;
-  /* the ghost penalty, where there is one, is part of half of the scenes */
+  /* the ghost penalty, where there is one, is part of half of the scenes; what is held along normals has smoothed strains */
   PetscCall(PetscSNPrintf(
     options, sizeof(options),
     "%s%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
-    "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi -mpm_shape_edge %s%s%s%s",
+    "-mpm_bodies b -mpm_body_b_material m -mpm_time_step 0.25 -pc_type jacobi -mpm_shape_edge %s%s%s%s%s",
     *rounded   ? rounded
     : dim == 2 ? scene_2d
                : scene_3d,
@@ -141,6 +141,7 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
     : held == LOADED ? dim == 2 ? loaded_2d : loaded_3d
                      : "",
     law->parameters, shape, law->name, edge, held ? " -mpm_stabilization_ghost 0.05" : " -mpm_stabilization_ghost off",
+    held == INCLINED ? " -mpm_stabilization_smooth 0.6" : "",
     fbar ? " -mpm_stabilization_fbar " : " -mpm_stabilization_fbar false", fbar ? "true" : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);

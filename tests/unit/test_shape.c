@@ -236,6 +236,58 @@ START_TEST(identities)
 }
 END_TEST
 
+/* Smoothed weights and gradients: linear fields keep their gradients, and with the means alone all places of a piece are alike. */
+static void CheckSmoothed(MpmShapeType type, PetscReal xi, PetscReal l, PetscInt cells)
+{
+  PetscReal    weight[WIDE], gradient[WIDE], cross[WIDE], slope[WIDE], sum = 0., moment[2] = {0., 0.}, total = 0.;
+  MpmShapeLine line  = {.weight = weight, .gradient = gradient, .smooth = 0.7, .cross = cross, .slope = slope};
+  const Shape  plain = Evaluate(type, xi, l, 0, cells);
+
+  MpmShapeEvaluate(type, edge, xi, l, 0, cells, &line);
+  CHECK_POINT(line.count >= plain.count && line.count <= MpmShapeWidth(type, l), "type %d at %.17g: %d nodes",
+              (int)type, xi, (int)line.count);
+  for (PetscInt k = 0; k < line.count; k++) {
+    sum += cross[k];
+    moment[0] += slope[k];
+    moment[1] += slope[k] * (PetscReal)(line.first + k);
+    total += PetscAbsReal(weight[k] - Weight(&plain, line.first + k));
+  }
+  CHECK_POINT(fabs(sum - 1.) < 4e-15, "type %d at %.17g, l %.17g: smoothed weights sum to %g", (int)type, xi, l, sum);
+  CHECK_POINT(fabs(moment[0]) < 1e-14 && fabs(moment[1] - 1.) < 4e-14, "type %d at %.17g, l %.17g: slope is off by %g",
+              (int)type, xi, l, moment[1] - 1.);
+  CHECK_POINT(total == 0., "type %d at %.17g, l %.17g: weights are off by %g", (int)type, xi, l, total);
+}
+
+START_TEST(smoothed)
+{
+  for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
+    for (PetscInt i = 0; i < 20000; i++) {
+      const PetscInt n = 1 + i % 5;
+      PetscReal      xi, l;
+
+      SamplePoint(i / 5, n, &xi, &l);
+      CheckSmoothed((MpmShapeType)type, xi, l, n);
+    }
+    /* half a piece apart, far from edges */
+    const PetscReal offset = MpmShapeDegree((MpmShapeType)type) == 2 ? 0.5 : 0.;
+    PetscReal       weight[WIDE], gradient[WIDE], cross[2][WIDE], slope[2][WIDE];
+    MpmShapeLine    line[2];
+
+    for (PetscInt s = 0; s < 2; s++) {
+      line[s] =
+        (MpmShapeLine){.weight = weight, .gradient = gradient, .smooth = 1., .cross = cross[s], .slope = slope[s]};
+      MpmShapeEvaluate((MpmShapeType)type, edge, 4. + offset + (s ? 0.2 : 0.7), 0.1, 0, 9, &line[s]);
+    }
+    ck_assert_int_eq(line[0].first, line[1].first);
+    ck_assert_int_eq(line[0].count, line[1].count);
+    for (PetscInt k = 0; k < line[0].count; k++) {
+      ck_assert_double_eq_tol(cross[0][k], cross[1][k], 1e-15);
+      ck_assert_double_eq_tol(slope[0][k], slope[1][k], 1e-15);
+    }
+  }
+}
+END_TEST
+
 /* The edge node carries the edge's value exactly, or prescribed values would not be met. */
 START_TEST(edge_interpolates)
 {
@@ -485,10 +537,10 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {gimp_table,  gimp_bspline2_table,  edge_values,        node_counts,
-                                widths,      identities,           edge_interpolates,  shifted_edge,
-                                open_edges,  where_open_edges_end, against_quadrature, gradient_by_differences,
-                                tiny_domains};
+  const TTest *const tests[] = {
+    gimp_table,         gimp_bspline2_table,     edge_values,  node_counts, widths,
+    identities,         edge_interpolates,       shifted_edge, open_edges,  where_open_edges_end,
+    against_quadrature, gradient_by_differences, tiny_domains, smoothed};
 
   return UnitRun(&argc, &argv, "shape", sizeof(tests) / sizeof(tests[0]), tests);
 }
