@@ -41,6 +41,7 @@ static const struct {
   MODEL("ghost", REAL, disc.ghost),
   MODEL("ghost_rescue", BOOL, state.rescue.ghost),
   MODEL("leaves_dilation", BOOL, state.rescue.dilation),
+  MODEL("averaged_dilation", INT, state.rescue.averaged),
   MODEL("indefinite", BOOL, solver.indefinite),
   MODEL("careful", BOOL, solver.careful),
   MODEL("jacobians_last", INT, solver.cache.made_count_last),

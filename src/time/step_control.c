@@ -14,6 +14,8 @@
 /* Cuts of one step before F-bar averages dilation, too; while the factor of safety is sought. */
 #define CUTS_WITH_DILATION 1
 #define CUTS_IN_REDUCTION  5
+/* Steps that do so alone, before all that follow do. */
+#define STEPS_WITH_AVERAGE 3
 /* And cuts before it goes without smoothed strains, for one step. */
 #define CUTS_WITH_SMOOTHING 2
 
@@ -111,12 +113,17 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 }
 
 /*
-  From here on or, while the factor of safety is sought, for one step: where all of it is averaged pressures drift apart, and
-  the slope would gain a hundredth of its strength within a few steps.
+  May F-bar average dilation for one step? Where it does so for long pressures drift apart, and a limit load rises by a hundredth within
+  a few steps. So always while the factor of safety is sought, and otherwise a few times: where many steps fail it would be dear.
 */
+static PetscBool AveragesOnce(const MpmModel model)
+{
+  return (PetscBool)(MpmReductionSeeks(model) || model->state.rescue.averaged < STEPS_WITH_AVERAGE);
+}
+
 static PetscErrorCode AverageDilation(MpmModel model, const char *why)
 {
-  const char *how_long = MpmReductionSeeks(model) ? "this step" : "from here on";
+  const char *how_long = AveragesOnce(model) ? "this step" : "from here on";
 
   PetscFunctionBeginUser;
   MpmStepAverageDilation(model, PETSC_TRUE);
@@ -134,14 +141,16 @@ static PetscErrorCode StopSmoothing(MpmModel model, const char *why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Was the step cut, and did Newton's method need more than half of the iterations that it may take even so? */
-static PetscErrorCode HasStruggled(MpmModel model, PetscBool *struggled)
+/* A step that was cut, and took more than half of the iterations allowed even so, counts as one that failed. */
+static PetscErrorCode MindStruggle(MpmModel model)
 {
   PetscInt most;
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetTolerances(model->solver.snes, NULL, NULL, NULL, &most, NULL));
-  *struggled = (PetscBool)(model->state.cuts && 2 * model->solver.newton > most);
+  if (!model->state.cuts || 2 * model->solver.newton <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (AveragesOnce(model)) model->state.rescue.averaged++;
+  else PetscCall(AverageDilation(model, "a short step was hard, too"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,9 +184,10 @@ static PetscErrorCode OfferRelaxation(MpmModel model, const char **why)
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
-  const PetscBool dilation = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
+  const PetscBool seeks    = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
+  const PetscBool dilation = (PetscBool)(model->state.rescue.dilation && AveragesOnce(model));
   const PetscBool smooth   = (PetscBool)(model->state.rescue.smooth && MpmReductionSeeks(model));
-  const PetscInt  most     = dilation ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION;
+  const PetscInt  most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION;
   PetscReal       next;
   PetscBool       retryable, again = PETSC_FALSE;
   PetscLogDouble  since;
@@ -230,11 +240,10 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmReductionObserve(model));
   if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
-  if (dilation) MpmStepAverageDilation(model, PETSC_FALSE);
-  else if (model->state.rescue.dilation) {
-    PetscCall(HasStruggled(model, &again));
-    if (again) PetscCall(AverageDilation(model, "a short step was hard, too"));
-  }
+  if (dilation && !model->state.rescue.dilation) {
+    MpmStepAverageDilation(model, PETSC_FALSE);
+    if (!seeks) model->state.rescue.averaged++;
+  } else if (model->state.rescue.dilation && !seeks) PetscCall(MindStruggle(model));
   model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
