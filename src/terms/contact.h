@@ -163,7 +163,7 @@ static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, Pets
 {
   return &contacts->weight[contacts->facet[facet].weight];
 }
-/* By axis, at the nodes of its point's group (contact_patches.c); `line` has room for MPM_MAX_WIDTH of them on each. */
+/* By axis, at the nodes of its point's group (facet_weights.c); `line` has room for MPM_MAX_WIDTH of them on each. */
 void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                    PetscReal (*line)[16]);
 /* A nodal field of `dim` components, at a facet: by the nodes of its patch's box, or of another one. */

@@ -605,51 +605,6 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 
 /* ---- weights ---- */
 
-/*
-  Weights of a facet on one axis, at the nodes of its patch's box: those of the part of the domain about the facet that is in the
-  domain, the face's middle across, the domain's mean along. That makes a uniform pressure on an even face consistent with
-  uniform stress, in every node.
-
-  Without a domain (half NULL) the displacement is that of the point and its gradient: for shapes that have none, and on a round
-  surface, off which the face stands, so that the force has its moment about the body's middle, and the body rolls over its true
-  radius. Nodes with little mass then have little of the force.
-*/
-static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                        PetscInt a, const PetscReal half[], PetscReal line[])
-{
-  const MpmGrid  *grid  = rules->grid;
-  const MpmGroup *group = &space->groups[facet->group];
-  const PetscInt  p = facet->point, dim = space->dim, last = group->count[a] - 1;
-  const PetscInt  shift = a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0;
-  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
-  MpmShapeLine    face = {.weight = weight, .gradient = unused};
-
-  for (PetscInt i = 0; i <= last; i++) line[i] = half ? 0. : space->shape[0].weight[(p * dim + a) * space->width + i];
-  for (PetscInt i = 0; !half && i <= last; i++)
-    line[i] += (facet->place[a] - points->x[p * dim + a]) * space->shape[0].gradient[(p * dim + a) * space->width + i];
-  if (!half) return;
-  const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
-  const PetscReal at = PetscMin(PetscMax((facet->place[a] - grid->lower[a]) / grid->h[a], x - half[a]), x + half[a]);
-
-  MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-  MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a],
-                   &face);
-  for (PetscInt i = 0; i < face.count; i++) /* rounding may touch a node more than the domain does */
-    line[PetscMin(PetscMax(face.first + shift + i - group->first[a], 0), last)] += weight[i];
-}
-
-void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                   PetscReal (*line)[MPM_MAX_WIDTH])
-{
-  const PetscBool domain = (PetscBool)(MpmShapeHasDomain(rules->shape) && !facet->round);
-  PetscReal       half[MPM_MAX_DIM];
-
-  line[2][0] = 1.;
-  if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
-  for (PetscInt a = 0; a < space->dim; a++) AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
-}
-
 static void Weights(const MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
                     const MpmFacet *facet, const MpmGroup *box, PetscReal weight[])
 {
