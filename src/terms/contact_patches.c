@@ -19,6 +19,7 @@
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -35,7 +36,7 @@
 #define ROUND   20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
 #define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
 #define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
-#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
+#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it, be it with an edge */
 #define NUDGE   1e-3  /* of a cell: so far before a surface lies the cell beside it */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
@@ -134,6 +135,12 @@ static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, Pets
   at[face / 2] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
 }
 
+/* Does a face of the lattice look straight at a surface? Then it is no step where the surface cut the lattice. */
+static PetscBool Aligned(const PetscReal normal[], PetscInt face)
+{
+  return (PetscBool)((face % 2 ? -1. : 1.) * normal[face / 2] > 1. - ALIGNED);
+}
+
 /* Which boundaries cut the lattice of points: some of the faces start well behind them. */
 static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points)
 {
@@ -155,6 +162,7 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
       if (MpmContactsSeesRound(contacts, points, k / points->count, p, face)) continue;
       InitialPlace(dim, points, p, face, at);
       MpmBoundaryDistance(boundary, &still, at, &surface);
+      if (Aligned(surface.normal, face)) continue;
       if (surface.distance < -CUT * points->half_length[p * dim + face / 2])
         contacts->cut[k / points->count] = PETSC_TRUE;
     }
@@ -166,7 +174,8 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
 
 /*
   Did the face touch the boundary at the start, and at which distance? It did where the boundary is the reason for which the lattice
-  has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant.
+  has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant, unless the region of its body was
+  drawn as far as to the surface. It is the body's face from then on, and keeps the distance that it has.
 */
 static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const MpmPoints *points, PetscInt p,
                                 PetscInt face, PetscReal *touches)
@@ -175,15 +184,23 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   const MpmPose      still    = {.growth = 0.};
   const PetscInt     dim = boundary->dim, axis = face / 2;
   const PetscReal    sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
-  PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM], stretch;
+  PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM];
   MpmSurface         surface, beyond;
+  PetscBool          aligned;
 
   InitialPlace(dim, points, p, face, at);
   MpmBoundaryDistance(boundary, &still, at, &surface);
-  stretch  = MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
-  *touches = stretch * surface.distance;
+  aligned  = Aligned(surface.normal, face);
+  *touches = surface.distance;
+  if (!aligned) *touches *= MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
   if (surface.distance <= 0.) return PETSC_TRUE;
-  if (!contacts->cut[b] || -sign * surface.normal[axis] > 1. - ALIGNED) {
+  if (aligned) {
+    const MpmBody body = surface.distance < 2. * half ? MpmContactsMaterial(contacts, points, p) : NULL;
+
+    at[axis] += sign * surface.distance;
+    if (body && MpmBodyReaches(body, at)) return PETSC_TRUE;
+  }
+  if (aligned || !contacts->cut[b]) {
     *touches = 0.;
     return (PetscBool)(surface.distance <= MPM_TOLERANCE * half);
   }
@@ -331,6 +348,15 @@ static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, co
   return MpmContactsCell(grid, foot, points->part ? points->part[facet->point] : 0);
 }
 
+/*
+  Does a face look past the boundary rather than at it? A side that shear has turned by a hair faces the surface with a hair of its area, but
+  stands off it by half a domain: in the mean gap that is more than the depth of a stiff contact. The steps of a cut lattice count.
+*/
+static PetscBool IsSide(const MpmContacts *contacts, PetscInt b, PetscReal facing, PetscReal square)
+{
+  return (PetscBool)(!contacts->cut[b] && facing <= FACING * PetscSqrtReal(square));
+}
+
 /* The facets of a point that may touch the boundary in this step. */
 static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmGrid *grid,
                                     const MpmPoints *points, const MpmFacet *start)
@@ -374,7 +400,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     }
     if (!boundary->bilateral && surface.distance > margin) continue;
     touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
-    if (boundary->bilateral && !touched) continue;
+    if (!touched && (boundary->bilateral || IsSide(contacts, b, facet.area, size))) continue;
     if (touched) facet.touches = kept[count];
     facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
