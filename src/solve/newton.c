@@ -325,12 +325,15 @@ static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
   return (PetscBool)(it - cache->least_at >= STALL);
 }
 
+/* With contact a prediction is an answer only where it is so much better than an iteration has to be: forces balance. */
+#define PREDICTION 1e-3
+
 /* Relative to the residual at zero displacement, whatever the first guess; and a floor. */
 static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
                                       SNESConvergedReason *reason, void *ctx)
 {
   MpmSolver *solver = (MpmSolver *)ctx;
-  PetscReal  stol, divtol;
+  PetscReal  stol, divtol, rtol;
   Vec        f;
 
   PetscFunctionBeginUser;
@@ -341,6 +344,10 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   *reason = SNES_CONVERGED_ITERATING;
   if (PetscIsInfOrNanReal(fnorm)) *reason = MPM_SNES_DIVERGED_NAN;
   else PetscCall(TestNorm(solver, xnorm, fnorm, reason));
+  if (!it && *reason > 0 && MpmSolverHasContact(solver) && solver->cache.reference > Floor(solver, xnorm)) {
+    PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
+    if (fnorm > PREDICTION * rtol * solver->cache.reference) *reason = SNES_CONVERGED_ITERATING;
+  }
   if (*reason == SNES_CONVERGED_ITERATING && it) {
     if (snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
     else if (divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;

@@ -182,8 +182,6 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 /* Distance from a facet's boundary as it stands at the step's start, or is expected to stand where it is free. */
 void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
                               MpmSurface *surface);
-/* The body that a point is of, or NULL where none is known. */
-MpmBody MpmContactsMaterial(const MpmContacts *contacts, const MpmPoints *points, PetscInt p);
 /*
   Round bodies of the material (round_facets.c). Sees: does a face belong to a round surface, which
   the boundary takes as it is? Then Add adds its facets, where they are no farther from the boundary than `margin`.
