@@ -76,6 +76,8 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 /* Their weights, and what the first bodies' points keep of them (a term's `prepare`). */
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
+/* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
+void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
 /*
   Method augmented, after Newton's: as MpmContactsAugment() does for boundaries. Where the worst depth over what is wanted is above
   1, the pressures become those that the patches have at u. Collective.

@@ -104,6 +104,12 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 
 /*
+  Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u, at boundaries whose motion is
+  prescribed.
+*/
+PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                     PetscReal *squares);
+/*
   Method augmented, after Newton's: where the worst depth over what is wanted, at the local unknowns u, is above 1, the
   pressures become those that the patches have there, and Newton's method has to go on. `worst` holds the last one on entry,
   infinity before the first. Collective.
