@@ -18,6 +18,7 @@ typedef struct MpmMaterials MpmMaterials;
 typedef struct MpmGrid      MpmGrid;
 typedef struct MpmSplit     MpmSplit;
 typedef struct MpmBodies    MpmBodies;
+typedef struct _p_MpmBody  *MpmBody;
 typedef struct MpmParked    MpmParked;
 typedef struct MpmParticles MpmParticles;
 typedef struct MpmPoints    MpmPoints;

@@ -228,6 +228,11 @@ MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
   return MPM_HOLD_INSIDE;
 }
 
+PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[])
+{
+  return (PetscBool)(!body->imported && MpmRegionContains(body->region, x));
+}
+
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other)
 {
   PetscBool same = (PetscBool)(!one->imported && !other->imported);

@@ -57,7 +57,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   disc->sum->state_size = state_size;
   disc->sum->own_size   = disc->layout->own_size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
-  PetscCall(MpmContactsShape(disc->contacts, bodies));
+  disc->contacts->shaped = bodies;
   PetscCall(MpmRigidCreate(disc->contacts, placements));
   disc->contacts->material_count = materials->count;
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
