@@ -104,6 +104,12 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 
 /*
+  Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u, at boundaries whose motion is
+  prescribed.
+*/
+PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                     PetscReal *squares);
+/*
   Method augmented, after Newton's: where the worst depth over what is wanted, at the local unknowns u, is above 1, the
   pressures become those that the patches have there, and Newton's method has to go on. `worst` holds the last one on entry,
   infinity before the first. Collective.
@@ -182,8 +188,6 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 /* Distance from a facet's boundary as it stands at the step's start, or is expected to stand where it is free. */
 void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
                               MpmSurface *surface);
-/* The body that a point is of, or NULL where none is known. */
-MpmBody MpmContactsMaterial(const MpmContacts *contacts, const MpmPoints *points, PetscInt p);
 /*
   Round bodies of the material (round_facets.c). Sees: does a face belong to a round surface, which
   the boundary takes as it is? Then Add adds its facets, where they are no farther from the boundary than `margin`.

@@ -195,7 +195,7 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   if (!aligned) *touches *= MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
   if (surface.distance <= 0.) return PETSC_TRUE;
   if (aligned) {
-    const MpmBody body = surface.distance < 2. * half ? MpmContactsMaterial(contacts, points, p) : NULL;
+    const MpmBody body = surface.distance < 2. * half ? MpmBodyOfPoint(contacts->shaped, points->id[p]) : NULL;
 
     at[axis] += sign * surface.distance;
     if (body && MpmBodyReaches(body, at)) return PETSC_TRUE;

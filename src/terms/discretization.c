@@ -64,7 +64,8 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
-  PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, MpmPressureComponent(disc->layout), disc->pairs));
+  PetscCall(
+    MpmPairContactsCreate(disc->comm, pairs, bodies, state_size, MpmPressureComponent(disc->layout), disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));

@@ -33,24 +33,13 @@
 #define SLACK 1.01 /* of the distance between points: domains may have been stretched */
 #define SAME  1e-6 /* of a domain: depths below one surface */
 
-MpmBody MpmContactsMaterial(const MpmContacts *contacts, const MpmPoints *points, PetscInt p)
-{
-  for (PetscInt b = 0; contacts->shaped && b < contacts->shaped->count; b++) {
-    PetscInt first, end;
-
-    MpmBodyGetIds(contacts->shaped->at[b], &first, &end);
-    if (points->id[p] < end) return contacts->shaped->at[b];
-  }
-  return NULL;
-}
-
 /* The round region whose surface took the next point of the lattice beyond a face, or NULL. */
 static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *points, PetscInt dim, PetscInt p,
                               PetscInt face)
 {
   const PetscReal *half   = &points->half_length[p * dim];
   const PetscReal  size   = half[face / 2];
-  const MpmBody    body   = MpmContactsMaterial(contacts, points, p);
+  const MpmBody    body   = MpmBodyOfPoint(contacts->shaped, points->id[p]);
   const MpmRegion  region = body ? MpmBodyRound(body) : NULL;
   PetscReal        at[MPM_MAX_DIM], normal[MPM_MAX_DIM], N[MPM_MAX_DIM], depth, along;
 
