@@ -56,7 +56,8 @@ static void MultiplyMatrix(const MpmMassMatrix *mass, PetscInt dim, const PetscR
   else Multiply(mass, 3, a, y);
 }
 
-PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
+/* y += M a, of values at the local nodes, dim a node; the rows of ghosts hold what this rank adds to them. */
+static PetscErrorCode MassTimes(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
 {
   const PetscInt dim = sum->space->dim;
 
@@ -64,6 +65,30 @@ PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, 
   for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
     for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += inertia->mass[i] * a[i * dim + c];
   if (inertia->consistent) MultiplyMatrix(&inertia->matrix, dim, a, y);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmInertiaSharpen(const MpmInertia *inertia, const MpmSum *sum, const MpmConstraints *constraints,
+                                 PetscReal values[])
+{
+  const PetscInt dim = sum->space->dim, count = inertia->local * dim;
+  PetscReal     *moved;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(count, &moved));
+  PetscCall(MassTimes(inertia, sum, values, moved));
+  PetscCall(MpmSpaceAddToOwners(sum->space, dim, moved));
+  PetscCall(MpmSpaceToGhosts(sum->space, dim, moved));
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal mass = inertia->mass[k / dim];
+
+    moved[k] = mass > 0. ? values[k] - moved[k] / mass : 0.;
+  }
+  MpmFramesToUnknowns(constraints, dim, inertia->local, moved);
+  MpmConstraintsZero(constraints, count, moved);
+  MpmFramesToAxes(constraints, dim, inertia->local, moved);
+  for (PetscInt k = 0; k < count; k++) values[k] += moved[k];
+  PetscCall(PetscFree(moved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,7 +106,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(count, &a));
   for (PetscInt k = 0; k < count; k++) a[k] = inertia->factor * u[k] + inertia->at_rest[k];
-  PetscCall(MpmInertiaMultiply(inertia, sum, a, residual));
+  PetscCall(MassTimes(inertia, sum, a, residual));
   PetscCall(PetscFree(a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -98,7 +123,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(count, &a));
   for (PetscInt k = 0; k < count; k++) a[k] = inertia->factor * du[k];
-  PetscCall(MpmInertiaMultiply(inertia, sum, a, y));
+  PetscCall(MassTimes(inertia, sum, a, y));
   PetscCall(PetscFree(a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
