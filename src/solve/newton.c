@@ -385,7 +385,8 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
     PetscCall(IsBalanced(solver, fnorm, &balanced));
     if (!balanced) *reason = SNES_CONVERGED_ITERATING;
   }
-  if (*reason > 0 && solver->disc->contacts->newton.holds) *reason = SNES_CONVERGED_ITERATING;
+  if (*reason > 0 && (solver->disc->contacts->newton.holds || solver->disc->pairs->holds))
+    *reason = SNES_CONVERGED_ITERATING;
   if (!it) solver->cache.imbalance = PETSC_INFINITY;
   if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -683,13 +684,16 @@ static PetscErrorCode SearchByNorm(Search *search, PetscBool *found)
 /* Tells the contacts of the iterate that is taken; those that were held until now do otherwise there. */
 static PetscErrorCode FollowContacts(Search *search)
 {
-  const MpmDiscretization *disc = search->solver->disc;
-  const PetscBool          held = disc->contacts->newton.holds;
+  const MpmDiscretization *disc   = search->solver->disc;
+  const PetscBool          held   = (PetscBool)(disc->contacts->newton.holds || disc->pairs->holds);
+  const PetscBool          secant = disc->contacts->newton.secant;
 
   PetscFunctionBeginUser;
   if (!disc->contacts->newton.careful && !held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGatherSolution(search->solver, search->W));
   PetscCall(MpmContactsFollow(disc->contacts, disc->sum, disc->u));
+  MpmPairsRelease(disc->pairs);
+  if (secant != disc->contacts->newton.secant) search->solver->cache.summed.id = 0; /* another Jacobian */
   if (!held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESComputeFunction(search->solver->snes, search->W, search->G));
   PetscCall(VecNorm(search->G, NORM_2, &search->norm));

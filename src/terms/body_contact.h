@@ -37,8 +37,10 @@ typedef struct {
     slip[MPM_MAX_DIM];                       /* at the step's start; the normal is outward of the first body */
   PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
   PetscReal    closed;                       /* by so much the last step closed the gap where it touches, m */
-  PetscReal    shift;   /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
-  PetscReal    through; /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
+  PetscReal    shift;            /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
+  PetscBool    held;             /* touches whatever its gap is, for an iteration, */
+  PetscReal    way[MPM_MAX_DIM]; /* and slides this way */
+  PetscReal    through;          /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
   MpmPatchSide side[2];
 } MpmPairPatch;
 
@@ -52,6 +54,7 @@ struct MpmPairContacts {
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
   PetscReal     cell, touch;       /* the smallest size of a cell; a patch no further away touches */
   PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
+  PetscBool     holds;             /* patches of some rank are held */
   MPI_Comm      comm;
   PetscInt      state_size;                                 /* of a point's history */
   PetscInt      water;                                      /* the unknown that is water's pressure, or -1 */
@@ -76,6 +79,13 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 /* Their weights, and what the first bodies' points keep of them (a term's `prepare`). */
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
+/*
+  What patches do at the first of Newton's iterates, as at boundaries (contact_states.c). Bodies that slide over one another have come
+  to other facets as a step starts, by more than the depth of a stiff contact: Begin holds what slid in the last step and is open at u,
+  for one iteration. Collective.
+*/
+PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[]);
+void           MpmPairsRelease(MpmPairContacts *contacts);
 /* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
 void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
 /*
