@@ -87,6 +87,16 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscInt MpmNodesLocal(const MpmDiscretization *disc)
+{
+  return disc->space->local;
+}
+
+PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node)
+{
+  return (PetscBool)!MpmSpaceIsExtra(disc->space, node);
+}
+
 PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[])
 {
   return MpmSpaceToGhosts(disc->space, block, local);

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "grid/shape.h"
 #include "space/momentum.h"
 #include "talus/talus.h"
 
@@ -128,6 +127,8 @@ typedef struct {
   PetscBool        fbar_plain; /* F-bar averages dilation by shear, too */
   const char      *fbar_why;   /* what `auto` went by, or NULL */
   PetscReal        smooth;     /* share of means over pieces in the strain of a solid */
+  PetscReal        divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
+  PetscBool        divide_auto;
   PetscInt         stage_count;
   MpmStage        *stages;
 } MpmScene;
