@@ -223,7 +223,8 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
   PetscReal      *F        = &points->F[p * dim * dim];
 
   for (PetscInt a = 0; a < dim; a++) {
-    points->x[p * dim + a] = points->x0[p * dim + a] = quantity[POSITION].value[row * dim + a];
+    points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] =
+      quantity[POSITION].value[row * dim + a];
     for (PetscInt b = 0; b < dim; b++)
       F[a * dim + b] =
         quantity[DEFORMATION].value ? quantity[DEFORMATION].value[9 * row + 3 * a + b] : (a == b ? 1. : 0.);

@@ -75,6 +75,7 @@ static void MakeHalf(const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt
     points->x[p * dim + i] += way[i];
   }
   points->x0[p * dim + axis] += by;
+  if (points->origin != points->x0) points->origin[p * dim + axis] += by;
   points->half_length[p * dim + axis] *= 0.5;
   points->divisions[p] += 1 << (MPM_DIVISION_BITS * axis);
   if (points->cut) points->cut[p * (dim + 1) + dim] -= by * points->cut[p * (dim + 1) + axis];

@@ -30,7 +30,7 @@ static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscI
 }
 
 /* Fields besides the scene's own, at most. */
-#define OWN_FIELDS 20
+#define OWN_FIELDS 21
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles)
 {
@@ -49,6 +49,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   PetscCall(Register(particles, "material", 1, PETSC_INT));
   PetscCall(Register(particles, "position", dim, PETSC_REAL));
   PetscCall(Register(particles, "position0", dim, PETSC_REAL));
+  if (fields->origin) PetscCall(Register(particles, "origin", dim, PETSC_REAL));
   PetscCall(Register(particles, "F", dim * dim, PETSC_REAL));
   PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
   PetscCall(Register(particles, "stress", MpmSymSize(dim), PETSC_REAL));
@@ -83,6 +84,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   particles->has_half_length  = fields->half_length;
   particles->has_faces        = fields->faces;
   particles->has_divisions    = fields->divisions;
+  particles->has_origin       = fields->origin;
   particles->has_part         = fields->part;
   particles->has_increment    = fields->increment;
   particles->has_velocity     = fields->velocity;
@@ -112,6 +114,8 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   PetscCall(DMSwarmGetField(swarm, "material", NULL, NULL, (void **)&points->material));
   PetscCall(DMSwarmGetField(swarm, "position", NULL, NULL, (void **)&points->x));
   PetscCall(DMSwarmGetField(swarm, "position0", NULL, NULL, (void **)&points->x0));
+  points->origin = points->x0;
+  if (particles->has_origin) PetscCall(DMSwarmGetField(swarm, "origin", NULL, NULL, (void **)&points->origin));
   PetscCall(DMSwarmGetField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmGetField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmGetField(swarm, "stress", NULL, NULL, (void **)&points->stress));
@@ -145,6 +149,7 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   PetscCall(DMSwarmRestoreField(swarm, "material", NULL, NULL, (void **)&points->material));
   PetscCall(DMSwarmRestoreField(swarm, "position", NULL, NULL, (void **)&points->x));
   PetscCall(DMSwarmRestoreField(swarm, "position0", NULL, NULL, (void **)&points->x0));
+  if (particles->has_origin) PetscCall(DMSwarmRestoreField(swarm, "origin", NULL, NULL, (void **)&points->origin));
   PetscCall(DMSwarmRestoreField(swarm, "F", NULL, NULL, (void **)&points->F));
   PetscCall(DMSwarmRestoreField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
   PetscCall(DMSwarmRestoreField(swarm, "stress", NULL, NULL, (void **)&points->stress));

@@ -20,7 +20,7 @@ typedef struct MpmParticles {
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
   PetscBool      has_half_length, has_increment, has_faces, has_part, has_velocity, has_affine, has_acceleration;
-  PetscBool      has_divisions;
+  PetscBool      has_divisions, has_origin;
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
   PetscReal      imbalance; /* points on the fullest rank over their mean, the most so far */
@@ -38,7 +38,7 @@ typedef struct MpmParked {
 /* What fields the points have beside those that all have. */
 typedef struct {
   PetscInt  state_size, own_size, rates;
-  PetscBool half_length, increment, faces, part, velocity, affine, acceleration, divisions;
+  PetscBool half_length, increment, faces, part, velocity, affine, acceleration, divisions, origin;
   PetscInt  extra_count, shared; /* fields of one number a point, by name; so many of them, the first, are shared */
   const char *const *extra;
 } MpmParticleFields;

@@ -11,7 +11,8 @@
 typedef struct MpmPoints {
   PetscInt   count;
   PetscInt  *id, *material;
-  PetscReal *x, *x0;      /* position now and at the start, m */
+  PetscReal *x, *x0;      /* position now and at the start, or where displacements began anew, m */
+  PetscReal *origin;      /* at the start, whatever began anew, m */
   PetscReal *F;           /* dim x dim, row-major */
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
   PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */

@@ -55,7 +55,7 @@ static void SetSurface(PetscInt dim, const MpmBodies *bodies, const MpmPoints *p
   facet->seen = known > 0. ? 0. : size;
   if (body && !(known > 0.)) {
     const PetscReal half   = points->half_length[p * dim + face / 2];
-    const PetscReal excess = MpmBodyExcess(body, &points->x0[p * dim], face / 2, face % 2, half);
+    const PetscReal excess = MpmBodyExcess(body, &points->origin[p * dim], face / 2, face % 2, half);
 
     for (PetscInt a = 0; a < dim; a++) facet->place[a] += excess * facet->look[a];
   }

@@ -91,7 +91,7 @@ static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *poin
   const MpmPose still = {.growth = 0.};
   MpmSurface    surface;
 
-  MpmBoundaryDistance(boundary, &still, &points->x0[p * boundary->dim], &surface);
+  MpmBoundaryDistance(boundary, &still, &points->origin[p * boundary->dim], &surface);
   *distance = surface.distance;
   *reach    = Reach(boundary->dim, &points->half_length[p * boundary->dim], surface.normal);
   return PetscMin(1., PetscMax(0., *distance / *reach));
@@ -107,7 +107,7 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
   for (PetscInt p = 0; p < points.count; p++) {
     PetscReal distance, reach;
 
-    if (!MpmRegionContains(boundary->region, &points.x0[p * grid->dim])) continue;
+    if (!MpmRegionContains(boundary->region, &points.origin[p * grid->dim])) continue;
     (void)InitialShare(boundary, &points, p, &distance, &reach);
     count[0]++;
     count[1] += distance < -MPM_TOLERANCE * reach;
@@ -131,7 +131,7 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
 /* Where the middle of a face was at the start. */
 static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, PetscReal at[])
 {
-  for (PetscInt a = 0; a < dim; a++) at[a] = points->x0[p * dim + a];
+  for (PetscInt a = 0; a < dim; a++) at[a] = points->origin[p * dim + a];
   at[face / 2] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
 }
 
@@ -153,7 +153,7 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
     const MpmBoundary *boundary = &contacts->boundaries[k / points->count];
     const PetscInt     p        = k % points->count;
 
-    if (!points->faces[p] || !MpmRegionContains(boundary->region, &points->x0[p * dim])) continue;
+    if (!points->faces[p] || !MpmRegionContains(boundary->region, &points->origin[p * dim])) continue;
     for (PetscInt face = 0; face < 2 * dim && !contacts->cut[k / points->count]; face++) {
       PetscReal  at[MPM_MAX_DIM];
       MpmSurface surface;
@@ -316,7 +316,7 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
   if (contacts->cut[b] || corner->count < 2) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++) {
     facet.place[a] = points->x[p * dim + a] + corner->arm[a];
-    at[a]          = points->x0[p * dim + a] + corner->initial[a];
+    at[a]          = points->origin[p * dim + a] + corner->initial[a];
   }
   MpmBoundaryDistance(&contacts->boundaries[b], &still, at, &surface);
   facet.touches = PetscMin(surface.distance, 0.);
@@ -440,7 +440,7 @@ static PetscErrorCode FindDrawn(MpmContacts *contacts, PetscInt b, const MpmGrid
     PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM], square = 0., start = 1.;
 
     if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2)) ||
-        !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim]) ||
+        !MpmRegionContains(contacts->boundaries[b].region, &points->origin[p * dim]) ||
         !TouchedAtStart(contacts, b, points, p, face, &arm[0]))
       continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
@@ -468,7 +468,7 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
       const PetscInt p     = space->order[s];
       MpmFacet       facet = {.boundary = b, .point = p, .group = g};
 
-      if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->x0[p * dim])) continue;
+      if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->origin[p * dim])) continue;
       facet.cell = MpmContactsCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
       PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), grid, points, &facet));
     }

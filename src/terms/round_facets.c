@@ -43,8 +43,8 @@ static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *poin
   const MpmRegion  region = body ? MpmBodyRound(body) : NULL;
   PetscReal        at[MPM_MAX_DIM], normal[MPM_MAX_DIM], N[MPM_MAX_DIM], depth, along;
 
-  if (!region || !MpmRegionCut(region, &points->x0[p * dim], half, normal, &depth)) return NULL;
-  for (PetscInt a = 0; a < dim; a++) at[a] = points->x0[p * dim + a];
+  if (!region || !MpmRegionCut(region, &points->origin[p * dim], half, normal, &depth)) return NULL;
+  for (PetscInt a = 0; a < dim; a++) at[a] = points->origin[p * dim + a];
   if (PetscAbsReal(MpmRegionToRound(region, at, N) - depth) > SAME * size) return NULL; /* a cylinder's end is nearer */
   along = (face % 2 ? 1. : -1.) * N[face / 2];
   return along > 0. && depth < 2. * SLACK * along * size ? region : NULL;
@@ -74,7 +74,7 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
 
   MpmOuterFace(dim, F, half, face / 2, face % 2, arm, area);
   for (PetscInt a = 0, k = site->k; a < dim; a++) {
-    site->at[a] = points->x0[p * dim + a];
+    site->at[a] = points->origin[p * dim + a];
     if (a == face / 2) site->at[a] += (face % 2 ? 1. : -1.) * half[a];
     else {
       site->at[a] += half[a] * ((PetscReal)(2 * (k % site->of) + 1) / (PetscReal)site->of - 1.);
@@ -86,7 +86,7 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
   (void)MpmOuterNormal(dim, F, N, site->outward);
   for (PetscInt a = 0; a < dim; a++) {
     facet->place[a] = points->x[p * dim + a];
-    for (PetscInt c = 0; c < dim; c++) facet->place[a] += F[a * dim + c] * (site->at[c] - points->x0[p * dim + c]);
+    for (PetscInt c = 0; c < dim; c++) facet->place[a] += F[a * dim + c] * (site->at[c] - points->origin[p * dim + c]);
     seen += share * area[a] * site->outward[a];
     facet->arm[a] = MpmRegionRadius(region) * site->outward[a];
   }

@@ -97,7 +97,7 @@ static PetscErrorCode FindCandidates(Shares *shares, const MpmPoints *points)
     Candidate *candidate = &shares->candidate[shares->count];
     MpmSurface surface;
 
-    if (!MpmRegionContains(boundary->region, &points->x0[p * dim])) continue;
+    if (!MpmRegionContains(boundary->region, &points->origin[p * dim])) continue;
     *candidate = (Candidate){.near = 0., .id = points->id[p], .point = p};
     for (PetscInt a = 0; a < dim; a++) {
       candidate->x[a] = points->x[p * dim + a];

@@ -40,7 +40,22 @@ def rough_disc(test):
         test.check(f"disc_{free[0]}.cuts", run.results.column("cuts").sum(), None, 0)
 
 
+def anew(test):
+    """Where displacements begin anew, contact goes on as before: a block between two plates, one of which moves, over a restart, too."""
+    plates = {"mpm_boundaries": "low,high", "mpm_boundary_low_point": "0,1", "mpm_boundary_low_normal": "0,1", "mpm_boundary_high_point": "0,3",
+              "mpm_boundary_high_normal": "0,-1", "mpm_boundary_high_motion": "0,0.2", "mpm_boundary_high_ramp": "0:0,1:1",
+              "mpm_stages": "first,then", "mpm_stage_first_time_end": 0.5, "mpm_stage_then_time_end": 0.5, "mpm_output_every": 0}
+    for name in ("low", "high"):
+        plates.update({f"mpm_boundary_{name}_type": "plane", f"mpm_boundary_{name}_contact": "bilateral", f"mpm_boundary_{name}_friction": "stick"})
+    run = test.run(SCENE, **plates)
+    again = test.run(SCENE, mpm_stage_then_reset_displacement="true", mpm_checkpoint_every=7, **plates)
+    on = test.run(SCENE, ranks=2, mpm_stage_then_reset_displacement="true", mpm_restart=again.folder / "block_checkpoint_000007.h5", **plates)
+    for label, other in (("anew", again), ("anew_restarted", on)):
+        test.near(f"{label}.force", other.results.column("reaction_high_y")[-1], run.results.column("reaction_high_y")[-1], 1e-9)
+
+
 with Test() as test:
+    anew(test)
     rough_disc(test)
     for name, height in FACES.items():
         for points, shape in ((2, "gimp"), (3, "gimp"), (2, "bspline2")):
