@@ -30,15 +30,17 @@
 #include "terms/rigid_body.h"
 #include "terms/terms.h"
 
-#define TOUCH   1e-12 /* of a cell: rounding of a face that stands on the boundary */
-#define TILT    0.25  /* of a cell */
-#define SOFT    10.   /* penalty on materials that flow, unless one is given */
-#define ROUND   20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
-#define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
-#define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
-#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it, be it with an edge */
-#define NUDGE   1e-3  /* of a cell: so far before a surface lies the cell beside it */
-#define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
+#define TOUCH  1e-12 /* of a cell: rounding of a face that stands on the boundary */
+#define TILT   0.25  /* of a cell */
+#define SOFT   10.   /* penalty on materials that flow, unless one is given */
+#define ROUND  20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
+#define CUT    0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
+#define DRAWN  1.25  /* by this factor has a face's area changed that is drawn out or crowded */
+#define FACING 0.2   /* cosine between the normals of a surface and of a face that meets it, be it with an edge */
+#define HAIR \
+  2e-3 /* of a half-length: so far off a face stands where its lattice ended before the surface, not where it rests */
+#define NUDGE   1e-3 /* of a cell: so far before a surface lies the cell beside it */
+#define ALIGNED 1e-6 /* off a face's normal: no step of a lattice */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
 {
@@ -195,7 +197,9 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   if (!aligned) *touches *= MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
   if (surface.distance <= 0.) return PETSC_TRUE;
   if (aligned) {
-    const MpmBody body = surface.distance < 2. * half ? MpmBodyOfPoint(contacts->shaped, points->id[p]) : NULL;
+    const MpmBody body = surface.distance > HAIR * half && surface.distance < 2. * half
+                           ? MpmBodyOfPoint(contacts->shaped, points->id[p])
+                           : NULL;
 
     at[axis] += sign * surface.distance;
     if (body && MpmBodyReaches(body, at)) return PETSC_TRUE;
