@@ -100,7 +100,8 @@ static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const M
   MpmSurface     there;
 
   if (b < 0) return PETSC_TRUE;
-  if (!MpmRegionContains(faces->contacts->boundaries[b].region, &points->origin[p * faces->contacts->boundaries[b].dim]))
+  if (!MpmRegionContains(faces->contacts->boundaries[b].region,
+                         &points->origin[p * faces->contacts->boundaries[b].dim]))
     return PETSC_FALSE;
   MpmContactsDistance(faces->contacts, b, y, &there);
   for (PetscInt a = 0; a < faces->contacts->boundaries[b].dim; a++) {
