@@ -579,7 +579,7 @@ static PetscErrorCode Commit(MpmModel model)
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
   PetscCall(MpmStepFindReactions(model));
-  MpmStepClip(model);
+  if (!MpmStepMayLeave(model)) MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -718,7 +718,7 @@ static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *ret
   *retryable = PETSC_TRUE;
   if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
     *why = "a free boundary moved by more than its contacts were looked for";
-  else PetscCall(MpmStepFindLost(model, why));
+  else if (!MpmStepMayLeave(model)) PetscCall(MpmStepFindLost(model, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -28,3 +28,6 @@ PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt ra
 PetscErrorCode MpmStepFindReactions(MpmModel model);
 /* The residual at the step's start, before any prediction: what Newton's tolerance refers to. */
 PetscErrorCode MpmStepFindReference(MpmModel model);
+/* May points leave the grid in the stage under way? Then those that have are taken away after a step. */
+PetscBool      MpmStepMayLeave(const MpmModel model);
+PetscErrorCode MpmStepRemoveGone(MpmModel model);
