@@ -60,6 +60,12 @@ PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values
 */
 PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal deviation[]);
 PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal value[]);
+/*
+  The first of this rank's points that the displacement u of local nodes would carry out of a grid, -1: none; and where to. `next` is
+  sum->grid itself, or what that becomes where it moves.
+*/
+PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const PetscReal u[], PetscInt *point,
+                              PetscReal x[]);
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);

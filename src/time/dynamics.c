@@ -24,7 +24,6 @@
   doi:10.1115/1.2900803; Guilkey, Weiss (2003), Int. J. Numer. Meth. Eng. 57, 1323-1338, doi:10.1002/nme.729 (implicit
   dynamics with material points).
 */
-#include "grid/grid.h"
 #include "particles/particles.h"
 #include "point/layout.h"
 #include "space/motion.h"
@@ -100,25 +99,6 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesRest(model->state.particles));
   MpmRigidRest(model->disc.contacts);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscBool MpmStepMayLeave(const MpmModel model)
-{
-  return (PetscBool)(model->disc.grid->outflow && MpmModelMotion(model)->type != MPM_QUASISTATIC);
-}
-
-PetscErrorCode MpmStepRemoveGone(MpmModel model)
-{
-  PetscInt gone;
-
-  PetscFunctionBeginUser;
-  if (!MpmStepMayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesRemoveOutside(model->state.particles, model->disc.grid, &gone));
-  if (gone)
-    PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
-                             gone, gone > 1 ? "s" : "", model->state.particles->total,
-                             model->state.particles->total == 1 ? "s" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -482,7 +482,7 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   PetscCall(MoveNodes(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, dynamics->v_new, model->disc.u);
-  if (!MpmStepMayLeave(model)) PetscCall(MpmStepFindLost(model, why));
+  PetscCall(MpmStepFindLost(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(model, again));
   PetscCall(Relax(model, again));
@@ -528,7 +528,7 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
   model->disc.contacts->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
-  if (!MpmStepMayLeave(model)) MpmStepClip(model);
+  MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   model->disc.put_back        = PETSC_FALSE;
   model->disc.damping->active = PETSC_FALSE;

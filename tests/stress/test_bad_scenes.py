@@ -156,6 +156,8 @@ CASES = [
      "-mpm_material_soil: tension is given without cohesion"),
     ("neither cohesion nor friction", {**JAUMANN, "mpm_material_soil_cohesion": "0", "mpm_material_soil_friction": "0"},
      "-mpm_material_soil_cohesion 0: must be > 0 Pa: without friction there must be cohesion"),
+    ("closing with dilation", {**JAUMANN, "mpm_material_soil_dilation": "5", "mpm_material_soil_closing": "1"}, "-mpm_material_soil_closing 1"),
+    ("closing above 1", {**JAUMANN, "mpm_material_soil_closing": "1.5"}, "-mpm_material_soil_closing 1.5"),
     ("hypoelastic, dilation above friction", {**JAUMANN, "mpm_material_soil_dilation": "31"},
      "-mpm_material_soil_dilation 31: must lie in [0, 30] degrees"),
     ("fluid without a stiffness", {**FLUID, "mpm_material_soil_sound_speed": None},
