@@ -482,7 +482,7 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   PetscCall(MoveNodes(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, dynamics->v_new, model->disc.u);
-  if (!model->disc.grid->outflow) PetscCall(MpmStepFindLost(model, why));
+  PetscCall(MpmStepFindLost(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(model, again));
   PetscCall(Relax(model, again));
@@ -509,20 +509,6 @@ static PetscErrorCode Observe(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points that have left the grid. */
-static PetscErrorCode RemoveGone(MpmModel model)
-{
-  PetscInt gone;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRemoveOutside(model->state.particles, model->disc.grid, &gone));
-  if (gone)
-    PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
-                             gone, gone > 1 ? "s" : "", model->state.particles->total,
-                             model->state.particles->total == 1 ? "s" : ""));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Stress and history become the points', and the points go with the nodes' new velocities. */
 static PetscErrorCode Accept(MpmModel model)
 {
@@ -542,14 +528,14 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
   model->disc.contacts->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
-  if (!model->disc.grid->outflow) MpmStepClip(model);
+  MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   model->disc.put_back        = PETSC_FALSE;
   model->disc.damping->active = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last = 0.;
   model->disc.committed                         = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (model->disc.grid->outflow) PetscCall(RemoveGone(model));
+  PetscCall(MpmStepRemoveGone(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -66,10 +66,14 @@ def refused(test):
     thrown = {"mpm_quiet": None, "mpm_body_bar_velocity": "2,0", "mpm_bc_wall_components": "y"}
     run = test.run(BAR, status=3, **thrown)
     test.check("left.names", " left the grid at (12." in run.errors, 1, 1)
-    run = test.run(BAR, ranks=2, mpm_grid_outflow=None, mpm_output_every=1000000, mpm_time_end=3, **thrown)
-    left = run.results.state("last")["position"]
-    test.near("outflow.remaining", left.shape[0], 96, absolute=4)
-    test.check("outflow.inside", left[:, 0].max(), None, 12.0)
+    for name, step in (("explicit", None), ("backward_euler", 0.05)):
+        path = test.folder() / "bar.yaml"
+        path.write_text(BAR.read_text(encoding="utf-8").replace("cfl: 0.5, ", "" if step else "cfl: 0.5, "), encoding="utf-8")
+        options = {"mpm_time_integrator": name, "mpm_time_step": step} if step else {}
+        run = test.run(path, ranks=2, mpm_grid_outflow=None, mpm_output_every=1000000, mpm_time_end=3, **thrown, **options)
+        left = run.results.state("last")["position"]
+        test.near(f"outflow.{name}.remaining", left.shape[0], 96, absolute=4)
+        test.check(f"outflow.{name}.inside", left[:, 0].max(), None, 12.0)
 
 
 def stages(test):
