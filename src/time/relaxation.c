@@ -216,7 +216,7 @@ static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* M_c M^-1 f, without prescribed components; `felt`, of all local nodes, is whole where they are owned. */
+/* M_c M^-1 f at the owned nodes, without prescribed components. */
 static PetscErrorCode Feel(MpmModel model, const PetscReal force[], PetscReal felt[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
@@ -232,9 +232,7 @@ static PetscErrorCode Feel(MpmModel model, const PetscReal force[], PetscReal fe
       if (!MpmConstraintsFree(constraints, k)) a[k] = 0.;
     MpmFramesToAxes(constraints, dim, local, a);
   }
-  PetscCall(PetscArrayzero(felt, local * dim));
-  PetscCall(MpmMassMultiply(model->disc.sum, a, felt));
-  PetscCall(MpmNodesToOwners(&model->disc, dim, felt));
+  PetscCall(MpmMotionFeel(model->disc.sum, a, felt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
