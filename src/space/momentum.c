@@ -445,6 +445,44 @@ PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- a field as the points feel it ---- */
+
+/* One group's part of M a; `a` and `sums` are [i][c], of the local nodes. */
+MPM_INLINE PetscErrorCode FeelGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const Slim a[],
+                                    Slim *restrict sums)
+{
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
+
+    MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), known.dim * sum->space->width);
+    AddValue(known, sum, p, InterpolateSlim(known, sum, p, NULL, nodes, a, NULL) * mass, nodes, sums);
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMotionFeel(const MpmSum *sum, const PetscReal a[], PetscReal y[])
+{
+  const PetscInt dim = sum->space->dim, local = sum->space->local;
+  Slim          *values, *sums;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(local, &values, local, &sums));
+  for (PetscInt i = 0; i < local; i++) {
+    values[i] = Load(dim, &a[i * dim]);
+    sums[i]   = (Slim){0.};
+  }
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], FeelGroup, sum, &sum->space->groups[g], values, sums);
+  PetscCall(MpmSpaceAddToOwners(sum->space, SLIM, (PetscReal *)sums));
+  for (PetscInt i = 0; i < sum->space->owned; i++)
+    for (PetscInt c = 0; c < dim; c++) y[i * dim + c] = sums[i][c];
+  PetscCall(PetscFree2(values, sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   ---- consistent mass ----
 

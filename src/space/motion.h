@@ -24,6 +24,12 @@ typedef struct {
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
 
 /*
+  y_i = sum_p m_p w_ip a_p at the owned nodes, kg m/s2: the accelerations a_p = sum_j w_jp a_j that points get from those of the local nodes,
+  dim a node, as forces.
+*/
+PetscErrorCode MpmMotionFeel(const MpmSum *sum, const PetscReal a[], PetscReal y[]);
+
+/*
   The consistent mass M_ij = sum_p m_p w_ip w_jp over this rank's points, kg: one number for a pair of local nodes, whatever the
   component. Rows of ghosts hold what this rank adds to them. Nodes that no point touches have empty rows.
 */

@@ -439,6 +439,7 @@ static PetscErrorCode Accept(MpmModel model)
     model->disc.sum, &MpmModelMotion(model)->transfer,
     &(MpmMotionStep){.v_old = dynamics->v_start, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));
   PetscCall(MpmIntegratorQuasistatic.accept(model));
+  PetscCall(MpmStepRemoveGone(model));
   if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.trial;
   Stop(model);
   PetscFunctionReturn(PETSC_SUCCESS);

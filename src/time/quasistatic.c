@@ -12,6 +12,7 @@
 #include "terms/rigid_body.h"
 #include "terms/section.h"
 #include "terms/terms.h"
+#include "time/dynamics.h"
 #include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
@@ -154,6 +155,12 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* May points leave the grid in the stage under way? */
+static PetscBool MayLeave(const MpmModel model)
+{
+  return (PetscBool)(model->disc.grid->outflow && MpmModelMotion(model)->type != MPM_QUASISTATIC);
+}
+
 PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
 {
   const PetscBool follows        = (PetscBool)(model->scene.follow.what != MPM_FOLLOW_NOTHING);
@@ -163,6 +170,7 @@ PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
   PetscInt        point;
 
   PetscFunctionBeginUser;
+  if (MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMovingGridNext(model, &next));
   PetscCall(MpmFindOutside(model->disc.sum, follows ? &next : model->disc.grid, model->disc.u, &point, x));
   if (point >= 0) {
@@ -224,9 +232,23 @@ void MpmStepClip(MpmModel model)
   const PetscReal *lower = model->disc.grid->lower, *upper = model->disc.grid->upper;
   PetscReal       *x = model->disc.points->x;
 
-  if (model->scene.follow.what != MPM_FOLLOW_NOTHING) return;
+  if (model->scene.follow.what != MPM_FOLLOW_NOTHING || MayLeave(model)) return;
   for (PetscInt k = 0; k < count; k += dim)
     for (PetscInt a = 0; a < dim; a++) x[k + a] = PetscMin(PetscMax(x[k + a], lower[a]), upper[a]);
+}
+
+PetscErrorCode MpmStepRemoveGone(MpmModel model)
+{
+  PetscInt gone;
+
+  PetscFunctionBeginUser;
+  if (!MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesRemoveOutside(model->state.particles, model->disc.grid, &gone));
+  if (gone)
+    PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
+                             gone, gone > 1 ? "s" : "", model->state.particles->total,
+                             model->state.particles->total == 1 ? "s" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The converged step becomes the state. */

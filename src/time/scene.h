@@ -66,6 +66,7 @@ typedef struct {
   PetscReal            tolerance, hold; /* the criteria hold below it, for so long, s; -1: by the damping */
   PetscReal            xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
   PetscBool            scaled;          /* nodes have the masses that a long step wants (relaxation.c) */
+  PetscBool            felt;            /* K_F is that of the forces as the points feel them (relaxation.c) */
 } MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */

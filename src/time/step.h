@@ -30,6 +30,8 @@ MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time);
 PetscErrorCode MpmStepFindLost(MpmModel model, const char **why);
 /* Points that rounding has taken over the grid's edges are put onto them. */
 void MpmStepClip(MpmModel model);
+/* Where points may leave the grid, those that have are taken away; the two above then do nothing. */
+PetscErrorCode MpmStepRemoveGone(MpmModel model);
 /* The trial and the residual, along the axes, of what Newton has found. */
 PetscErrorCode MpmStepFindTrial(MpmModel model);
 /* From that residual, what conditions and motions exert: model->disc.reaction. */
