@@ -419,13 +419,11 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], Pe
 static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_Comm comm, PetscInt64 total,
                                const MpmPoints *points)
 {
-  const PetscInt64 room = points->divisions ? 1 << MPM_DIVISIONS : 1;
+  const PetscInt64 room = points->divisions ? 1 << MPM_DIVISIONS : 1, ids = room * total;
 
   PetscFunctionBeginUser;
-  PetscCheck(room * total<PETSC_INT_MAX, comm, PETSC_ERR_ARG_OUTOFRANGE,
-                          "%" PetscInt64_FMT " points%s need PETSc with 64-bit indices", total, room> 1
-               ? " that may be divided"
-               : "");
+  PetscCheck(ids < PETSC_INT_MAX, comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "ids of points up to %" PetscInt64_FMT " need PETSc with 64-bit indices", ids);
   if (room == 1) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < body_count; b++) {
     bodies[b]->id_first *= (PetscInt)room;

@@ -424,8 +424,10 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
                     MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
                   "-mpm_boundary_%s_%s: there is no water in the scene's physics", model->scene.boundaries->names[k],
                   model->scene.boundaries->at[k].drained ? "drained" : "pressure");
-    if (model->scene.boundaries->at[k].friction > 0.)
-      model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
+    if (MpmPressureBounds(
+          model, model->scene.boundaries->at[k].friction,
+          (PetscBool)(model->scene.boundaries->at[k].stick && !model->scene.boundaries->at[k].bilateral)))
+      model->solver.symmetric = PETSC_FALSE;
   }
   MpmRigidStart(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
   PetscFunctionReturn(PETSC_SUCCESS);

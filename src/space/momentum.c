@@ -489,6 +489,53 @@ PetscErrorCode MpmMotionFeel(const MpmSum *sum, const PetscReal a[], PetscReal y
   By groups of points into windows of nodes around each node, which are then packed by rows.
 */
 
+/* Nodes of a group that the processor's registers hold, by their places in it. */
+#define FEW 9
+static const PetscInt few[FEW] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+
+/* One group's part of M a; `a` and `sums` are [i][c], of the local nodes. */
+MPM_INLINE PetscErrorCode MultiplyGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const Slim a[],
+                                        Slim *restrict sums)
+{
+  const PetscBool here  = (PetscBool)(known.n <= FEW);
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  Slim            of[FEW], to[FEW];
+
+  for (PetscInt i = 0; here && i < known.n; i++) {
+    of[i] = a[nodes[i]];
+    to[i] = (Slim){0.};
+  }
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
+
+    MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), known.dim * sum->space->width);
+    if (here) AddValue(known, sum, p, InterpolateSlim(known, sum, p, NULL, few, of, NULL) * mass, few, to);
+    else AddValue(known, sum, p, InterpolateSlim(known, sum, p, NULL, nodes, a, NULL) * mass, nodes, sums);
+  }
+  for (PetscInt i = 0; here && i < known.n; i++) sums[nodes[i]] += to[i];
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[])
+{
+  const PetscInt dim = sum->space->dim, local = sum->space->local;
+  Slim          *values, *sums;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(local, &values, local, &sums));
+  for (PetscInt i = 0; i < local; i++) {
+    values[i] = Load(dim, &a[i * dim]);
+    sums[i]   = (Slim){0.};
+  }
+  for (PetscInt g = 0; g < sum->space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], MultiplyGroup, sum, &sum->space->groups[g], values, sums);
+  for (PetscInt i = 0; i < local; i++)
+    for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += sums[i][c];
+  PetscCall(PetscFree2(values, sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMassMatrixReset(MpmMassMatrix *mass)
 {
   PetscFunctionBeginUser;

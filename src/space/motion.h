@@ -24,6 +24,7 @@ typedef struct {
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
 
 /*
+<<<<<<< HEAD
   y_i = sum_p m_p w_ip a_p at the owned nodes, kg m/s2: the accelerations a_p = sum_j w_jp a_j that points get from those of the local nodes,
   dim a node, as forces.
 */
@@ -31,6 +32,15 @@ PetscErrorCode MpmMotionFeel(const MpmSum *sum, const PetscReal a[], PetscReal y
 
 /*
   The consistent mass M_ij = sum_p m_p w_ip w_jp over this rank's points, kg: one number for a pair of local nodes, whatever the
+=======
+  y += M a with the points' consistent mass, in a pass over the points: values at the local nodes, dim each; the rows of ghosts hold what
+  this rank adds.
+*/
+PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[]);
+
+/*
+  The same M_ij = sum_p m_p w_ip w_jp as a matrix, for steps that need it often, over this rank's points, kg: one number for a pair of local nodes, whatever the
+>>>>>>> 51cd742380de8704e83eab67693fbb7d5931e324
   component. Rows of ghosts hold what this rank adds to them. Nodes that no point touches have empty rows.
 */
 typedef struct {

@@ -82,8 +82,13 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
                      Answer *answer)
 {
   const MpmPair      *pair = &contacts->pairs->at[patch->pair];
-  const MpmContactLaw law  = {patch->stiffness, SLIDING,     pair->friction, pair->adhesion,
-                              patch->strength,  pair->stick, PETSC_FALSE};
+  const MpmContactLaw law  = {.stiffness = patch->stiffness,
+                              .along     = SLIDING,
+                              .friction  = pair->friction,
+                              .adhesion  = pair->adhesion,
+                              .strength  = patch->strength,
+                              .stick     = pair->stick,
+                              .parts     = PETSC_TRUE};
   const PetscReal    *n = patch->normal, area = patch->side[0].area;
   PetscReal           along = 0., rate;
 
@@ -356,26 +361,49 @@ PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, con
 
 #define NEAR 0.1 /* of a cell: what is farther apart has parted */
 
+/* Does any patch of the pair touch at u, on any rank? */
+static PetscErrorCode Touches(const MpmPairContacts *contacts, PetscInt pair, const MpmSum *sum, const PetscReal u[],
+                              PetscBool *touches)
+{
+  PetscFunctionBeginUser;
+  *touches = PETSC_FALSE;
+  for (PetscInt k = 0; k < contacts->patch_count && !*touches; k++) {
+    PetscReal w[ROWS];
+    Answer    answer;
+
+    if (contacts->patch[k].pair != pair) continue;
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    *touches = answer.active;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, touches, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[])
 {
   const PetscInt dim = sum->space->dim;
 
   PetscFunctionBeginUser;
   MpmPairsRelease(contacts);
-  if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    MpmPairPatch  *patch = &contacts->patch[k];
-    const MpmPair *pair  = &contacts->pairs->at[patch->pair];
-    PetscReal      size  = 0., w[ROWS];
-    Answer         answer;
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    const MpmPair *pair    = &contacts->pairs->at[p];
+    PetscBool      touches = PETSC_TRUE;
 
-    for (PetscInt a = 0; a < dim; a++) size += PetscSqr(patch->slip[a]);
-    if (!(size > 0.) || pair->barrier || pair->stick) continue;
-    Relative(contacts, patch, sum, u, w);
-    Evaluate(contacts, patch, dim, w, &answer);
-    if (answer.active || answer.gap > NEAR * contacts->cell) continue;
-    patch->held = contacts->holds = PETSC_TRUE;
-    for (PetscInt a = 0; a < dim; a++) patch->way[a] = patch->slip[a] / PetscSqrtReal(size);
+    if (pair->friction > 0. && !pair->barrier) PetscCall(Touches(contacts, p, sum, u, &touches));
+    for (PetscInt k = 0; !touches && k < contacts->patch_count; k++) {
+      MpmPairPatch *patch = &contacts->patch[k];
+      PetscReal     size  = 0., w[ROWS];
+      Answer        answer;
+
+      for (PetscInt a = 0; a < dim; a++) size += PetscSqr(patch->slip[a]);
+      if (patch->pair != p || !(size > 0.)) continue;
+      Relative(contacts, patch, sum, u, w);
+      Evaluate(contacts, patch, dim, w, &answer);
+      if (answer.gap > NEAR * contacts->cell) continue;
+      patch->held = contacts->holds = PETSC_TRUE;
+      for (PetscInt a = 0; a < dim; a++) patch->way[a] = patch->slip[a] / PetscSqrtReal(size);
+    }
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

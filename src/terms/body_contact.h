@@ -81,8 +81,8 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
 /*
   What patches do at the first of Newton's iterates, as at boundaries (contact_states.c). Bodies that slide over one another have come
-  to other facets as a step starts, by more than the depth of a stiff contact: Begin holds what slid in the last step and is open at u,
-  for one iteration. Collective.
+  to other facets as a step starts, by more than the depth of a stiff contact: where nothing touches at u any more, Begin holds what slid
+  in the last step, for one iteration. Collective.
 */
 PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 void           MpmPairsRelease(MpmPairContacts *contacts);

@@ -308,17 +308,29 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  What a force has to move, kg: dashpots act with the mean of the velocities before and after, m (v_new - v_old) = dt (f - c (v_old +
+  v_new)/2), of which f - c v_old is the force.
+*/
+static PetscReal MovedMass(const MpmModel model, PetscInt k)
+{
+  const MpmDamping *damping = model->disc.damping;
+  const PetscReal   mass    = model->disc.inertia->mass[k / model->disc.dim];
+
+  return damping->active ? mass + 0.5 * model->disc.sum->dt * damping->dashpot[k] : mass;
+}
+
 /* v_new = v_old + dt f/m; where there is no mass nothing moves */
 static void Accelerate(MpmModel model, const PetscReal force[])
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.inertia->mass;
-  const PetscInt   dim = model->disc.dim, local = model->disc.space->local;
+  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
 
-  for (PetscInt i = 0; i < local; i++) {
-    const PetscReal by = mass[i] > 0. ? model->disc.sum->dt / mass[i] : 0.;
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal by = mass[k / dim] > 0. ? model->disc.sum->dt / MovedMass(model, k) : 0.;
 
-    for (PetscInt k = i * dim; k < (i + 1) * dim; k++) dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
+    dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
   }
   Prescribe(model, dynamics->v_new);
 }
@@ -363,14 +375,16 @@ static void FindSupports(MpmModel model)
   const PetscInt        dim         = model->disc.dim;
 
   for (PetscInt i = 0; i < model->disc.space->owned; i++) {
-    const PetscReal mass = model->disc.inertia->mass[i] / model->disc.sum->dt;
-    PetscReal      *f    = &model->disc.residual[i * dim];
-    PetscBool       any  = PETSC_FALSE;
+    PetscReal *f   = &model->disc.residual[i * dim];
+    PetscBool  any = PETSC_FALSE;
 
     for (PetscInt a = 0; constraints->any && a < dim; a++)
       any = (PetscBool)(any || !MpmConstraintsFree(constraints, i * dim + a));
     for (PetscInt a = 0; a < dim; a++)
-      f[a] = any ? mass * (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) - f[a] : 0.;
+      f[a] = any ? MovedMass(model, i * dim + a) / model->disc.sum->dt *
+                       (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) -
+                     f[a]
+                 : 0.;
   }
 }
 

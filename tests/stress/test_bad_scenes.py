@@ -98,6 +98,7 @@ CASES = [
     ("absorbing base in a quasi-static scene", {"mpm_bc_base_absorbing": "true"}, "-mpm_bc_base_absorbing"),
     ("absorbing block", {"mpm_bc_base_absorbing": "true", "mpm_bc_base_upper": "4,2", **MOVES}, "-mpm_bc_base_absorbing ... plane"),
     ("table that is not there", {"mpm_bc_base_table": "nothing.csv", **MOVES}, "-mpm_bc_base_table nothing.csv: cannot be read"),
+    ("option of another integrator", {"mpm_time_rho_inf": "0.9", **MOVES}, "-mpm_time_rho_inf ... generalized_alpha"),
     ("negative damping", {"mpm_time_damping_mass": "-1", **MOVES}, "-mpm_time_damping_mass -1"),
     ("damping in a quasi-static scene", {"mpm_time_damping_mass": "1"}, "-mpm_time_damping_mass"),
     # names and words

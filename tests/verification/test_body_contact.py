@@ -40,6 +40,17 @@ def patch(test):
                    None, 1e-9)
 
 
+def unlike(test):
+    """Blocks that were drawn to touch do, wherever their lattices of points end; a soft one slides on soft ground."""
+    for name, height, low, high in (("apart", 1.075, 2, 3), ("overlap", 1.125, 3, 2), ("hair", 1.001, 1, 4)):
+        run = test.run(BLOCKS, **{**PRESSED, "mpm_body_low_upper": f"2,{height}", "mpm_body_high_lower": f"0,{height}",
+                                  "mpm_body_low_points_per_cell": f"{low},{low}", "mpm_body_high_points_per_cell": f"{high},{high}"})
+        test.check(f"unlike_{name}.stress", difference(run.table("stress")[:, 1], -PRESSURE), None, 1e-8)
+        test.near(f"unlike_{name}.force", run.results.column("force_ab_y")[-1], -PRESSURE * WIDTH, 1e-10)
+    run = test.run(SLIDING, mpm_material_soft_E=2e6, mpm_material_hard_E=2e6, mpm_output_every=0)
+    test.check("unlike_soft.force", np.max(np.abs(run.results.column("force_ab_y") / run.results.column("force_ab_y")[0] - 1)), None, 1e-5)
+
+
 def parted(test):
     """The upper block is lifted: nothing holds it, and nothing of the lower one moves."""
     lift = {"mpm_bcs": "base,left,right,lift", "mpm_bc_lift_region": "box", "mpm_bc_lift_lower": "0,2", "mpm_bc_lift_upper": "2,3",
@@ -71,5 +82,6 @@ def slide(test):
 
 with Test() as check:
     patch(check)
+    unlike(check)
     parted(check)
     slide(check)

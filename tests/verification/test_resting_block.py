@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A block drawn onto a rough plane, wherever the lattice of its points ends, just below its angle of friction: it stays, in few iterations.
+"""What rests on rough surfaces: a block drawn onto a plane, wherever the lattice of its points ends, just below its angle of friction,
+stays in few iterations; a disc on a block finds its place.
 
 Quick. The plane is the slope, gravity is turned.
 """
@@ -26,7 +27,21 @@ def scene(height, points, shape):
             "mpm_load_weight_value": f"{10 * math.sin(slope)},{-10 * math.cos(slope)}"}
 
 
+def rough_disc(test):
+    """A rough rigid disc comes to rest on an elastic block under its load: what it touches sticks, and lets go at the edges."""
+    for free in ("x,y,rz", "y"):
+        scene_of = {"mpm_boundaries": "disc", "mpm_boundary_disc_type": "sphere", "mpm_boundary_disc_center": "2,3.9",
+                    "mpm_boundary_disc_radius": 0.8, "mpm_boundary_disc_friction": "stick", "mpm_boundary_disc_free": free,
+                    "mpm_boundary_disc_load": "0,-2e4", "mpm_time_step": 0.25, "mpm_bcs": "base",
+                    "mpm_bc_base_region": "box", "mpm_bc_base_lower": "0,1", "mpm_bc_base_upper": "4,1", "mpm_bc_base_components": "x,y"}
+        run = test.run(SCENE, **scene_of)
+        test.near(f"disc_{free[0]}.force", run.results.column("reaction_disc_y")[-1], -2e4, 1e-10)
+        test.check(f"disc_{free[0]}.newton", np.mean(run.newton), None, 6)
+        test.check(f"disc_{free[0]}.cuts", run.results.column("cuts").sum(), None, 0)
+
+
 with Test() as test:
+    rough_disc(test)
     for name, height in FACES.items():
         for points, shape in ((2, "gimp"), (3, "gimp"), (2, "bspline2")):
             label = f"{name}.{shape}_{points}"
