@@ -13,6 +13,11 @@
   With `cohesion` the Cauchy stress is returned to Mohr-Coulomb's planes (coulomb.h), without hardening; without it the law
   is elastic.
 
+  A stress beyond the apex or the tension strength is cut, and the volume that it stood for stays: the point has opened. With
+  `closing` k, without dilation, a compression tr e < 0 first closes it: of the opening o >= 0 it takes c = min(o, k |tr e|), and the
+  stress is that of e + (c/3) I. With k = 1 an open point bears no pressure, and what bears has no volume but that of its elastic
+  strain; with 0, the default, openings stay, and points that open and close in turn grow.
+
   The step is exact for any rotation, before, in or after it, and for any stretch whose axes do not turn; it has a local error
   of third order, so that the path's is of second order in the step. ln V carries half of the step's rotation already, as the
   mid-point rule does; the polar R keeps that exact for turns of any size, which Cayley's form of Hughes and Winget's is not.
@@ -32,7 +37,7 @@
 */
 #include "talus/point/coulomb.h"
 
-enum { COHESION = ELASTIC_COUNT, FRICTION, DILATION, TENSION };
+enum { COHESION = ELASTIC_COUNT, FRICTION, DILATION, TENSION, CLOSING };
 
 static const MpmParameter parameters[] = {
   ELASTIC_PARAMETERS,
@@ -42,15 +47,29 @@ static const MpmParameter parameters[] = {
   {MPM_STRENGTH_ANGLE, "dilation", "degrees", 0., 0, 0., 89., 0, "dilation angle, at most the friction angle", NULL,
    10., NULL},
   {MPM_STRENGTH, "tension", "Pa", HUGE_VAL, 0, 0., HUGE_VAL, 0,
-   "largest tension that the material bears, at most c cot(friction); without it, that", NULL, 10e3, NULL}};
+   "largest tension that the material bears, at most c cot(friction); without it, that", NULL, 10e3, NULL},
+  {MPM_NUMBER, "closing", "-", 0., 0, 0., 1., 0,
+   "part of a compression that closes what tension has opened, and bears nothing; without dilation", NULL, 0., NULL}};
 
-enum { STATE_SIGMA = 0, STATE_KAPPA = MPM_SYM };
+enum { STATE_SIGMA = 0, STATE_KAPPA = MPM_SYM, STATE_OPENING };
 
 static const MpmStateVariable states[] = {{"cauchy_stress", MPM_STATE_SYM, 0., "Pa"},
-                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"},
+                                          {"opening", MPM_STATE_SCALAR, 0., "-"}};
 
-/* R sigma R^T + C ln V, dF = V R; non-zero where dF has no such parts */
-MPM_FN int TrialStress(Lame lame, const Tensor *dF, const Real *sigma_n, Sym *sigma)
+/* What closes the opening is taken out of both. */
+MPM_FN void Close(Real closing, Sym *e, Real *opening)
+{
+  Scalar closed = ScalarScale(-closing, SymTrace(e));
+
+  if (!(ScalarValue(closed) > 0.)) return;
+  if (ScalarValue(closed) > RealValue(*opening)) closed = ScalarConstant(*opening);
+  *e = SymShift(e, ScalarScale(1. / 3., closed));
+  *opening -= ScalarReal(closed);
+}
+
+/* R sigma R^T + C ln V, dF = V R, without what closes; non-zero where dF has no such parts */
+MPM_FN int TrialStress(Lame lame, const Tensor *dF, const Real *sigma_n, Real closing, Real *opening, Sym *sigma)
 {
   const Sym b = SymLeftCauchyGreen(dF);
   Sym       e, minus, inverse, elastic, turned;
@@ -67,6 +86,7 @@ MPM_FN int TrialStress(Lame lame, const Tensor *dF, const Real *sigma_n, Sym *si
       R.a[i * MPM_DIM + j] = sum;
     }
   }
+  Close(closing, &e, opening);
   turned  = SymPush(&R, sigma_n);
   elastic = ElasticStress(lame, &e);
   *sigma  = SymAdd(&turned, &elastic);
@@ -96,8 +116,8 @@ MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym
   return CoulombExcess(strength, w[0], w[2]) + (MPM_DIM == 3 ? 1e-6 * root : 0.) <= CoulombNoise(lame);
 }
 
-/* Returns sigma to the strength where it is outside; kappa is what the equivalent plastic strain grows by. */
-MPM_FN int Return(const Real *parameter, Lame lame, Sym *sigma, Real *kappa)
+/* Returns sigma to the strength where it is outside; kappa is what the equivalent plastic strain grows by, and the opening grows. */
+MPM_FN int Return(const Real *parameter, Lame lame, Sym *sigma, Real *kappa, Real *opening)
 {
   const CoulombStrength strength = StrengthFromParameters(parameter);
   const Sym             outside  = *sigma;
@@ -112,6 +132,8 @@ MPM_FN int Return(const Real *parameter, Lame lame, Sym *sigma, Real *kappa)
   for (int a = 0; a < 3; ++a) trial[a] = t[a] = DualSeed(principal.value[a], a);
   if (CoulombReturn(&strength, &flow, t)) return 1;
   *sigma = SymIsotropic(&outside, &principal, t);
+  if (RealValue(parameter[CLOSING]) > 0.)
+    *opening += ScalarReal(ScalarSub(SymTrace(&outside), SymTrace(sigma))) / (3. * lame.lambda + 2. * lame.mu);
   *kappa = ScalarReal(SymInvariant(&outside, &principal, CoulombPlasticStrain(lame, trial, t)));
   return 0;
 }
@@ -120,15 +142,19 @@ MPM_FN int MpmMaterialEvaluate_jaumann_elastic(const MpmLawPoint *point, const T
 {
   const Lame   lame  = LameFromParameters(point->parameter);
   const Tensor F     = TensorMulArray(dF, point->F_n);
-  Real         grown = 0.;
+  Real         grown = 0., opening = point->state_n[STATE_OPENING];
   Sym          sigma;
 
-  if (!ElasticIsRegular(point, dF) || TrialStress(lame, dF, &point->state_n[STATE_SIGMA], &sigma)) return 1;
-  if (RealValue(point->parameter[COHESION]) <= DBL_MAX && Return(point->parameter, lame, &sigma, &grown)) return 1;
+  if (!ElasticIsRegular(point, dF) ||
+      TrialStress(lame, dF, &point->state_n[STATE_SIGMA], point->parameter[CLOSING], &opening, &sigma))
+    return 1;
+  if (RealValue(point->parameter[COHESION]) <= DBL_MAX && Return(point->parameter, lame, &sigma, &grown, &opening))
+    return 1;
   *tau = SymScale(TensorDetByCofactors(&F), &sigma);
   if (point->state) {
     SymStore(&point->state[STATE_SIGMA], &sigma);
-    point->state[STATE_KAPPA] = point->state_n[STATE_KAPPA] + grown;
+    point->state[STATE_KAPPA]   = point->state_n[STATE_KAPPA] + grown;
+    point->state[STATE_OPENING] = opening;
   }
   return 0;
 }
@@ -142,6 +168,8 @@ static int MpmMaterialCheck_jaumann_elastic(const double *parameter, const MpmLa
     {FRICTION, 0., elastic ? 0. : 89., 0, "without cohesion, which may be 0, nothing yields"},
     {COHESION, 0., HUGE_VAL, !(parameter[FRICTION] > 0.), "without friction there must be cohesion"},
     {DILATION, 0., parameter[FRICTION], 0, "dilation must not exceed friction"},
+    {CLOSING, 0., elastic || parameter[DILATION] > 0. ? 0. : 1., 0,
+     "what closes has been opened by tension: that needs cohesion, which may be 0, and no dilation"},
     {TENSION, 0., parameter[FRICTION] > 0. && cut && !elastic ? apex * (1. + 1e-14) : HUGE_VAL, 0,
      "tension must not exceed cohesion cot(friction), where the planes meet"}};
 

@@ -49,16 +49,15 @@ def peaks(results):
 
 def check(results):
     tolerance = results.numbers("mpm_stage_slide_relaxation_tolerance")[0]
-    fine = spacing(results) <= 2.0
     angle, toe, crest = face(results)
     state, heights_of_peaks = results.state("last"), peaks(results)
     return [completed(results), Quantity("K_F", results.column("K_F")[-1], None, tolerance),
             Quantity("K_E", results.column("K_E")[-1], None, tolerance),
-            Quantity.near("angle_of_repose", angle, REPOSE, absolute=1.5 if fine else 6.0),
-            Quantity.near("toe", toe, TOE, absolute=4.0 if fine else 16.0), Quantity.near("crest", crest, CREST, absolute=4.0 if fine else 16.0),
-            Quantity.near("area", state["volume"].sum() / results.initial["volume"].sum(), 1.0, absolute=5e-3 if fine else 2e-2),
-            Quantity.near("area_unloaded", unloaded(results), 1.0, absolute=1e-2 if fine else 3e-2),
-            Quantity("last_peak_over_first", heights_of_peaks[-1] / heights_of_peaks[0], None, 0.01 if fine else 0.02)]
+            Quantity.near("angle_of_repose", angle, REPOSE, absolute=1.5), Quantity.near("toe", toe, TOE, absolute=6.0),
+            Quantity.near("crest", crest, CREST, absolute=6.0),
+            Quantity.near("area_unloaded", unloaded(results), 1.0, absolute=1e-3 if spacing(results) <= 2.0 else 2e-3),
+            Quantity.near("area", state["volume"].sum() / results.initial["volume"].sum(), 1.0, absolute=1e-2),
+            Quantity("last_peak_over_first", heights_of_peaks[-1] / heights_of_peaks[0], None, 0.05)]
 
 
 def draw(results):

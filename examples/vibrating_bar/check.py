@@ -48,8 +48,8 @@ def check(results):
     return [completed(results),
             Quantity.near("period", period(history["time"], history["track_tip_ux"]), exact,
                           relative=1e-3 if fine else 1e-2),
-            Quantity("largest_error_of_displacement", error, upper=0.02 if fine else 0.1),
-            Quantity("energy_lost", np.abs(lost).max() / history["energy_kinetic"].max(), upper=1e-3 if fine else 1e-2)]
+            Quantity("largest_error_of_displacement", error, upper=0.004 if fine else 0.1),
+            Quantity("energy_lost", np.abs(lost).max() / history["energy_kinetic"].max(), upper=1e-4 if fine else 1e-2)]
 
 
 def draw(results):

@@ -42,7 +42,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
                            "the points are redistributed when the fullest rank holds so many times their mean",
                            ((MpmRange){1., PETSC_INFINITY, PETSC_FALSE}), MPM_OPTIONAL, &grid->balance, NULL));
   PetscCall(MpmOptionsBool(&block, "outflow",
-                           "points that leave the grid in an explicit step are gone; otherwise they end the run",
+                           "in dynamics, points that leave the grid are gone; otherwise they end the run",
                            &grid->outflow, NULL));
   for (PetscInt a = 0; a < dim && !MpmOptionsHelp(); a++) {
     MpmCheckInput(grid->upper[a] > grid->lower[a],

@@ -84,6 +84,12 @@ typedef struct {
 PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, const MpmTable *table, MpmStateView *view);
 
 /*
+  Rows go by ascending id: row[i] becomes the number of ids below id[i], over all ranks; `largest` is the largest of all, 0 where there
+  is none. Collective.
+*/
+PetscErrorCode MpmNumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[], PetscInt row[], PetscInt *largest);
+
+/*
   MpmOutputCreate - the writer of <prefix>.h5 and <prefix>.xdmf; creates no file yet
 
   MpmOutputWrite - append the group /points/<step, six digits> with attributes time and step

@@ -90,11 +90,8 @@ static PetscErrorCode Agree(Writer *writer, PetscBool worked)
 
 /* ---- rows to blocks ---- */
 
-/*
-  Rows go by ascending id: row[i] is the number of ids below id[i], over all ranks. Ids are distributed over the ranks in blocks
-  for that, whatever holes there are between them; `largest` is the largest of all, 0 where there is none.
-*/
-static PetscErrorCode NumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[], PetscInt row[], PetscInt *largest)
+/* Ids are distributed over the ranks in blocks, whatever holes there are between them. */
+PetscErrorCode MpmNumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[], PetscInt row[], PetscInt *largest)
 {
   PetscInt ends[2] = {0, 0}, size, first, below = 0,
            *found; /* ends: the negative of the smallest id, and the largest */
@@ -190,7 +187,7 @@ static PetscErrorCode WriterSetUp(Writer *writer, PetscInt64 collective, PetscIn
   PetscCall(ChooseWriters(writer, collective, dataset_count, datasets));
   PetscCall(PetscSFCreate(writer->comm, &writer->sf));
   PetscCall(PetscMalloc1(count, &row));
-  PetscCall(NumberRows(writer->comm, count, id, row, &largest));
+  PetscCall(MpmNumberRows(writer->comm, count, id, row, &largest));
   writer->numbered = (PetscBool)(largest < PetscMax(writer->points, 1));
   PetscCall(PetscSFSetGraphLayout(writer->sf, writer->layout, count, NULL, PETSC_COPY_VALUES, row));
   PetscCall(PetscFree(row));

@@ -228,6 +228,25 @@ MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
   return MPM_HOLD_INSIDE;
 }
 
+PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[])
+{
+  return (PetscBool)(!body->imported && MpmRegionContains(body->region, x));
+}
+
+PetscReal MpmBodyExcess(MpmBody body, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half)
+{
+  PetscReal end;
+
+  return !body->imported && MpmRegionEnd(body->region, x, axis, side, half, &end) ? end - half : 0.;
+}
+
+MpmBody MpmBodyOfPoint(const MpmBodies *bodies, PetscInt id)
+{
+  for (PetscInt b = 0; bodies && b < bodies->count; b++)
+    if (id < bodies->at[b]->id_end) return bodies->at[b];
+  return NULL;
+}
+
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other)
 {
   PetscBool same = (PetscBool)(!one->imported && !other->imported);
@@ -396,6 +415,25 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Room between the ids, where points may be divided. */
+static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_Comm comm, PetscInt64 total,
+                               const MpmPoints *points)
+{
+  const PetscInt64 room = points->divisions ? 1 << MPM_DIVISIONS : 1, ids = room * total;
+
+  PetscFunctionBeginUser;
+  PetscCheck(ids < PETSC_INT_MAX, comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "ids of points up to %" PetscInt64_FMT " need PETSc with 64-bit indices", ids);
+  if (room == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < body_count; b++) {
+    bodies[b]->id_first *= (PetscInt)room;
+    bodies[b]->id_end *= (PetscInt)room;
+  }
+  for (PetscInt p = 0; p < points->count; p++) points->id[p] *= (PetscInt)room;
+  PetscCall(PetscArrayzero(points->divisions, points->count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles)
 {
@@ -429,10 +467,9 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));
   PetscCall(FillMotion(body_count, bodies, grid->dim, &points));
+  PetscCall(MakeRoom(body_count, bodies, grid->comm, id, &points));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   particles->total = id;
-  PetscCheck(id < PETSC_INT_MAX, grid->comm, PETSC_ERR_ARG_OUTOFRANGE,
-             "%" PetscInt64_FMT " points need PETSc with 64-bit indices", id);
   PetscCall(PetscFree3(count, before, total));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -30,7 +30,7 @@ static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscI
 }
 
 /* Fields besides the scene's own, at most. */
-#define OWN_FIELDS 19
+#define OWN_FIELDS 20
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles)
 {
@@ -55,6 +55,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
   if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (fields->faces) PetscCall(Register(particles, "faces", 1, PETSC_INT));
+  if (fields->divisions) PetscCall(Register(particles, "divisions", 1, PETSC_INT));
   if (fields->part) PetscCall(Register(particles, "part", 1, PETSC_INT));
   if (fields->part) PetscCall(Register(particles, "cut", dim + 1, PETSC_REAL));
   if (fields->state_size) PetscCall(Register(particles, "state", fields->state_size, PETSC_REAL));
@@ -67,6 +68,13 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (fields->acceleration) PetscCall(Register(particles, "acceleration", dim, PETSC_REAL));
   for (PetscInt e = 0; e < fields->extra_count; e++) PetscCall(Register(particles, fields->extra[e], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm));
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    const MpmPointField *field = &particles->fields[k];
+    const PetscInt       extra = k - (particles->field_count - fields->extra_count);
+
+    particles->fields[k].shared = (PetscBool)((extra >= 0 && extra < fields->shared) ||
+                                              !strcmp(field->name, "volume0") || !strcmp(field->name, "mass"));
+  }
   particles->dim              = dim;
   particles->stress_size      = MpmSymSize(dim);
   particles->state_size       = fields->state_size;
@@ -74,6 +82,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   particles->rates            = fields->rates;
   particles->has_half_length  = fields->half_length;
   particles->has_faces        = fields->faces;
+  particles->has_divisions    = fields->divisions;
   particles->has_part         = fields->part;
   particles->has_increment    = fields->increment;
   particles->has_velocity     = fields->velocity;
@@ -113,6 +122,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   if (particles->own_size) PetscCall(DMSwarmGetField(swarm, "own", NULL, NULL, (void **)&points->own));
   if (particles->has_increment) PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->has_faces) PetscCall(DMSwarmGetField(swarm, "faces", NULL, NULL, (void **)&points->faces));
+  if (particles->has_divisions) PetscCall(DMSwarmGetField(swarm, "divisions", NULL, NULL, (void **)&points->divisions));
   if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "part", NULL, NULL, (void **)&points->part));
   if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "cut", NULL, NULL, (void **)&points->cut));
   if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
@@ -146,6 +156,8 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   if (particles->has_increment)
     PetscCall(DMSwarmRestoreField(swarm, "increment", NULL, NULL, (void **)&points->increment));
   if (particles->has_faces) PetscCall(DMSwarmRestoreField(swarm, "faces", NULL, NULL, (void **)&points->faces));
+  if (particles->has_divisions)
+    PetscCall(DMSwarmRestoreField(swarm, "divisions", NULL, NULL, (void **)&points->divisions));
   if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "part", NULL, NULL, (void **)&points->part));
   if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "cut", NULL, NULL, (void **)&points->cut));
   if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
@@ -462,6 +474,31 @@ PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid 
   PetscCall(PetscFree(index));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 1, MPIU_INT, MPI_SUM, grid->comm));
   if (*count) PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const PetscInt index[])
+{
+  PetscInt   first;
+  size_t     bytes = 0;
+  char      *data;
+  PetscReal *amount;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &first));
+  PetscCall(PetscMalloc1(((size_t)count * bytes), &data));
+  PetscCall(CopyRows(particles, count, index, 0, data, PETSC_TRUE));
+  if (count) PetscCall(DMSwarmAddNPoints(particles->swarm, count));
+  PetscCall(CopyRows(particles, count, NULL, first, data, PETSC_FALSE));
+  PetscCall(PetscFree(data));
+  for (PetscInt k = 0; k < particles->field_count; k++) {
+    if (!particles->fields[k].shared) continue;
+    PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, (void **)&amount));
+    for (PetscInt i = 0; i < count; i++) amount[first + i] = amount[index[i]] *= 0.5;
+    PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, (void **)&amount));
+  }
+  PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

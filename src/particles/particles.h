@@ -11,6 +11,7 @@ typedef struct {
   char     *name;
   PetscInt  components;
   PetscBool integer;
+  PetscBool shared; /* an amount: where a point is divided each half has half of it */
 } MpmPointField;
 
 typedef struct MpmParticles {
@@ -19,6 +20,7 @@ typedef struct MpmParticles {
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
   PetscBool      has_half_length, has_increment, has_faces, has_part, has_velocity, has_affine, has_acceleration;
+  PetscBool      has_divisions;
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
   PetscReal      imbalance; /* points on the fullest rank over their mean, the most so far */
@@ -35,9 +37,9 @@ typedef struct MpmParked {
 
 /* What fields the points have beside those that all have. */
 typedef struct {
-  PetscInt           state_size, own_size, rates;
-  PetscBool          half_length, increment, faces, part, velocity, affine, acceleration;
-  PetscInt           extra_count; /* fields of one number a point, by name */
+  PetscInt  state_size, own_size, rates;
+  PetscBool half_length, increment, faces, part, velocity, affine, acceleration, divisions;
+  PetscInt  extra_count, shared; /* fields of one number a point, by name; so many of them, the first, are shared */
   const char *const *extra;
 } MpmParticleFields;
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles);
@@ -55,6 +57,15 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
 PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *count);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
+/*
+  Copies of these points follow the others, in this order; the point and its copy have half each of what is shared. The total is counted
+  anew. Collective.
+*/
+PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const PetscInt index[]);
+/* So often a point is divided at most; room for its halves in the ids (divide.c). */
+#define MPM_DIVISIONS 5
+/* Divides points whose domains have been drawn out over so many cells, once each; `divided`, over all ranks. Collective. */
+PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, PetscReal longest, PetscInt *divided);
 /* Places that DMSwarm keeps free: with none, it reallocates all fields for each point that leaves; it clears them, too. */
 #define MPM_PARTICLES_SPARE 16
 /*

@@ -15,7 +15,8 @@ typedef struct MpmPoints {
   PetscReal *F;           /* dim x dim, row-major */
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
   PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */
-  PetscInt  *part;        /* of the material; parts have nodes of their own. With more parts than one only */
+  PetscInt *divisions; /* how often it has been divided across each axis, MPM_DIVISION_BITS each; where points may be */
+  PetscInt *part;      /* of the material; parts have nodes of their own. With more parts than one only */
   PetscReal *cut; /* at the start: normal of the surface that cut the lattice of points there, and depth below it, m;
                              or zeros. With more parts than one only */
   PetscReal *volume0;
@@ -31,6 +32,18 @@ typedef struct MpmPoints {
   PetscReal
     *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
 } MpmPoints;
+
+/* How often a point has been divided across an axis (divide.c). */
+#define MPM_DIVISION_BITS 4
+static inline PetscInt MpmPointDivisions(const MpmPoints *points, PetscInt p, PetscInt axis)
+{
+  return points->divisions ? (points->divisions[p] >> (MPM_DIVISION_BITS * axis)) & ((1 << MPM_DIVISION_BITS) - 1) : 0;
+}
+/* half_length of the point that it was before. */
+static inline PetscReal MpmPointHalfWhole(const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt axis)
+{
+  return points->half_length[p * dim + axis] * (PetscReal)(1 << MpmPointDivisions(points, p, axis));
+}
 
 /* J of a point, as what it takes up counts it: det F, or 1 + tr(F - I) at small strain. */
 PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[]);

@@ -56,7 +56,7 @@ typedef struct {
   const MpmGrid *grid;
   MpmBody       *bodies;
   PetscInt       body_count;
-  PetscInt64     total;
+  PetscInt64     ids;     /* where they end */
   PetscBool     *meet;    /* body_count^2 */
   PetscInt      *body_of; /* per point */
   MpmPoints      points;
@@ -67,7 +67,7 @@ typedef struct {
 static void Found(Search *search, PetscInt p, PetscInt other)
 {
   const PetscInt   one = search->body_of[p], low = PetscMin(one, other), high = PetscMax(one, other);
-  const PetscInt64 key = ((PetscInt64)low * search->body_count + high) * search->total + search->points.id[p];
+  const PetscInt64 key = ((PetscInt64)low * search->body_count + high) * search->ids + search->points.id[p];
 
   if (key >= search->key) return;
   search->key = key;
@@ -168,7 +168,7 @@ static PetscErrorCode Refuse(const MpmModel model, Search *search)
   if (key == INT64_MAX) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim && key != search->key; a++) search->place[a] = PETSC_INFINITY;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, search->place, (PetscMPIInt)dim, MPIU_REAL, MPIU_MIN, model->comm));
-  pair = key / search->total;
+  pair = key / search->ids;
   PetscCall(PetscSNPrintf(where, sizeof(where), dim > 2 ? "(%g, %g, %g)" : "(%g, %g)", (double)search->place[0],
                           (double)search->place[1], (double)search->place[2]));
   MpmCheckInput(PETSC_FALSE,
@@ -180,15 +180,14 @@ static PetscErrorCode Refuse(const MpmModel model, Search *search)
 
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model)
 {
-  const PetscInt n      = model->scene.bodies->count;
-  Search         search = {.grid       = model->disc.grid,
-                           .bodies     = model->scene.bodies->at,
-                           .body_count = n,
-                           .total      = model->state.particles->total,
-                           .key        = INT64_MAX};
-  PetscBool      any = PETSC_FALSE, files = PETSC_FALSE;
+  const PetscInt n = model->scene.bodies->count;
+  Search    search = {.grid = model->disc.grid, .bodies = model->scene.bodies->at, .body_count = n, .key = INT64_MAX};
+  PetscInt  first, end;
+  PetscBool any = PETSC_FALSE, files = PETSC_FALSE;
 
   PetscFunctionBeginUser;
+  MpmBodyGetIds(model->scene.bodies->at[n - 1], &first, &end);
+  search.ids = end;
   PetscCall(PetscCalloc1((n * n), &search.meet));
   for (PetscInt b = 0; b < n; b++) {
     for (PetscInt c = 0; c < n; c++) {

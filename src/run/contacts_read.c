@@ -3,6 +3,7 @@
   their own, so that bodies of different parts are not welded where they meet.
 */
 #include "options/options.h"
+#include "point/material.h"
 #include "particles/body.h"
 #include "terms/body_contact.h"
 #include "time/time.h"
@@ -33,6 +34,15 @@ static PetscErrorCode ReadPair(const MpmOptions *block, const MpmBodies *bodies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool stick)
+{
+  PetscBool bounds = (PetscBool)(friction > 0.);
+
+  for (PetscInt m = 0; stick && m < model->scene.materials->count; m++)
+    if (!model->scene.materials->at[m].info.shear_strength) bounds = PETSC_TRUE;
+  return bounds;
+}
+
 PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options)
 {
   MpmBodies *bodies = model->scene.bodies;
@@ -54,7 +64,7 @@ PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions
     PetscCall(MpmOptionsHeading(&block, "Contact of bodies"));
     PetscCall(ReadPair(&block, bodies, pair->body));
     PetscCall(MpmPairRead(&block, model->disc.dim, (PetscBool)(water || MpmOptionsHelp()), pair));
-    if (pair->friction > 0.) model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
+    if (MpmPressureBounds(model, pair->friction, pair->stick)) model->solver.symmetric = PETSC_FALSE;
     /* the first body of each has a part of its own, so the two differ */
     if (!MpmOptionsHelp() && !bodies->part[pair->body[0]]) bodies->part[pair->body[0]] = bodies->parts++;
   }

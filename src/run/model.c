@@ -10,7 +10,6 @@
 #include "grid/shape.h"
 #include "particles/body.h"
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "space/walls.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -425,8 +424,10 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
                     MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
                   "-mpm_boundary_%s_%s: there is no water in the scene's physics", model->scene.boundaries->names[k],
                   model->scene.boundaries->at[k].drained ? "drained" : "pressure");
-    if (model->scene.boundaries->at[k].friction > 0.)
-      model->solver.symmetric = PETSC_FALSE; /* the pressure bounds it */
+    if (MpmPressureBounds(
+          model, model->scene.boundaries->at[k].friction,
+          (PetscBool)(model->scene.boundaries->at[k].stick && !model->scene.boundaries->at[k].bilateral)))
+      model->solver.symmetric = PETSC_FALSE;
   }
   MpmRigidStart(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -571,21 +572,18 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
 /* A run that goes on needs the bodies only where later stages bring or change them, and where contact knows their shape. */
 static PetscBool NeedsBodies(const MpmModel model)
 {
-  PetscBool needed = (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name);
-
-  for (PetscInt b = 0; b < model->scene.bodies->count && model->scene.boundaries->count > 0; b++)
-    if (MpmBodyRound(model->scene.bodies->at[b])) needed = PETSC_TRUE;
-  return needed;
+  return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name ||
+                     model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt  state_size = 0, extra = 0, axis, up;
+  PetscInt  state_size = 0, extra = 0, shared, axis, up;
   PetscBool parts       = (PetscBool)(model->disc.parts > 1);
   PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
-                                      MpmStagesReduce(model));
+                                      MpmStagesReduce(model) || model->scene.divide > 0.);
   const char  *why;
   const char **fields;
 
@@ -602,6 +600,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   }
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
     fields[extra++] = model->results->tracks.at[t].share_field;
+  shared = extra;
   MpmLinesAddFields(model, fields, &extra);
   AddContactFields(model, fields, &extra);
   AddStageFields(model, fields, &extra);
@@ -620,10 +619,12 @@ static PetscErrorCode CreateParticles(MpmModel model)
                                                     .increment    = model->state.predict,
                                                     .faces        = faces,
                                                     .part         = parts,
+                                                    .divisions    = (PetscBool)(model->scene.divide > 0.),
                                                     .velocity     = model->disc.inertia->dynamic,
                                                     .affine       = MpmStagesAreAffine(model),
                                                     .acceleration = MpmStagesAreImplicit(model),
                                                     .extra_count  = extra,
+                                                    .shared       = shared,
                                                     .extra        = fields},
                                model->state.particles));
   PetscCall(PetscFree(fields));
@@ -653,13 +654,14 @@ static PetscErrorCode CreateParticles(MpmModel model)
 /* About how many unknowns the material needs: the cells that its volume fills, and as many nodes. */
 static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
 {
-  PetscReal volume = 0.;
-  MpmPoints points;
+  PetscReal volume = 0., *volume0;
+  PetscInt  count;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) volume += points.volume0[p];
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  PetscCall(DMSwarmGetField(model->state.particles->swarm, "volume0", NULL, NULL, (void **)&volume0));
+  for (PetscInt p = 0; p < count; p++) volume += volume0[p];
+  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, "volume0", NULL, NULL, (void **)&volume0));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, model->comm));
   for (PetscInt a = 0; a < model->disc.dim; a++) volume /= model->disc.h[a];
   *unknowns = volume * (PetscReal)model->disc.block;

@@ -262,7 +262,8 @@ static PetscErrorCode ReadBlock(MpmModel model, PetscInt first, PetscInt rows, P
   MpmRestart    restart   = model->results->checkpoint.restart;
   MpmParticles *particles = model->state.particles;
   PetscInt      bad       = particles->field_count + 2;
-  MpmPointField before[]  = {{(char[]){"rank"}, 1, PETSC_TRUE}, {(char[]){"place"}, 1, PETSC_TRUE}};
+  MpmPointField before[]  = {{.name = (char[]){"rank"}, .components = 1, .integer = PETSC_TRUE},
+                             {.name = (char[]){"place"}, .components = 1, .integer = PETSC_TRUE}};
   void         *array;
   hid_t         file = H5I_INVALID_HID, group = H5I_INVALID_HID;
 
@@ -293,13 +294,17 @@ static PetscErrorCode ReadBlock(MpmModel model, PetscInt first, PetscInt rows, P
 static PetscErrorCode FetchPlaces(MpmModel model, PetscInt rows, const PetscInt place[], PetscInt count,
                                   const PetscInt id[], PetscInt key[])
 {
+  PetscInt    largest, *row;
   PetscLayout layout;
   PetscSF     sf;
 
   PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(count, &row));
+  PetscCall(MpmNumberRows(model->comm, count, id, row, &largest));
   PetscCall(PetscLayoutCreateFromSizes(model->comm, rows, model->results->checkpoint.restart->points, 1, &layout));
   PetscCall(PetscSFCreate(model->comm, &sf));
-  PetscCall(PetscSFSetGraphLayout(sf, layout, count, NULL, PETSC_COPY_VALUES, id));
+  PetscCall(PetscSFSetGraphLayout(sf, layout, count, NULL, PETSC_COPY_VALUES, row));
+  PetscCall(PetscFree(row));
   PetscCall(PetscSFBcastBegin(sf, MPIU_INT, place, key, MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(sf, MPIU_INT, place, key, MPI_REPLACE));
   PetscCall(PetscSFDestroy(&sf));

@@ -142,6 +142,8 @@ PetscErrorCode MpmBodiesShareEdges(MpmModel model);
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
 /* A line of the run's header where bodies share nodes (welds.c). */
 PetscErrorCode MpmWeldsPrint(MpmModel model);
+/* Does the pressure bound what acts along a surface that may part? Where it sticks, the strength of a material may do so instead. */
+PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool stick);
 /* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); is there water? */
 PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options);
 /* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */

@@ -8,6 +8,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
+#include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/contact.h"
 #include "terms/discretization.h"
@@ -601,12 +602,14 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
   PetscFunctionBeginUser;
   do {
     solver->cache.solving = solver->cache.ahead = PETSC_TRUE;
-    if (solver->disc->contacts->boundary_count) {
+    if (MpmSolverHasContact(solver)) {
       PetscCall(MpmGatherSolution(solver, solver->x));
       PetscCall(MpmContactsBegin(solver->disc->contacts, solver->disc->sum, solver->disc->u, solver->careful));
+      PetscCall(MpmPairsBegin(solver->disc->pairs, solver->disc->sum, solver->disc->u));
     }
     PetscCall(SNESSolve(solver->snes, NULL, solver->x));
     MpmContactsEnd(solver->disc->contacts);
+    MpmPairsRelease(solver->disc->pairs);
     solver->cache.solving = PETSC_FALSE;
     PetscCall(SNESGetConvergedReason(solver->snes, reason));
     PetscCall(SNESGetIterationNumber(solver->snes, &newton));

@@ -15,6 +15,9 @@
 /* Share of means over pieces in the strain while strength is reduced and no factor of safety found. */
 #define MPM_SMOOTH_SAFETY 0.8
 
+/* Cells over which domains are drawn before points are divided, beside bilateral boundaries. */
+#define MPM_DIVIDE 0.6
+
 /*
   Half-length, in cells, beyond which a domain of an explicit step grows no more: eight times that of 2 x 2 points a cell. Grains
   that fly are stretched without a force, and their domains would span the grid.

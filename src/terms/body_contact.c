@@ -55,7 +55,7 @@ static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch,
     return;
   }
   *rate            = patch->stiffness;
-  answer->active   = (PetscBool)(answer->gap <= contacts->touch);
+  answer->active   = (PetscBool)(patch->held || answer->gap <= contacts->touch);
   answer->pressure = answer->active ? -patch->stiffness * answer->gap : 0.;
 }
 
@@ -63,9 +63,13 @@ static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch,
 static void Friction(const MpmPairPatch *patch, const MpmContactLaw *law, PetscInt dim, PetscReal rate, Answer *answer)
 {
   const PetscReal   *n = patch->normal, area = patch->side[0].area;
-  MpmContactFriction friction;
+  MpmContactFriction friction = {0};
 
-  MpmContactSlide(law, dim, answer->pressure, answer->slip, &friction);
+  if (!patch->held) MpmContactSlide(law, dim, answer->pressure, answer->slip, &friction);
+  for (PetscInt a = 0; patch->held && a < dim; a++) {
+    friction.traction[a]    = (law->friction * answer->pressure + law->adhesion) * patch->way[a];
+    friction.by_pressure[a] = law->friction * patch->way[a];
+  }
   for (PetscInt a = 0; a < dim; a++) {
     answer->force[a] -= area * friction.traction[a];
     MpmContactAcross(dim, n, friction.by_slip[a]); /* dt/ds ds/dw, ds/dw = I - n n^T */
@@ -78,8 +82,13 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
                      Answer *answer)
 {
   const MpmPair      *pair = &contacts->pairs->at[patch->pair];
-  const MpmContactLaw law  = {patch->stiffness, SLIDING,     pair->friction, pair->adhesion,
-                              patch->strength,  pair->stick, PETSC_FALSE};
+  const MpmContactLaw law  = {.stiffness = patch->stiffness,
+                              .along     = SLIDING,
+                              .friction  = pair->friction,
+                              .adhesion  = pair->adhesion,
+                              .strength  = patch->strength,
+                              .stick     = pair->stick,
+                              .parts     = PETSC_TRUE};
   const PetscReal    *n = patch->normal, area = patch->side[0].area;
   PetscReal           along = 0., rate;
 
@@ -306,6 +315,18 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares)
+{
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscReal w[ROWS];
+    Answer    answer;
+
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    for (PetscInt a = 0; a < sum->space->dim; a++) *squares += PetscSqr(answer.force[a]);
+  }
+}
+
 PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst)
 {
   PetscReal *shift;
@@ -335,6 +356,66 @@ PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, con
   PetscCall(PetscFree(shift));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- at the first of Newton's iterates ---- */
+
+#define NEAR 0.1 /* of a cell: what is farther apart has parted */
+
+/* Does any patch of the pair touch at u, on any rank? */
+static PetscErrorCode Touches(const MpmPairContacts *contacts, PetscInt pair, const MpmSum *sum, const PetscReal u[],
+                              PetscBool *touches)
+{
+  PetscFunctionBeginUser;
+  *touches = PETSC_FALSE;
+  for (PetscInt k = 0; k < contacts->patch_count && !*touches; k++) {
+    PetscReal w[ROWS];
+    Answer    answer;
+
+    if (contacts->patch[k].pair != pair) continue;
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    *touches = answer.active;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, touches, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[])
+{
+  const PetscInt dim = sum->space->dim;
+
+  PetscFunctionBeginUser;
+  MpmPairsRelease(contacts);
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    const MpmPair *pair    = &contacts->pairs->at[p];
+    PetscBool      touches = PETSC_TRUE;
+
+    if (pair->friction > 0. && !pair->barrier) PetscCall(Touches(contacts, p, sum, u, &touches));
+    for (PetscInt k = 0; !touches && k < contacts->patch_count; k++) {
+      MpmPairPatch *patch = &contacts->patch[k];
+      PetscReal     size  = 0., w[ROWS];
+      Answer        answer;
+
+      for (PetscInt a = 0; a < dim; a++) size += PetscSqr(patch->slip[a]);
+      if (patch->pair != p || !(size > 0.)) continue;
+      Relative(contacts, patch, sum, u, w);
+      Evaluate(contacts, patch, dim, w, &answer);
+      if (answer.gap > NEAR * contacts->cell) continue;
+      patch->held = contacts->holds = PETSC_TRUE;
+      for (PetscInt a = 0; a < dim; a++) patch->way[a] = patch->slip[a] / PetscSqrtReal(size);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmPairsRelease(MpmPairContacts *contacts)
+{
+  contacts->holds = PETSC_FALSE;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].held = PETSC_FALSE;
+}
+
+/* ---- the step is over ---- */
 
 /* Forces of the converged step; the points keep the slips. */
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)

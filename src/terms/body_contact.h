@@ -37,8 +37,10 @@ typedef struct {
     slip[MPM_MAX_DIM];                       /* at the step's start; the normal is outward of the first body */
   PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
   PetscReal    closed;                       /* by so much the last step closed the gap where it touches, m */
-  PetscReal    shift;   /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
-  PetscReal    through; /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
+  PetscReal    shift;            /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
+  PetscBool    held;             /* touches whatever its gap is, for an iteration, */
+  PetscReal    way[MPM_MAX_DIM]; /* and slides this way */
+  PetscReal    through;          /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
   MpmPatchSide side[2];
 } MpmPairPatch;
 
@@ -47,10 +49,12 @@ typedef struct MpmPairFacet MpmPairFacet;
 
 /* Those of this rank. */
 struct MpmPairContacts {
-  const MpmPairs *pairs;
+  const MpmPairs  *pairs;
+  const MpmBodies *bodies;
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
   PetscReal     cell, touch;       /* the smallest size of a cell; a patch no further away touches */
   PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
+  PetscBool     holds;             /* patches of some rank are held */
   MPI_Comm      comm;
   PetscInt      state_size;                                 /* of a point's history */
   PetscInt      water;                                      /* the unknown that is water's pressure, or -1 */
@@ -65,9 +69,9 @@ struct MpmPairContacts {
 /* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */
 PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool water, MpmPair *pair);
 PetscErrorCode MpmPairsDestroy(MpmPairs *pairs);
-/* The pairs are borrowed. `water`: the unknown that is water's pressure, or -1. */
-PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size, PetscInt water,
-                                     MpmPairContacts *contacts);
+/* Pairs and bodies are borrowed. `water`: the unknown that is water's pressure, or -1. */
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const MpmBodies *bodies, PetscInt state_size,
+                                     PetscInt water, MpmPairContacts *contacts);
 #define MPM_BARRIER 0.1 /* of a cell: so near a barrier begins to push */
 PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`); collective. */
@@ -75,6 +79,15 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 /* Their weights, and what the first bodies' points keep of them (a term's `prepare`). */
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
+/*
+  What patches do at the first of Newton's iterates, as at boundaries (contact_states.c). Bodies that slide over one another have come
+  to other facets as a step starts, by more than the depth of a stiff contact: where nothing touches at u any more, Begin holds what slid
+  in the last step, for one iteration. Collective.
+*/
+PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[]);
+void           MpmPairsRelease(MpmPairContacts *contacts);
+/* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
+void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
 /*
   Method augmented, after Newton's: as MpmContactsAugment() does for boundaries. Where the worst depth over what is wanted is above
   1, the pressures become those that the patches have at u. Collective.

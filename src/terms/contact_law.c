@@ -3,6 +3,9 @@
 
     t = k' s  while  |k' s| <= L ,  t = L s/|s|  else ,   L = mu max(p, 0) + adhesion, at most the material's strength
 
+  What sticks to a material whose strength has no bound has L = 10 p where it may part: where it does the traction has to go to zero with the
+  pressure, or there may be no state in balance.
+
   What has slid keeps s = t/k'. k' = k where nothing can slide and where bodies roll, and a small part of k elsewhere: a change of
   pressure moves the bound L, and with equal stiffness the slip that follows would throw Newton's method from sticking to sliding and
   back.
@@ -16,6 +19,8 @@
 */
 #include "terms/contact_law.h"
 
+#define ROUGH 10. /* of the pressure: traction of what sticks and may part */
+
 PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
                           MpmContactFriction *friction)
 {
@@ -26,7 +31,10 @@ PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pres
   *friction = (MpmContactFriction){0};
   for (PetscInt a = 0; a < dim; a++) size += PetscSqr(slip[a]);
   size = PetscSqrtReal(size);
-  if (law->stick || limit > law->strength) limit = law->strength;
+  if (law->stick && law->parts && !slides) {
+    limit  = ROUGH * PetscMax(pressure, 0.);
+    growth = pressure > 0. ? ROUGH : 0.;
+  } else if (law->stick || limit > law->strength) limit = law->strength;
   else growth = pressure > 0. ? law->friction : 0.; /* of the limit with the pressure */
   if (k * size <= limit) {
     for (PetscInt a = 0; a < dim; a++) {

@@ -10,7 +10,8 @@ typedef struct {
   PetscReal along;              /* stiffness along the surface over that across, of what may slide */
   PetscReal friction, adhesion; /* Coulomb's coefficient; Pa */
   PetscReal strength;           /* of the material itself in shear, Pa; or infinite */
-  PetscBool stick;              /* nothing but the strength bounds the traction */
+  PetscBool stick;              /* the strength bounds the traction; or, where there is none, */
+  PetscBool parts;              /* a multiple of the pressure, of what may part */
   PetscBool secant;             /* the derivative by the slip of what slides is its secant, t/s */
 } MpmContactLaw;
 

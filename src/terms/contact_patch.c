@@ -76,8 +76,14 @@ static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatc
   const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
   const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
   const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
-  const MpmContactLaw law      = {patch->stiffness, MpmPatchAlong(patch), boundary->friction,     adhesion,
-                                  strength,         boundary->stick,      contacts->newton.secant};
+  const MpmContactLaw law      = {.stiffness = patch->stiffness,
+                                  .along     = MpmPatchAlong(patch),
+                                  .friction  = boundary->friction,
+                                  .adhesion  = adhesion,
+                                  .strength  = strength,
+                                  .stick     = boundary->stick,
+                                  .parts     = (PetscBool)(!boundary->bilateral && !patch->held),
+                                  .secant    = contacts->newton.secant};
   const PetscReal     pressure = -patch->stiffness * answer->gap;
   MpmContactFriction  friction;
 

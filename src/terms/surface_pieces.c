@@ -59,7 +59,7 @@ static PetscReal Astray(const MpmContacts *contacts, const MpmPoints *points, co
   MpmSurface     surface;
 
   MpmContactsDistance(contacts, facet->boundary, &points->x[p * dim], &surface);
-  for (PetscInt a = 0; a < dim; a++) half += PetscAbsReal(surface.normal[a]) * points->half_length[p * dim + a];
+  for (PetscInt a = 0; a < dim; a++) half += PetscAbsReal(surface.normal[a]) * MpmPointHalfWhole(points, dim, p, a);
   return surface.distance > half ? surface.distance - half : PetscMin(surface.distance, 0.);
 }
 
@@ -103,7 +103,7 @@ static PetscErrorCode MakePiece(const MpmContacts *contacts, const MpmRules *rul
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt a = 0; a < dim; a++)
-    fine = (PetscBool)(fine && 2. * points->half_length[p * dim + a] <= FINE * rules->grid->h[a]);
+    fine = (PetscBool)(fine && 2. * MpmPointHalfWhole(points, dim, p, a) <= FINE * rules->grid->h[a]);
   if (!fine) MpmFacetLines(rules, space, points, facet, piece->line);
   for (PetscInt a = 0; fine && a < dim; a++)
     SurfaceLine(rules, facet, a, a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0, piece);

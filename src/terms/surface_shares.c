@@ -25,8 +25,9 @@
 
 #define DIVISIONS 4  /* samples a cell and axis */
 #define WIDTH     2. /* eps over the samples' spacing */
-#define NEAR      3. /* of a point's half-length, but no more than a cell: so near the surface a point may have a share */
-#define AROUND    2 /* cells about a point's, in which samples of its share may lie */
+#define NEAR \
+  3. /* of a whole point's half-length, but no more than a cell: so near the surface a point may have a share */
+#define AROUND 2 /* cells about a point's, in which samples of its share may lie */
 
 /* A point that may have a share. */
 typedef struct {
@@ -100,7 +101,7 @@ static PetscErrorCode FindCandidates(Shares *shares, const MpmPoints *points)
     *candidate = (Candidate){.near = 0., .id = points->id[p], .point = p};
     for (PetscInt a = 0; a < dim; a++) {
       candidate->x[a] = points->x[p * dim + a];
-      candidate->near = PetscMax(candidate->near, NEAR * points->half_length[p * dim + a]);
+      candidate->near = PetscMax(candidate->near, NEAR * MpmPointHalfWhole(points, dim, p, a));
     }
     candidate->near = PetscMin(candidate->near, shares->contacts->cell);
     MpmContactsDistance(shares->contacts, shares->boundary, candidate->x, &surface);

@@ -85,7 +85,6 @@ static void Stop(MpmModel model)
 {
   model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
   model->disc.sum->part                                     = 1.;
-  model->disc.sum->mass_factor                              = 0.;
 }
 
 PetscErrorCode MpmDynamicsBegin(MpmModel model)
@@ -186,6 +185,26 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The step's mass. Where points get changes alone what they do not get must not be lost either: the nodes' velocities, which are means
+  of theirs, would be smoothed in each step anew, and be a part of dt (w h)^2 behind.
+*/
+static PetscErrorCode SetMass(MpmModel model)
+{
+  MpmDynamics            *dynamics = model->state.scheme.dynamics;
+  MpmInertia             *inertia  = model->disc.inertia;
+  const MpmMotionControl *motion   = MpmModelMotion(model);
+
+  PetscFunctionBeginUser;
+  inertia->consistent = (PetscBool)!motion->lumped;
+  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMassMatrixSetUp(&inertia->matrix, model->disc.sum));
+  if (motion->transfer.type != MPM_TRANSFER_FLIP) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmInertiaSharpen(inertia, model->disc.sum, model->disc.constraints, dynamics->v_start));
+  PetscCall(MpmInertiaSharpen(inertia, model->disc.sum, model->disc.constraints, dynamics->a_start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Coefficients of the stage's method. */
 typedef struct {
   PetscReal beta, gamma, alpha_m, alpha_f;
@@ -235,11 +254,8 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++)
     inertia->at_rest[k] = (1. - method->alpha_m) * dynamics->a_rest[k] + method->alpha_m * dynamics->a_start[k];
-  inertia->factor     = (1. - method->alpha_m) * dynamics->a_factor;
-  inertia->consistent = (PetscBool)!MpmModelMotion(model)->lumped;
-  inertia->active     = PETSC_TRUE;
-
-  model->disc.sum->mass_factor = inertia->consistent ? inertia->factor : 0.;
+  inertia->factor = (1. - method->alpha_m) * dynamics->a_factor;
+  inertia->active = PETSC_TRUE;
   PetscCall(PetscMalloc1(count, &rest));
   for (PetscInt k = 0; k < count; k++) rest[k] = end * dynamics->v_rest[k] + method->alpha_f * dynamics->v_start[k];
   PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, inertia->mass, end * dynamics->v_factor, rest));
@@ -337,6 +353,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(PetscArraycpy(model->state.scheme.dynamics->v_start, model->state.scheme.dynamics->v_old,
                           model->disc.inertia->local * model->disc.dim));
   PetscCall(StartConstrained(model));
+  PetscCall(SetMass(model));
   SetRates(model, &method, dt);
   PetscCall(EndConstrained(model, time));
   PetscCall(SetForces(model, &method));
@@ -418,10 +435,11 @@ static PetscErrorCode Accept(MpmModel model)
   }
   MpmRigidFromNodes(model->disc.contacts, dynamics->v_new, dynamics->a_new);
   PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual}));
-  PetscCall(
-    MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer,
-                      &(MpmMotionStep){.v_old = dynamics->v_old, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));
+  PetscCall(MpmMotionToPoints(
+    model->disc.sum, &MpmModelMotion(model)->transfer,
+    &(MpmMotionStep){.v_old = dynamics->v_start, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));
   PetscCall(MpmIntegratorQuasistatic.accept(model));
+  PetscCall(MpmStepRemoveGone(model));
   if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.trial;
   Stop(model);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -308,17 +308,29 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  What a force has to move, kg: dashpots act with the mean of the velocities before and after, m (v_new - v_old) = dt (f - c (v_old +
+  v_new)/2), of which f - c v_old is the force.
+*/
+static PetscReal MovedMass(const MpmModel model, PetscInt k)
+{
+  const MpmDamping *damping = model->disc.damping;
+  const PetscReal   mass    = model->disc.inertia->mass[k / model->disc.dim];
+
+  return damping->active ? mass + 0.5 * model->disc.sum->dt * damping->dashpot[k] : mass;
+}
+
 /* v_new = v_old + dt f/m; where there is no mass nothing moves */
 static void Accelerate(MpmModel model, const PetscReal force[])
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.inertia->mass;
-  const PetscInt   dim = model->disc.dim, local = model->disc.space->local;
+  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
 
-  for (PetscInt i = 0; i < local; i++) {
-    const PetscReal by = mass[i] > 0. ? model->disc.sum->dt / mass[i] : 0.;
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal by = mass[k / dim] > 0. ? model->disc.sum->dt / MovedMass(model, k) : 0.;
 
-    for (PetscInt k = i * dim; k < (i + 1) * dim; k++) dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
+    dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
   }
   Prescribe(model, dynamics->v_new);
 }
@@ -363,14 +375,16 @@ static void FindSupports(MpmModel model)
   const PetscInt        dim         = model->disc.dim;
 
   for (PetscInt i = 0; i < model->disc.space->owned; i++) {
-    const PetscReal mass = model->disc.inertia->mass[i] / model->disc.sum->dt;
-    PetscReal      *f    = &model->disc.residual[i * dim];
-    PetscBool       any  = PETSC_FALSE;
+    PetscReal *f   = &model->disc.residual[i * dim];
+    PetscBool  any = PETSC_FALSE;
 
     for (PetscInt a = 0; constraints->any && a < dim; a++)
       any = (PetscBool)(any || !MpmConstraintsFree(constraints, i * dim + a));
     for (PetscInt a = 0; a < dim; a++)
-      f[a] = any ? mass * (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) - f[a] : 0.;
+      f[a] = any ? MovedMass(model, i * dim + a) / model->disc.sum->dt *
+                       (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) -
+                     f[a]
+                 : 0.;
   }
 }
 
@@ -482,7 +496,7 @@ static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryab
   PetscCall(MoveNodes(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, dynamics->v_new, model->disc.u);
-  if (!model->disc.grid->outflow) PetscCall(MpmStepFindLost(model, why));
+  PetscCall(MpmStepFindLost(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(model, again));
   PetscCall(Relax(model, again));
@@ -509,20 +523,6 @@ static PetscErrorCode Observe(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points that have left the grid. */
-static PetscErrorCode RemoveGone(MpmModel model)
-{
-  PetscInt gone;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRemoveOutside(model->state.particles, model->disc.grid, &gone));
-  if (gone)
-    PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
-                             gone, gone > 1 ? "s" : "", model->state.particles->total,
-                             model->state.particles->total == 1 ? "s" : ""));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Stress and history become the points', and the points go with the nodes' new velocities. */
 static PetscErrorCode Accept(MpmModel model)
 {
@@ -542,14 +542,14 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
   model->disc.contacts->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
-  if (!model->disc.grid->outflow) MpmStepClip(model);
+  MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   model->disc.put_back        = PETSC_FALSE;
   model->disc.damping->active = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last = 0.;
   model->disc.committed                         = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (model->disc.grid->outflow) PetscCall(RemoveGone(model));
+  PetscCall(MpmStepRemoveGone(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -88,6 +88,30 @@ static PetscErrorCode ReadDamping(const MpmOptions *block, MpmDampingControl *da
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* An option of one method says nothing to another. */
+static PetscErrorCode CheckMethod(const MpmOptions *block, const char *option, PetscBool has, const char *with)
+{
+  PetscBool given;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, option, &given));
+  MpmCheckInput(!given || has || MpmOptionsHelp(), "-%s%s: is an option of %s alone", block->prefix, option, with);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckMethods(const MpmOptions *block, PetscInt type)
+{
+  const PetscBool newmark = (PetscBool)(type == MPM_NEWMARK), moves = (PetscBool)(type == MPM_EXPLICIT);
+
+  PetscFunctionBeginUser;
+  PetscCall(CheckMethod(block, "rho_inf", (PetscBool)(type == MPM_GENERALIZED_ALPHA), "integrator generalized_alpha"));
+  PetscCall(CheckMethod(block, "beta", newmark, "integrator newmark"));
+  PetscCall(CheckMethod(block, "gamma", newmark, "integrator newmark"));
+  PetscCall(CheckMethod(block, "cfl", moves, "integrator explicit"));
+  PetscCall(CheckMethod(block, "update", moves, "integrator explicit"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What dynamic stages say beside. */
 static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *motion)
 {
@@ -101,6 +125,7 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
                            "methods; or explicit, symplectic Euler",
                            MpmIntegratorTypes, MPM_OPTIONAL, &type, NULL));
   motion->type = (MpmIntegratorType)type;
+  PetscCall(CheckMethods(block, type));
   if (type == MPM_QUASISTATIC && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (type == MPM_GENERALIZED_ALPHA || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "rho_inf", "-",
@@ -126,6 +151,7 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
                            "of velocities between points and nodes: apic keeps angular momentum, flip the most energy",
                            MpmTransferTypes, MPM_OPTIONAL, &transfer, NULL));
   motion->transfer.type = (MpmTransferType)transfer;
+  PetscCall(CheckMethod(block, "pic", (PetscBool)(transfer == MPM_TRANSFER_FLIP), "transfer flip"));
   if (transfer == MPM_TRANSFER_FLIP || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "pic", "-", "share of PIC in flip, which damps what the nodes do not see",
                              ((MpmRange){0., 1., PETSC_FALSE}), MPM_OPTIONAL, &motion->transfer.pic, NULL));

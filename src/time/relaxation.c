@@ -11,6 +11,11 @@
     K_F = max_i |f_ext - f_int|_i / max_i |f_ext|_i ,  without prescribed components: there it is the reaction
     K_E = sum_p m_p v_p^2/2 / W ,  W += sum_i f_ext,i . u_i  the work of the loads since the stage began
 
+  With `balance: points` the numerator is that of M_c M^-1 (f_ext - f_int), M_c the consistent mass of the points and M the lumped one: of the
+  forces as the points feel them, whose accelerations are sum_j w_jp f_j/m_j. At a surface a few points touch more nodes than they can move,
+  and forces that add up to none on each point stay there for good. The damping of relaxation is in neither; Rayleigh's is in both, so
+  that what creeps against it looks balanced.
+
   K_F of 1 % at a node says little of a slow mode, whose forces are spread over all of them. How long is long enough, without `hold`:
 
     kinetic  half a period, and then to the next reset, where what vibrates is in its static place; where no reset comes, since what moves
@@ -32,6 +37,7 @@
   Computational Methods for Transient Analysis, 245-265 (masses).
 */
 #include "particles/particles.h"
+#include "space/motion.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/inertia.h"
@@ -48,7 +54,8 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
   static const char *const dampings[] = {"kinetic", "viscous", "local", NULL};
   MpmRelaxation           *relaxation = &stage->relaxation;
   static const char *const masses[]   = {"physical", "scaled", NULL};
-  PetscInt                 damping = 0, mass = 0;
+  static const char *const places[]   = {"nodes", "points", NULL};
+  PetscInt                 damping = 0, mass = 0, place = 0;
 
   PetscFunctionBeginUser;
   relaxation->tolerance = 0.01;
@@ -74,6 +81,12 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                    "slowest material does",
                    masses, MPM_OPTIONAL, &mass, NULL));
   relaxation->scaled = (PetscBool)(mass == 1);
+  PetscCall(
+    MpmOptionsWord(block, "balance",
+                   "forces out of balance are compared with the loads at the nodes, or as the points feel them: "
+                   "nodes that few points touch have some that move no point",
+                   places, MPM_OPTIONAL, &place, NULL));
+  relaxation->felt = (PetscBool)(place == 1);
   if (damping == MPM_DAMPING_VISCOUS || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "xi", "1/s",
                              "of viscous damping; fastest near the angular frequency of the slowest mode",
@@ -203,10 +216,31 @@ static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* M_c M^-1 f at the owned nodes, without prescribed components. */
+static PetscErrorCode Feel(MpmModel model, const PetscReal force[], PetscReal felt[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscReal      *mass        = model->disc.inertia->mass;
+  const PetscInt        dim = model->disc.dim, local = model->disc.inertia->local;
+  PetscReal            *a = model->state.scheme.dynamics->a_new;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < local * dim; k++) a[k] = mass[k / dim] > 0. ? force[k] / mass[k / dim] : 0.;
+  if (constraints->any) {
+    MpmFramesToUnknowns(constraints, dim, local, a);
+    for (PetscInt k = 0; k < local * dim; k++)
+      if (!MpmConstraintsFree(constraints, k)) a[k] = 0.;
+    MpmFramesToAxes(constraints, dim, local, a);
+  }
+  PetscCall(MpmMotionFeel(model->disc.sum, a, felt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[])
 {
   const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
-  const PetscReal     *mass = model->disc.inertia->mass, *v = model->state.scheme.dynamics->v_old;
+  const MpmDynamics   *dynamics   = model->state.scheme.dynamics;
+  const PetscReal     *mass = model->disc.inertia->mass, *v = dynamics->v_old;
   const PetscInt       dim = model->disc.dim, count = model->disc.inertia->local * dim;
   PetscReal           *scaled = NULL;
 
@@ -215,7 +249,8 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
   if (scaled) mass = scaled;
   PetscCall(MpmNodesToOwners(&model->disc, dim, load));
   PetscCall(PetscArrayzero(&load[model->disc.inertia->owned * dim], count - model->disc.inertia->owned * dim));
-  PetscCall(Compare(model, load, force));
+  if (relaxation->felt) PetscCall(Feel(model, force, dynamics->a_rest));
+  PetscCall(Compare(model, load, relaxation->felt ? dynamics->a_rest : force));
   for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_VISCOUS && k < count; k++)
     force[k] -= 2. * relaxation->xi * mass[k / dim] * v[k];
   for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_LOCAL && k < count; k++)

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "grid/shape.h"
 #include "space/momentum.h"
 #include "talus/talus.h"
 
@@ -67,6 +66,7 @@ typedef struct {
   PetscReal            tolerance, hold; /* the criteria hold below it, for so long, s; -1: by the damping */
   PetscReal            xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
   PetscBool            scaled;          /* nodes have the masses that a long step wants (relaxation.c) */
+  PetscBool            felt;            /* K_F is that of the forces as the points feel them (relaxation.c) */
 } MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
@@ -128,6 +128,8 @@ typedef struct {
   PetscBool        fbar_plain; /* F-bar averages dilation by shear, too */
   const char      *fbar_why;   /* what `auto` went by, or NULL */
   PetscReal        smooth;     /* share of means over pieces in the strain of a solid */
+  PetscReal        divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
+  PetscBool        divide_auto;
   PetscInt         stage_count;
   MpmStage        *stages;
 } MpmScene;

@@ -181,6 +181,16 @@ static PetscErrorCode OfferRelaxation(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode DividePoints(MpmModel model)
+{
+  PetscInt divided;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesDivide(model->state.particles, model->disc.grid, model->scene.divide, &divided));
+  if (divided) PetscCall(PetscInfo(model->state.particles->swarm, "%" PetscInt_FMT " points are divided\n", divided));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
@@ -196,6 +206,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmMovingGridFollow(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
+  if (model->scene.divide > 0.) PetscCall(DividePoints(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);

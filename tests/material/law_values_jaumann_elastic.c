@@ -238,11 +238,54 @@ START_TEST(test_flow)
 }
 END_TEST
 
+/* A step that changes the volume by exp(volume) in the plane of x and y; the mean of the stress afterwards, J = 1 at the path's start */
+static double Mean(Point *point, double volume)
+{
+  double dF[DIM2], tau[SYM];
+
+  Identity(dF);
+  dF[0] = dF[DIM + 1] = exp(0.5 * volume);
+  ck_assert_int_eq(PointStep(point, dF, tau), 0);
+  return (tau[0] + tau[1] + tau[2]) / (3. * Determinant(point->F));
+}
+
+/* What has opened closes before it bears, all of it or a part; without `closing` the point bears at once. */
+START_TEST(test_closing)
+{
+  const double bulk = LAMBDA + 2. / 3. * MU, part[] = {0., 0.5, 1.};
+
+  for (int k = 0; k < 3; ++k) {
+    Point   point   = Elastic();
+    double  opening = part[k] > 0. ? 4e-3 : 0., dF[DIM2], V[DIM2];
+    double *open    = &point.state[LawState(point.law, "opening")];
+
+    PointSet(&point, "cohesion", 0.);
+    PointSet(&point, "friction", 20.);
+    PointSet(&point, "closing", part[k]);
+    Expect("drawn", Mean(&point, 4e-3), 0., 1e-8);
+    Expect("opening", *open, opening, 1e-15);
+    Expect("pressed", Mean(&point, -1e-3), -bulk * (1. - part[k]) * 1e-3, 1e-8);
+    opening -= part[k] * 1e-3;
+    Expect("opening", *open, opening, 1e-15);
+    /* the tangent, where only a part closes and where all of it does */
+    for (int far = 0; far < 2; ++far) {
+      RandomMatrix(2e-4, dF);
+      dF[0] -= far ? 0.02 : 0.003;
+      RandomMatrix(1., V);
+      ck_assert_double_le(TaylorRemainder(&point, dF, V, 1e-6), 1e-9 * PointStiffness(&point));
+    }
+    Expect("closed", Mean(&point, -9e-3), -bulk * ((1. - part[k]) * 1e-3 + 9e-3 - opening), 1e-7);
+    Expect("opening", *open, 0., 1e-15);
+    Expect("there", Mean(&point, 6e-3 + (part[k] > 0. ? 0. : 4e-3)), 0., 1e-7);
+  }
+}
+END_TEST
+
 TCase *JaumannCase(void)
 {
   TCase             *tcase   = tcase_create("Jaumann's rate");
   const TTest *const tests[] = {test_rotation,       test_stretch, test_simple_shear, test_closed_cycle,
-                                test_there_and_back, test_return,  test_flow};
+                                test_there_and_back, test_return,  test_flow,         test_closing};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_test(tcase, tests[t]);
   return tcase;

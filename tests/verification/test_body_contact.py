@@ -30,12 +30,25 @@ def patch(test):
         test.check(f"patch_{label}.shear", np.max(np.abs(run.table("stress")[:, 3])) / PRESSURE, None, 1e-8)
         sign = 1.0 if label == "turned" else -1.0
         test.near(f"patch_{label}.force", run.results.column("force_ab_y")[-1], sign * PRESSURE * WIDTH, 1e-10)
+    spline = test.run(BLOCKS, **{**PRESSED, "mpm_shape": "bspline2", "mpm_load_top_place": "face", "mpm_load_top_value": "0,-100"})
+    test.check("patch_spline.stress", difference(spline.table("stress")[:, 1], -100.0), None, 1e-3)
     low, down = runs["augmented"].table("material") == 0, -runs["augmented"].table("displacement")[:, 1]
     # no depth: what the half points between the faces' middles and the nearest centres give
     test.near("patch_augmented.depth", down[~low].min() - down[low].max(), PRESSURE * (0.0625 / 1e6 + 0.03125 / 4e6), 1e-6)
     for label in ("on_2", "on_3", "on_4"):
         test.check(f"patch_{label}.same", difference(runs["penalty"].table("displacement"), runs[label].table("displacement")),
                    None, 1e-9)
+
+
+def unlike(test):
+    """Blocks that were drawn to touch do, wherever their lattices of points end; a soft one slides on soft ground."""
+    for name, height, low, high in (("apart", 1.075, 2, 3), ("overlap", 1.125, 3, 2), ("hair", 1.001, 1, 4)):
+        run = test.run(BLOCKS, **{**PRESSED, "mpm_body_low_upper": f"2,{height}", "mpm_body_high_lower": f"0,{height}",
+                                  "mpm_body_low_points_per_cell": f"{low},{low}", "mpm_body_high_points_per_cell": f"{high},{high}"})
+        test.check(f"unlike_{name}.stress", difference(run.table("stress")[:, 1], -PRESSURE), None, 1e-8)
+        test.near(f"unlike_{name}.force", run.results.column("force_ab_y")[-1], -PRESSURE * WIDTH, 1e-10)
+    run = test.run(SLIDING, mpm_material_soft_E=2e6, mpm_material_hard_E=2e6, mpm_output_every=0)
+    test.check("unlike_soft.force", np.max(np.abs(run.results.column("force_ab_y") / run.results.column("force_ab_y")[0] - 1)), None, 1e-5)
 
 
 def parted(test):
@@ -69,5 +82,6 @@ def slide(test):
 
 with Test() as check:
     patch(check)
+    unlike(check)
     parted(check)
     slide(check)

@@ -44,10 +44,9 @@ with Test() as check:
         way, force = resistance(run)
         plateau = force[way > 0.1]
         check.near(f"{friction}.mean", np.mean(plateau), theory, relative=0.1)  # 0.4 h/D, as check.py of the example
-        check.check(f"{friction}.noise", np.std(plateau) / np.mean(plateau), None, 0.025)
-        check.check(f"{friction}.least", np.min(plateau) / np.mean(plateau), 0.96)
+        check.check(f"{friction}.waves", np.max(np.abs(plateau / np.mean(plateau) - 1.0)), None, 0.02)
         check.check(f"{friction}.cuts", np.sum(run.results.column("cuts")), None, 0)
-        check.check(f"{friction}.newton", np.mean(run.results.column("newton")), None, 9.0)
+        check.check(f"{friction}.newton", np.mean(run.results.column("newton")), None, 6.0)
     tight = {**common, "snes_rtol": 1e-12, "mpm_time_end": 0.4}
     runs = [check.run(example("pipe"), ranks=ranks, **tight) for ranks in (1, 3)]
     one, three = (resistance(run)[1] for run in runs)
