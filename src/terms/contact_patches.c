@@ -36,9 +36,10 @@
 #define ROUND  20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
 #define CUT    0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
 #define DRAWN  1.25  /* by this factor has a face's area changed that is drawn out or crowded */
-#define FACING 0.2   /* cosine between the normals of a surface and of a face that meets it, be it with an edge */
+#define FACING 0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
+#define ASKEW  0.1   /* cosine at which a face that looks past the surface counts by half */
 #define HAIR \
-  2e-3 /* of a half-length: so far off a face stands where its lattice ended before the surface, not where it rests */
+  2e-3 /* of a half-length: by so little a face does not stand off, where its lattice ends before a surface */
 #define NUDGE   1e-3 /* of a cell: so far before a surface lies the cell beside it */
 #define ALIGNED 1e-6 /* off a face's normal: no step of a lattice */
 
@@ -353,12 +354,15 @@ static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, co
 }
 
 /*
-  Does a face look past the boundary rather than at it? A side that shear has turned by a hair faces the surface with a hair of its area, but
-  stands off it by half a domain: in the mean gap that is more than the depth of a stiff contact. The steps of a cut lattice count.
+  How much a face counts that looks past the boundary rather than at it, from 0 to 1. A side that shear has turned by a hair faces the surface
+  with a hair of its area, but stands off it by half a domain: in the mean gap that is more than the depth of a stiff contact. It
+  comes in by and by as it turns on, or forces would jump. The steps of a cut lattice count.
 */
-static PetscBool IsSide(const MpmContacts *contacts, PetscInt b, PetscReal facing, PetscReal square)
+static PetscReal Regard(const MpmContacts *contacts, PetscInt b, PetscReal facing, PetscReal square)
 {
-  return (PetscBool)(!contacts->cut[b] && facing <= FACING * PetscSqrtReal(square));
+  const PetscReal cosine2 = PetscSqr(facing) / square;
+
+  return contacts->cut[b] ? 1. : cosine2 / (cosine2 + PetscSqr(ASKEW));
 }
 
 /* The facets of a point that may touch the boundary in this step. */
@@ -404,8 +408,10 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     }
     if (!boundary->bilateral && surface.distance > margin) continue;
     touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
-    if (!touched && (boundary->bilateral || IsSide(contacts, b, facet.area, size))) continue;
     if (touched) facet.touches = kept[count];
+    else if (boundary->bilateral) continue;
+    else facet.area *= Regard(contacts, b, facet.area, size);
+    if (!(facet.area > 0.)) continue;
     facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
     cut = (PetscBool)(cut || (touched && contacts->cut[b]));

@@ -32,17 +32,22 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   MpmSolver      *solver    = &model->solver;
   const PetscBool predicted = solver->cache.predicted, contact = MpmSolverHasContact(solver);
   PetscBool       turns = contact;
+  Vec             start = NULL;
 
   PetscFunctionBeginUser;
   solver->newton = solver->linear = 0;
+  if (predicted && contact) {
+    PetscCall(VecDuplicate(solver->x, &start));
+    PetscCall(VecCopy(solver->x, start));
+  }
   for (PetscInt k = 0; k < (predicted ? 4 : 2); k++) {
     const PetscBool rest = (PetscBool)(!predicted || k >= 2);
 
     if (k % 2 && !turns) continue;
     if (k) {
       if (turns) solver->careful = (PetscBool)!solver->careful;
-      PetscCall(MpmStepStart(model, (PetscBool)!rest));
-      if (!rest) PetscCall(MpmRelaxBodies(solver, NULL, solver->x));
+      if (rest) PetscCall(MpmStepStart(model, PETSC_FALSE));
+      else PetscCall(VecCopy(start, solver->x));
     }
     solver->cache.hasty = (PetscBool)(contact && k < (predicted ? 3 : 1));
     PetscCall(SolveFrom(model, rest, reason));
@@ -53,6 +58,7 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
     }
   }
   solver->cache.hasty = PETSC_FALSE;
+  PetscCall(VecDestroy(&start));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
