@@ -30,18 +30,17 @@
 #include "terms/rigid_body.h"
 #include "terms/terms.h"
 
-#define TOUCH  1e-12 /* of a cell: rounding of a face that stands on the boundary */
-#define TILT   0.25  /* of a cell */
-#define SOFT   10.   /* penalty on materials that flow, unless one is given */
-#define ROUND  20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
-#define CUT    0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
-#define DRAWN  1.25  /* by this factor has a face's area changed that is drawn out or crowded */
-#define FACING 0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
-#define ASKEW  0.1   /* cosine at which a face that looks past the surface counts by half */
-#define HAIR \
-  2e-3 /* of a half-length: by so little a face does not stand off, where its lattice ends before a surface */
-#define NUDGE   1e-3 /* of a cell: so far before a surface lies the cell beside it */
-#define ALIGNED 1e-6 /* off a face's normal: no step of a lattice */
+#define TOUCH   1e-12 /* of a cell: rounding of a face that stands on the boundary */
+#define TILT    0.25  /* of a cell */
+#define SOFT    10.   /* penalty on materials that flow, unless one is given */
+#define ROUND   20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
+#define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
+#define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
+#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
+#define ASKEW   0.1   /* cosine at which a face that looks past the surface counts by half */
+#define HAIR    2e-3  /* of a half-length: so far from a surface a face rests on it all the same */
+#define NUDGE   1e-3  /* of a cell: so far before a surface lies the cell beside it */
+#define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
 {
@@ -360,9 +359,9 @@ static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, co
 */
 static PetscReal Regard(const MpmContacts *contacts, PetscInt b, PetscReal facing, PetscReal square)
 {
-  const PetscReal cosine2 = PetscSqr(facing) / square;
+  const PetscReal t = PetscSqr(facing) / (square * PetscSqr(ASKEW));
 
-  return contacts->cut[b] ? 1. : cosine2 / (cosine2 + PetscSqr(ASKEW));
+  return contacts->cut[b] ? 1. : t / (1. + t);
 }
 
 /* The facets of a point that may touch the boundary in this step. */

@@ -75,7 +75,7 @@ def lid(test):
     alone = test.run(scene, mpm_quiet=None)
     near_balance(test, "lid", alone, "lid", np.array([100.0, 50.0, -1e4]), np.array([300.0, -500.0, 100.0]), "xyz", "xyz")
     test.check("lid.sinks", alone.results.column("position_lid_z")[-1], None, 1.0)
-    test.check("lid.newton", np.mean(alone.newton), None, 6)
+    test.check("lid.newton", np.mean(alone.newton), None, 8)  # two long steps: 5 and 7
     for ranks in (2, 3):
         other = test.run(scene, ranks=ranks, mpm_quiet=None)
         for name in ("position_lid_z", "rotation_lid_x", "rotation_lid_z", "depth_lid"):
