@@ -53,11 +53,11 @@ def check(results):
     state, heights_of_peaks = results.state("last"), peaks(results)
     return [completed(results), Quantity("K_F", results.column("K_F")[-1], None, tolerance),
             Quantity("K_E", results.column("K_E")[-1], None, tolerance),
-            Quantity.near("angle_of_repose", angle, REPOSE, absolute=1.5), Quantity.near("toe", toe, TOE, absolute=6.0),
-            Quantity.near("crest", crest, CREST, absolute=6.0),
+            Quantity.near("angle_of_repose", angle, REPOSE, absolute=1.5), Quantity.near("toe", toe, TOE, absolute=4.0),
+            Quantity.near("crest", crest, CREST, absolute=4.0),
             Quantity.near("area_unloaded", unloaded(results), 1.0, absolute=1e-3 if spacing(results) <= 2.0 else 2e-3),
-            Quantity.near("area", state["volume"].sum() / results.initial["volume"].sum(), 1.0, absolute=1e-2),
-            Quantity("last_peak_over_first", heights_of_peaks[-1] / heights_of_peaks[0], None, 0.05)]
+            Quantity.near("area", state["volume"].sum() / results.initial["volume"].sum(), 1.0, absolute=8e-3),
+            Quantity("last_peak_over_first", heights_of_peaks[-1] / heights_of_peaks[0], None, 0.01 if spacing(results) <= 2.0 else 0.02)]
 
 
 def draw(results):

@@ -34,36 +34,9 @@
 
 /* ---- sums ---- */
 
-static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
-                               PetscInt *failed)
-{
-  const MpmContacts *contacts = (const MpmContacts *)ctx;
-  MpmPatchWork       work;
-
-  PetscFunctionBeginUser;
-  (void)failed;
-  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPatchWorkCreate(contacts, &work));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPatch *patch = &contacts->patch[k];
-    MpmPatchAnswer  answer;
-
-    if (MpmContactsBody(contacts, patch->boundary)) continue;
-    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
-    for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
-      PetscReal force[MPM_MAX_DIM];
-
-      if (contacts->facet[f].point < 0) continue; /* its rank adds it */
-      MpmFacetForce(contacts, patch, f, &work, &answer, force);
-      MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), -1., force, residual);
-    }
-  }
-  PetscCall(MpmPatchWorkDestroy(&work));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
-                                     PetscReal *squares)
+/* The forces of this rank's facets at boundaries whose motion is prescribed: into the residual or, without one, their squares. */
+static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                PetscReal residual[], PetscReal *squares)
 {
   MpmPatchWork work;
 
@@ -79,12 +52,31 @@ PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
-      if (contacts->facet[f].point < 0) continue;
+      if (contacts->facet[f].point < 0) continue; /* its rank adds it */
       MpmFacetForce(contacts, patch, f, &work, &answer, force);
-      for (PetscInt a = 0; a < sum->space->dim; a++) *squares += PetscSqr(force[a]);
+      if (residual)
+        MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), -1., force, residual);
+      for (PetscInt a = 0; !residual && a < sum->space->dim; a++) *squares += PetscSqr(force[a]);
     }
   }
   PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                               PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  (void)failed;
+  PetscCall(AddForces((const MpmContacts *)ctx, sum, u, residual, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                     PetscReal *squares)
+{
+  PetscFunctionBeginUser;
+  PetscCall(AddForces(contacts, sum, u, NULL, squares));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
