@@ -315,20 +315,50 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
 }
 
 /*
-  The cell whose patch a facet joins: its point's own or, where the point's middle is beyond the surface, that before the surface. A
+  The cell whose patch a facet joins: that of the middle x of its domain or, where that is beyond the surface, the one before the surface. A
   patch of its own would push it out in one step, which those beside it, as deep, are not: then it would be back in their cell, and so
   on.
 */
 static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
-                            const MpmFacet *facet, const PetscReal arm[], const MpmSurface *surface)
+                            const MpmFacet *facet, const PetscReal x[], const PetscReal arm[],
+                            const MpmSurface *surface)
 {
-  const PetscReal *x     = &points->x[facet->point * grid->dim];
-  PetscReal        depth = -surface->distance, foot[MPM_MAX_DIM];
+  PetscReal depth = -surface->distance, foot[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < grid->dim; a++) depth += arm[a] * surface->normal[a];
   if (depth <= 0.) return facet->cell;
   for (PetscInt a = 0; a < grid->dim; a++) foot[a] = x[a] + (depth + NUDGE * contacts->cell) * surface->normal[a];
   return MpmContactsCell(grid, foot, points->part ? points->part[facet->point] : 0);
+}
+
+/* A face that meets an edge of the boundary, in slices; they touch where the face does. */
+static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, const MpmGrid *grid,
+                                   const MpmPoints *points, PetscInt face, PetscInt count, const MpmFacet *whole)
+{
+  const PetscInt dim = grid->dim, p = whole->point;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++) {
+    MpmFacet   slice = *whole;
+    PetscReal  arm[MPM_MAX_DIM], area[MPM_MAX_DIM], middle[MPM_MAX_DIM];
+    MpmSurface surface;
+
+    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    slice.slice = 1 + k;
+    slice.area  = 0.;
+    MpmContactsSlice(dim, points, p, face, slice.slice, middle);
+    for (PetscInt a = 0; a < dim; a++) slice.place[a] = middle[a] + arm[a];
+    MpmContactsStartDistance(contacts, area, &slice, &surface);
+    for (PetscInt a = 0; a < dim; a++) {
+      slice.normal[a] = surface.normal[a];
+      slice.area -= area[a] * surface.normal[a] / (PetscReal)count;
+    }
+    if (!(slice.area > 0.) || surface.distance > margin) continue;
+    slice.cell = MpmContactsCell(grid, middle, points->part ? points->part[p] : 0);
+    slice.cell = PatchCell(contacts, grid, points, &slice, middle, arm, &surface);
+    PetscCall(MpmContactsAddFacet(contacts, &slice));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The facets of a point that may touch the boundary in this step. */
@@ -338,7 +368,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim = boundary->dim, p = start->point;
   Corner             corner = {0};
-  PetscInt           count  = 0;
+  PetscInt           count  = 0, slices;
   PetscReal          kept[2 * MPM_MAX_DIM];
   PetscBool          cut = PETSC_FALSE;
   MpmSurface         surface;
@@ -376,7 +406,12 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
     if (boundary->bilateral && !touched) continue;
     if (touched) facet.touches = kept[count];
-    facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
+    slices = MpmContactsSliceCount(contacts, points, face, &facet);
+    if (slices) {
+      PetscCall(SlicesOfFace(contacts, margin, grid, points, face, slices, &facet));
+      continue;
+    }
+    facet.cell = PatchCell(contacts, grid, points, &facet, &points->x[p * dim], arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
     cut = (PetscBool)(cut || (touched && contacts->cut[b]));
     count++;
@@ -461,7 +496,8 @@ static int CompareFacets(const void *a, const void *b)
   if (f->corner != g->corner) return f->corner < g->corner ? -1 : 1;
   if (f->side != g->side) return f->side < g->side ? -1 : 1;
   if (f->round != g->round) return f->round < g->round ? -1 : 1;
-  return f->point < g->point ? -1 : f->point > g->point;
+  if (f->point != g->point) return f->point < g->point ? -1 : 1;
+  return f->slice < g->slice ? -1 : f->slice > g->slice;
 }
 
 /* Widens a box of nodes to hold a group's; an empty box has no nodes. */
@@ -632,9 +668,11 @@ static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
   const PetscReal at = PetscMin(PetscMax((facet->place[a] - grid->lower[a]) / grid->h[a], x - half[a]), x + half[a]);
 
+  const PetscReal room = PetscMax(half[a] - PetscAbsReal(at - x), 0.);
+
   MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-  MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half[a] - PetscAbsReal(at - x), 0.), lower[a], upper[a],
-                   &face);
+  MpmShapeEvaluate(rules->shape, rules->edge, at, facet->slice ? PetscMin(room, half[a] / MPM_SLICES) : room, lower[a],
+                   upper[a], &face);
   for (PetscInt i = 0; i < face.count; i++) /* rounding may touch a node more than the domain does */
     line[PetscMin(PetscMax(face.first + shift + i - group->first[a], 0), last)] += weight[i];
 }
