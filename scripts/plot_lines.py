@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from results import ResultsError
+from results import find_step
 
 # Panels: label, unit, columns with their names in the legend; the first set whose columns are there.
 SECTION = ((("normal force", "N", {"n": "N"}), ("shear force", "N", {"v": "V"}), ("bending moment", "N m", {"m": "M"})),
@@ -24,18 +24,9 @@ def scale(columns, unit):
 def rows_of(results, kind, name, step):
     """The columns of a section's or profile's file at one step, and the step."""
     table = results.table(kind, name)
-    steps = np.unique(table["step"])
-    if not steps.size:
-        raise ResultsError(f"{kind} {name} has no rows")
-    known = {"first": steps[0], "last": steps[-1]}
-    try:
-        number = known[step] if step in known else int(step)
-    except ValueError as error:
-        raise ResultsError(f"'{step}' is not a step: give a number, first or last") from error
-    if number not in steps:
-        raise ResultsError(f"{kind} {name} has no rows of step {number}; it has {', '.join(f'{s:.0f}' for s in steps)}")
+    number = find_step(step, np.unique(table["step"]), f"{kind} {name}")
     chosen = table["step"] == number
-    return {key: values[chosen] for key, values in table.items()}, int(number)
+    return {key: values[chosen] for key, values in table.items()}, number
 
 
 def plot_line(results, kind, name, step, title):

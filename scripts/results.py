@@ -28,6 +28,21 @@ class ResultsError(Exception):
 Origin = namedtuple("Origin", "position lengths")
 
 
+def find_step(step, steps, what):
+    """The number of a step, itself a number, "first" or "last", among the steps of which `what` holds something."""
+    steps = [int(number) for number in steps]
+    if not steps:
+        raise ResultsError(f"{what} holds no steps")
+    known = {"first": steps[0], "last": steps[-1]}
+    try:
+        number = known[step] if step in known else int(step)
+    except ValueError as error:
+        raise ResultsError(f"'{step}' is not a step: give a number, first or last") from error
+    if number not in steps:
+        raise ResultsError(f"{what} does not hold step {number}; it has {', '.join(map(str, steps))}")
+    return number
+
+
 class State:
     """The points at one time: fields by name, rows by id."""
 
@@ -76,16 +91,7 @@ class Results:
 
     def state(self, step="last"):
         """The points at a step: its number, "first" or "last"."""
-        steps = self.steps
-        if not steps:
-            raise ResultsError(f"{self.prefix}.h5 holds no states")
-        known = {"first": steps[0], "last": steps[-1]}
-        try:
-            number = known[step] if step in known else int(step)
-        except ValueError as error:
-            raise ResultsError(f"'{step}' is not a step: give a number, first or last") from error
-        if number not in steps:
-            raise ResultsError(f"step {number} was not written; there are {', '.join(map(str, steps))}")
+        number = find_step(step, self.steps, f"{self.prefix}.h5")
         with self._file() as file:
             group = file[f"points/{number:06d}"]
             return State(number, float(group.attrs["time"]), {name: data[()] for name, data in group.items()})

@@ -21,9 +21,9 @@ def motion(results):
 
 def check(results):
     history = results.history
-    time, way, speed = history["time"][-1], history["track_middle_ux"][-1], history["track_middle_vx"][-1]
-    exact, across, mu = motion(results)
     weight = results.state("first")["mass"].sum()
+    time, way, speed = history["time"][-1], history["track_middle_ux"][-1], history["momentum_x"][-1] / weight
+    exact, across, mu = motion(results)
     friction, pressure = -history["reaction_slope_x"], history["reaction_slope_y"]
     if results.option("mpm_bodies") == "disc":
         way_bound, speed_bound, ratio_bound = 0.01, 0.03, 0.03

@@ -8,16 +8,14 @@ The disc is a row of lines with a material point each, which hold the grid by a 
 ("contact_slip": along their normal, and no tension). The plane is the lower edge of the grid ("slip" with friction).
 """
 import json
-import os
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from peers_kratos import MATERIAL_POINTS, SOLVERS, lattice, write_model  # noqa: E402
+from peers_kratos import MATERIAL_POINTS, SOLVERS, lattice, main, write_model  # noqa: E402
 
 BLOCK, LINES, HELD, PUSHED = "Block", "Lines", "Held", "Pushed"
 
@@ -154,13 +152,5 @@ def run(scene, folder):
             "virial": float(stress[:, 1] @ volume), "reaction": np.asarray(reaction).tolist()}
 
 
-def main():
-    scene = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    os.environ["OMP_NUM_THREADS"] = "1"
-    with tempfile.TemporaryDirectory() as folder:
-        result = run(scene, Path(folder))
-    Path(sys.argv[2]).write_text(json.dumps(result), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    main(run)

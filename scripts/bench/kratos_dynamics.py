@@ -5,16 +5,14 @@
 SCENE.json: integrator, cells, steps and their length (see dynamics.py). RESULT.json: points, times, and where the top is.
 """
 import json
-import os
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from peers_kratos import analysis_class, project, write_material, write_models  # noqa: E402
+from peers_kratos import analysis_class, main, project, write_material, write_models  # noqa: E402
 
 SCENE = {"box": [0.2, 0.0, 1.0, 0.8], "grid": [1.2, 1.2], "points_per_side": 2, "layout": "uniform", "E": 1e6, "nu": 0.3,
          "density": 1000.0, "gravity": 10.0, "solver_type": "Dynamic", "tolerance": 1e-8, "max_iteration": 50,
@@ -41,6 +39,7 @@ def settings(scene, folder):
 
 
 def run(scene, folder):
+    scene["h"] = scene["grid"][0] / scene["cells"]
     write_material(scene, folder, write_models(scene, folder))
     import KratosMultiphysics as kratos
     import KratosMultiphysics.LinearSolversApplication  # registers its solvers
@@ -69,14 +68,5 @@ def run(scene, folder):
             "seconds": analysis.seconds, "seconds_total": total, "top_uy": float((final - initial)[nearest, 1].mean())}
 
 
-def main():
-    scene = {**SCENE, **json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))}
-    scene["h"] = scene["grid"][0] / scene["cells"]
-    os.environ["OMP_NUM_THREADS"] = "1"
-    with tempfile.TemporaryDirectory() as folder:
-        result = run(scene, Path(folder))
-    Path(sys.argv[2]).write_text(json.dumps(result), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    main(run, SCENE)

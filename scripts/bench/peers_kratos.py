@@ -175,13 +175,14 @@ def run(scene, folder):
     }
 
 
-def main():
-    scene = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+def main(run_scene, scene=None):
+    """From the file with the scene, which `scene` completes, to that with what `run_scene` makes of it; both named in the command."""
+    scene = {**(scene or {}), **json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))}
     os.environ["OMP_NUM_THREADS"] = "1"
     with tempfile.TemporaryDirectory() as folder:
-        result = run(scene, Path(folder))
+        result = run_scene(scene, Path(folder))
     Path(sys.argv[2]).write_text(json.dumps(result), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    main(run)

@@ -1,7 +1,7 @@
 #pragma once
 /*
   Names of the engine's types, for headers that only hand pointers to them around; what they are stands in the header of
-  their own folder, which a file includes when it looks inside.
+  their own folder, which a file includes when it looks inside. And choices of a scene that are handed around alike.
 */
 
 /* options, geometry */
@@ -18,6 +18,7 @@ typedef struct MpmMaterials MpmMaterials;
 typedef struct MpmGrid      MpmGrid;
 typedef struct MpmSplit     MpmSplit;
 typedef struct MpmBodies    MpmBodies;
+typedef struct _p_MpmBody  *MpmBody;
 typedef struct MpmParked    MpmParked;
 typedef struct MpmParticles MpmParticles;
 typedef struct MpmPoints    MpmPoints;
@@ -62,3 +63,24 @@ typedef struct MpmWaterTable     MpmWaterTable;
 typedef struct MpmIntegrator     MpmIntegrator;
 typedef struct MpmSdirk          MpmSdirk;
 typedef struct MpmDynamics       MpmDynamics;
+
+/*E
+  MpmShapeType - the shape functions, by the names that the option -mpm_shape takes
+E*/
+typedef enum {
+  MPM_SHAPE_LINEAR,        /* linear basis functions at the point */
+  MPM_SHAPE_GIMP,          /* the same averaged over the point's domain (contiguous-particle GIMP) */
+  MPM_SHAPE_BSPLINE2,      /* quadratic B-spline at the point */
+  MPM_SHAPE_BSPLINE3,      /* cubic B-spline at the point */
+  MPM_SHAPE_GIMP_BSPLINE2, /* quadratic B-spline averaged over the point's domain */
+  MPM_SHAPE_COUNT
+} MpmShapeType;
+
+/*E
+  MpmEdgeType - how B-splines end at an edge, by the names that the option -mpm_shape_edge takes; linear basis
+  functions (linear, gimp) have nothing beyond an edge
+E*/
+typedef enum {
+  MPM_EDGE_LINEAR, /* coefficients beyond extend the others linearly: no second derivative there */
+  MPM_EDGE_OPEN /* not-a-knot: the knot next to the edge is left out: polynomials of the spline's degree up to the edge */
+} MpmEdgeType;

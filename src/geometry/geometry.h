@@ -42,6 +42,13 @@ PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal
 PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal half[], PetscReal normal[],
                        PetscReal *depth);
 
+/*
+  How far it reaches from a place x in it along an axis to a side (0 lower, 1 upper), m, where that is less than twice `half`, and is not
+  `half` to a ten-thousandth: a lattice of boxes of this half-length was cut there.
+*/
+PetscBool MpmRegionEnd(MpmRegion region, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half,
+                       PetscReal *end);
+
 /* Is its surface round, that of a sphere (2D: a disc) or a cylinder? */
 PetscBool MpmRegionIsRound(MpmRegion region);
 /* Puts a place onto the round surface along its normal, which is returned, outward; what it was below it, m. */

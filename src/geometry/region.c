@@ -526,6 +526,35 @@ PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal ha
   return (PetscBool)(cut.depth < PETSC_INFINITY);
 }
 
+#define CLOSE  1e-4 /* of a half-length */
+#define HALVES 52
+
+PetscBool MpmRegionEnd(MpmRegion region, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half,
+                       PetscReal *end)
+{
+  const PetscReal sign               = side ? 1. : -1.;
+  PetscReal       at[MPM_REGION_DIM] = {0., 0., 0.}, inside = 0., outside = 2. * half * (1. + CLOSE);
+  PetscBool       near, far, beyond;
+
+  for (PetscInt a = 0; a < region->dim; a++) at[a] = x[a];
+  at[axis] = x[axis] + sign * half * (1. - CLOSE);
+  near     = MpmRegionContains(region, at);
+  at[axis] = x[axis] + sign * half * (1. + CLOSE);
+  far      = MpmRegionContains(region, at);
+  at[axis] = x[axis] + sign * outside;
+  beyond   = MpmRegionContains(region, at);
+  if (beyond || (near && !far)) return PETSC_FALSE;
+  for (PetscInt k = 0; k < HALVES; k++) {
+    const PetscReal middle = 0.5 * (inside + outside);
+
+    at[axis] = x[axis] + sign * middle;
+    if (MpmRegionContains(region, at)) inside = middle;
+    else outside = middle;
+  }
+  *end = inside - region->tolerance[axis];
+  return PETSC_TRUE;
+}
+
 PetscBool MpmRegionIsRound(MpmRegion region)
 {
   return (PetscBool)(region->type == MPM_REGION_SPHERE || region->type == MPM_REGION_CYLINDER);

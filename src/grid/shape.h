@@ -8,29 +8,10 @@
   are exact for any l, keep a partition of unity to rounding, and need no case distinction on l/h.
 */
 #include "base/base.h"
+#include "base/types.h"
 
-/*E
-  MpmShapeType - the shape functions, by the names that the option -mpm_shape takes
-E*/
-typedef enum {
-  MPM_SHAPE_LINEAR,        /* linear basis functions at the point */
-  MPM_SHAPE_GIMP,          /* the same averaged over the point's domain (contiguous-particle GIMP) */
-  MPM_SHAPE_BSPLINE2,      /* quadratic B-spline at the point */
-  MPM_SHAPE_BSPLINE3,      /* cubic B-spline at the point */
-  MPM_SHAPE_GIMP_BSPLINE2, /* quadratic B-spline averaged over the point's domain */
-  MPM_SHAPE_COUNT
-} MpmShapeType;
-extern const char *const MpmShapeTypes[];
-
-/*E
-  MpmEdgeType - how B-splines end at an edge, by the names that the option -mpm_shape_edge takes; linear basis
-  functions (linear, gimp) have nothing beyond an edge
-E*/
-typedef enum {
-  MPM_EDGE_LINEAR, /* coefficients beyond extend the others linearly: no second derivative there */
-  MPM_EDGE_OPEN /* not-a-knot: the knot next to the edge is left out: polynomials of the spline's degree up to the edge */
-} MpmEdgeType;
-extern const char *const MpmEdgeTypes[];
+/* Names of MpmShapeType and MpmEdgeType (base/types.h) */
+extern const char *const MpmShapeTypes[], *const MpmEdgeTypes[];
 
 /* Does the shape average over the point's domain, so that domains must be followed? */
 PetscBool MpmShapeHasDomain(MpmShapeType type);

@@ -228,6 +228,25 @@ MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
   return MPM_HOLD_INSIDE;
 }
 
+PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[])
+{
+  return (PetscBool)(!body->imported && MpmRegionContains(body->region, x));
+}
+
+PetscReal MpmBodyExcess(MpmBody body, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half)
+{
+  PetscReal end;
+
+  return !body->imported && MpmRegionEnd(body->region, x, axis, side, half, &end) ? end - half : 0.;
+}
+
+MpmBody MpmBodyOfPoint(const MpmBodies *bodies, PetscInt id)
+{
+  for (PetscInt b = 0; bodies && b < bodies->count; b++)
+    if (id < bodies->at[b]->id_end) return bodies->at[b];
+  return NULL;
+}
+
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other)
 {
   PetscBool same = (PetscBool)(!one->imported && !other->imported);

@@ -5,7 +5,6 @@
 #include "base/base.h"
 #include "base/types.h"
 
-typedef struct _p_MpmBody *MpmBody;
 /* Bodies, with the names of their blocks. */
 typedef struct MpmBodies {
   PetscInt  count;
@@ -34,6 +33,15 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
 /* Where a place is to the region of a body; one from a file has none. */
 typedef enum { MPM_HOLD_NONE, MPM_HOLD_EDGE, MPM_HOLD_INSIDE } MpmHold;
 MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[]);
+/* Was the body drawn as far as to x, whatever lattice of points its region was filled with? */
+PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[]);
+/*
+  How much farther the body was drawn than a domain of this half-length about a place x in it, along an axis to a side (0 lower, 1
+  upper), m: less than the half-length either way; 0 where the next point of the lattice would be in it, and for bodies from files.
+*/
+PetscReal MpmBodyExcess(MpmBody body, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half);
+/* The body that a point is of; NULL where there is none. */
+MpmBody MpmBodyOfPoint(const MpmBodies *bodies, PetscInt id);
 /* Would both have a point at the same places of a cell? */
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other);
 /* Of the points' domains, in a body that is not from a file. */

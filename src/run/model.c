@@ -571,11 +571,8 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
 /* A run that goes on needs the bodies only where later stages bring or change them, and where contact knows their shape. */
 static PetscBool NeedsBodies(const MpmModel model)
 {
-  PetscBool needed = (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name);
-
-  for (PetscInt b = 0; b < model->scene.bodies->count && model->scene.boundaries->count > 0; b++)
-    if (MpmBodyRound(model->scene.bodies->at[b])) needed = PETSC_TRUE;
-  return needed;
+  return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name ||
+                     model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */

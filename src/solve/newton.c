@@ -8,6 +8,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
+#include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
@@ -325,12 +326,40 @@ static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
   return (PetscBool)(it - cache->least_at >= STALL);
 }
 
+/* With contact a prediction is an answer only where it is so much better than an iteration has to be: forces balance. */
+#define PREDICTION 1e-3
+
+/* They do so to this part of the contacts' forces, but for that no more than so many iterations are taken. */
+#define BALANCE      1e-6
+#define BALANCE_MOST 12
+
+/*
+  Are the contacts' forces in balance? What moves makes the residual at rest large, and with it the tolerance, however little
+  it presses.
+*/
+static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *balanced)
+{
+  const MpmDiscretization *disc    = solver->disc;
+  PetscReal                squares = 0.;
+
+  PetscFunctionBeginUser;
+  *balanced = (PetscBool)(!MpmSolverHasContact(solver) || solver->cache.balances == BALANCE_MOST);
+  if (*balanced) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmContactsAddSquares(disc->contacts, disc->sum, disc->u, &squares));
+  MpmPairsAddSquares(disc->pairs, disc->sum, disc->u, &squares);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, disc->comm));
+  *balanced = (PetscBool)(!(squares > 0.) || fnorm <= BALANCE * PetscSqrtReal(squares));
+  if (!*balanced) solver->cache.balances++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Relative to the residual at zero displacement, whatever the first guess; and a floor. */
 static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
                                       SNESConvergedReason *reason, void *ctx)
 {
   MpmSolver *solver = (MpmSolver *)ctx;
-  PetscReal  stol, divtol;
+  PetscReal  stol, divtol, rtol;
+  PetscBool  balanced;
   Vec        f;
 
   PetscFunctionBeginUser;
@@ -338,15 +367,24 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   PetscCall(SNESGetDivergenceTolerance(snes, &divtol));
   PetscCall(SNESGetFunction(snes, &f, NULL, NULL));
   if (!it && !(solver->cache.reference > 0.)) PetscCall(MpmSolverSetReference(solver, f));
+  if (!it) solver->cache.balances = 0;
   *reason = SNES_CONVERGED_ITERATING;
   if (PetscIsInfOrNanReal(fnorm)) *reason = MPM_SNES_DIVERGED_NAN;
   else PetscCall(TestNorm(solver, xnorm, fnorm, reason));
+  if (!it && *reason > 0 && MpmSolverHasContact(solver) && solver->cache.reference > Floor(solver, xnorm)) {
+    PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
+    if (fnorm > PREDICTION * rtol * solver->cache.reference) *reason = SNES_CONVERGED_ITERATING;
+  }
   if (*reason == SNES_CONVERGED_ITERATING && it) {
     if (snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
     else if (divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
   }
   if (Stalls(&solver->cache, it, fnorm) && solver->cache.hasty && *reason == SNES_CONVERGED_ITERATING)
     *reason = SNES_DIVERGED_LOCAL_MIN;
+  if (*reason == SNES_CONVERGED_FNORM_RELATIVE) {
+    PetscCall(IsBalanced(solver, fnorm, &balanced));
+    if (!balanced) *reason = SNES_CONVERGED_ITERATING;
+  }
   if (*reason > 0 && solver->disc->contacts->newton.holds) *reason = SNES_CONVERGED_ITERATING;
   if (!it) solver->cache.imbalance = PETSC_INFINITY;
   if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));

@@ -39,6 +39,7 @@ typedef struct {
   PetscBool         hasty;    /* Newton's method is given up when it gets nowhere: it will be tried in another way */
   PetscReal         least;    /* the least residual so far, or 10 % more, */
   PetscInt          least_at; /* and after how many iterations */
+  PetscInt          balances; /* iterations that only the contacts' forces asked for */
   MpmFieldNormsKept fields;
   PetscReal         imbalance;       /* of free bodies, at the last iterate */
   PetscInt          made_count;      /* Jacobians of this solution, */

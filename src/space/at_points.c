@@ -1,6 +1,7 @@
 /*
-  Fields at the points, and what they are there less their means over the cell.
+  Fields at the points, what they are there less their means over the cell, and where they would take the points.
 */
+#include "grid/grid.h"
 #include "space/point_loop.h"
 
 /* `count` components at the points by one of the basis functions of their shapes. */
@@ -48,5 +49,85 @@ PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscRea
 {
   PetscFunctionBeginUser;
   PetscCall(AtPoints(sum, u, sum->layout->rates, sum->layout->rate_component, 0, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is a place in the grid? Rounding at the edge is forgiven. */
+static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal slack = MPM_GRID_SLACK * grid->h[a];
+
+    if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* The longest displacement of any local node along each axis, m; infinite where one is no number. */
+static void FindLongest(const MpmSum *sum, const PetscReal displacement[], PetscReal longest[])
+{
+  const PetscInt dim = sum->space->dim, bs = sum->block;
+
+  for (PetscInt a = 0; a < dim; a++) longest[a] = 0.;
+  for (PetscInt i = 0; i < sum->space->local; i++)
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal u = PetscAbsReal(displacement[i * bs + a]);
+
+      if (!(u <= longest[a])) longest[a] = u <= PETSC_MAX_REAL ? u : PETSC_INFINITY;
+    }
+}
+
+/*
+  Can no point of a group reach the grid's edge? They lie between its nodes, and none moves further than three times what
+  a node does, by any shape. `longest` bounds that for all nodes.
+*/
+static PetscBool FarFromEdge(const MpmSum *sum, const MpmGroup *group, const PetscReal u[], const PetscReal longest[])
+{
+  const MpmGrid *grid = sum->grid;
+  const PetscInt bs = sum->block, *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscInt       first[MPM_MAX_DIM];
+
+  MpmSpaceAt(sum->space, group->first, first);
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal room  = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
+    PetscReal       reach = 0.;
+
+    if (3. / grid->h[a] * longest[a] < room) continue;
+    for (PetscInt i = 0; i < group->node_count; i++) reach = PetscMax(reach, PetscAbsReal(u[nodes[i] * bs + a]));
+    if (!(3. / grid->h[a] * reach < room)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const PetscReal u[], PetscInt *point,
+                              PetscReal x[])
+{
+  const MpmSpace *space = sum->space;
+  const PetscInt  dim = space->dim, most = PetscPowInt(space->width, dim);
+  PetscReal      *storage, longest[MPM_MAX_DIM];
+  MpmBasis        basis;
+
+  PetscFunctionBeginUser;
+  *point = -1;
+  FindLongest(sum, u, longest);
+  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
+  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count && *point < 0; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    if (next == sum->grid && FarFromEdge(sum, group, u, longest)) continue;
+    for (PetscInt s = group->point_begin; s < group->point_end && *point < 0; s++) {
+      const PetscInt p = space->order[s];
+
+      MpmSpaceEvaluate(space, group, p, &basis);
+      for (PetscInt a = 0; a < dim; a++) {
+        x[a] = sum->points->x[p * dim + a];
+        for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * u[nodes[i] * sum->block + a];
+      }
+      if (!IsInside(next, x)) *point = p;
+    }
+  }
+  PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -23,8 +23,21 @@ typedef struct {
 /* The points' new velocities and accelerations. Before the points are moved: the weights are those of the step's start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
 
-/* y += M a with the points' consistent mass: values at the local nodes, dim each; the rows of ghosts hold what this rank adds. */
-PetscErrorCode MpmMassMultiply(const MpmSum *sum, const PetscReal a[], PetscReal y[]);
+/*
+  The consistent mass M_ij = sum_p m_p w_ip w_jp over this rank's points, kg: one number for a pair of local nodes, whatever the
+  component. Rows of ghosts hold what this rank adds to them. Nodes that no point touches have empty rows.
+*/
+typedef struct {
+  PetscInt   reach;  /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
+  PetscInt   nodes;  /* local */
+  PetscInt  *start;  /* nodes + 1: where each row begins */
+  PetscInt  *column; /* local nodes, */
+  PetscInt  *place;  /* in the window, x fastest */
+  PetscReal *value;
+} MpmMassMatrix;
+/* The mass of the sum's points, in place of the last one: it does not change within a step. */
+PetscErrorCode MpmMassMatrixSetUp(MpmMassMatrix *mass, const MpmSum *sum);
+PetscErrorCode MpmMassMatrixReset(MpmMassMatrix *mass);
 
 /* The spin at a point of a group of velocities v of the local nodes, 1/s: W_ab = (v_a,b - v_b,a)/2, dim x dim. */
 PetscErrorCode MpmSpinAtPoint(const MpmSum *sum, PetscInt group, PetscInt point, const PetscReal v[], PetscReal W[]);

@@ -37,9 +37,8 @@ typedef struct MpmSum {
   MpmDryGround          dry;                  /* which the water in this ground does not feel */
   const PetscReal      *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
   const MpmKernelStage *first;       /* of each point, in the second of two stages (sdirk.c); or NULL */
-  PetscReal mass_factor; /* 1/s2, of a consistent mass, which elements of the points have, too (inertia.c); or 0 */
-  PetscReal part;        /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
-  PetscBool rest;        /* no motion: stresses are those of the step's start */
+  PetscReal       part;  /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
+  PetscBool       rest;  /* no motion: stresses are those of the step's start */
   const MpmTrial *trial; /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
@@ -61,6 +60,12 @@ PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values
 */
 PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal deviation[]);
 PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal value[]);
+/*
+  The first of this rank's points that the displacement u of local nodes would carry out of a grid, -1: none; and where to. `next` is
+  sum->grid itself, or what that becomes where it moves.
+*/
+PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const PetscReal u[], PetscInt *point,
+                              PetscReal x[]);
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);

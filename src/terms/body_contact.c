@@ -306,6 +306,18 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares)
+{
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscReal w[ROWS];
+    Answer    answer;
+
+    Relative(contacts, &contacts->patch[k], sum, u, w);
+    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    for (PetscInt a = 0; a < sum->space->dim; a++) *squares += PetscSqr(answer.force[a]);
+  }
+}
+
 PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst)
 {
   PetscReal *shift;

@@ -47,7 +47,8 @@ typedef struct MpmPairFacet MpmPairFacet;
 
 /* Those of this rank. */
 struct MpmPairContacts {
-  const MpmPairs *pairs;
+  const MpmPairs  *pairs;
+  const MpmBodies *bodies;
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
   PetscReal     cell, touch;       /* the smallest size of a cell; a patch no further away touches */
   PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
@@ -65,9 +66,9 @@ struct MpmPairContacts {
 /* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */
 PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool water, MpmPair *pair);
 PetscErrorCode MpmPairsDestroy(MpmPairs *pairs);
-/* The pairs are borrowed. `water`: the unknown that is water's pressure, or -1. */
-PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size, PetscInt water,
-                                     MpmPairContacts *contacts);
+/* Pairs and bodies are borrowed. `water`: the unknown that is water's pressure, or -1. */
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const MpmBodies *bodies, PetscInt state_size,
+                                     PetscInt water, MpmPairContacts *contacts);
 #define MPM_BARRIER 0.1 /* of a cell: so near a barrier begins to push */
 PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`); collective. */
@@ -75,6 +76,8 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 /* Their weights, and what the first bodies' points keep of them (a term's `prepare`). */
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
+/* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
+void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
 /*
   Method augmented, after Newton's: as MpmContactsAugment() does for boundaries. Where the worst depth over what is wanted is above
   1, the pressures become those that the patches have at u. Collective.

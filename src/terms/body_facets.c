@@ -9,10 +9,12 @@
 
     n = F^-T N/|F^-T N| ,   depth = D/|F^-T N| ,
 
-  and the facet stands on that surface, before the middle of its face.
+  and the facet stands on that surface, before the middle of its face. Where the region ends straight across an axis, but not where
+  the lattice does, the facet keeps that distance from its face.
 */
 #include "point/material.h"
 #include "grid/grid.h"
+#include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/points.h"
 #include "space/rules.h"
@@ -35,9 +37,10 @@ static PetscBool InContact(const MpmPairs *pairs, PetscInt part)
   Where the facet looks, and how much of it. A face beyond which the surface took the next point of the lattice stands on the surface;
   any other one of a point near it is the step of another.
 */
-static void SetSurface(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, const PetscReal arm[],
-                       MpmPairFacet *facet)
+static void SetSurface(PetscInt dim, const MpmBodies *bodies, const MpmPoints *points, PetscInt p, PetscInt face,
+                       const PetscReal arm[], MpmPairFacet *facet)
 {
+  const MpmBody    body = MpmBodyOfPoint(bodies, points->id[p]);
   const PetscReal *N = &points->cut[p * (dim + 1)], depth = N[dim];
   const PetscReal  along = (face % 2 ? 1. : -1.) * N[face / 2];
   PetscReal        size = 0., known = 0., off = 0., stretch;
@@ -50,6 +53,12 @@ static void SetSurface(PetscInt dim, const MpmPoints *points, PetscInt p, PetscI
   facet->size = 0.5 * PetscPowReal(size, 1. / (PetscReal)(dim - 1));
   for (PetscInt a = 0; a < dim; a++) facet->look[a] = facet->area[a] / size;
   facet->seen = known > 0. ? 0. : size;
+  if (body && !(known > 0.)) {
+    const PetscReal half   = points->half_length[p * dim + face / 2];
+    const PetscReal excess = MpmBodyExcess(body, &points->x0[p * dim], face / 2, face % 2, half);
+
+    for (PetscInt a = 0; a < dim; a++) facet->place[a] += excess * facet->look[a];
+  }
   if (!(along > 0. && depth < 2. * SLACK * along * points->half_length[p * dim + face / 2])) return;
   stretch       = MpmOuterNormal(dim, &points->F[p * dim * dim], N, facet->look);
   facet->placed = 1;
@@ -77,7 +86,7 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
     made.place[a] = facet.place[a] = points->x[p * dim + a] + arm[a];
     made.cell[a]                   = (PetscReal)cell[a];
   }
-  SetSurface(dim, points, p, face, arm, &made);
+  SetSurface(dim, contacts->bodies, points, p, face, arm, &made);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     made.first[a] = nodes->first[a];
     made.count[a] = nodes->count[a];

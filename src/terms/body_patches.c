@@ -92,10 +92,11 @@ PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, PetscInt state_size, PetscInt water,
-                                     MpmPairContacts *contacts)
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const MpmBodies *bodies, PetscInt state_size,
+                                     PetscInt water, MpmPairContacts *contacts)
 {
   PetscFunctionBeginUser;
+  contacts->bodies     = bodies;
   contacts->pairs      = pairs;
   contacts->comm       = comm;
   contacts->state_size = state_size;

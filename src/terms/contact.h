@@ -78,7 +78,7 @@ typedef struct MpmContacts {
   const MpmBoundary *boundaries;
   MpmPose           *before, *after; /* the boundaries' at the step's start and end */
   MpmRigidBody      *bodies;         /* those whose place is solved for, by boundary; NULL: there is none */
-  const MpmBodies   *shaped;         /* the material's, where the surface of one is round; NULL: none is */
+  const MpmBodies   *shaped;         /* the material's, or NULL */
   PetscInt           material_count;
   PetscInt           adrift; /* a body that met nothing on its way, or -1 */
   PetscReal (*reaction)[MPM_MAX_DIM],
@@ -108,6 +108,12 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
 /* That whose place is solved for, or NULL. */
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 
+/*
+  Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u, at boundaries whose motion is
+  prescribed.
+*/
+PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                     PetscReal *squares);
 /*
   Method augmented, after Newton's: where the worst depth over what is wanted, at the local unknowns u, is above 1, the
   pressures become those that the patches have there, and Newton's method has to go on. `worst` holds the last one on entry,
@@ -168,7 +174,7 @@ static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, Pets
 {
   return &contacts->weight[contacts->facet[facet].weight];
 }
-/* By axis, at the nodes of its point's group (contact_patches.c); `line` has room for MPM_MAX_WIDTH of them on each. */
+/* By axis, at the nodes of its point's group (facet_weights.c); `line` has room for MPM_MAX_WIDTH of them on each. */
 void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                    PetscReal (*line)[16]);
 /* A nodal field of `dim` components, at a facet: by the nodes of its patch's box, or of another one. */
@@ -188,10 +194,9 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
                               MpmSurface *surface);
 /*
-  Round bodies of the material (round_facets.c). Shape: takes note of them, borrowed. Sees: does a face belong to a round surface, which
+  Round bodies of the material (round_facets.c). Sees: does a face belong to a round surface, which
   the boundary takes as it is? Then Add adds its facets, where they are no farther from the boundary than `margin`.
 */
-PetscErrorCode MpmContactsShape(MpmContacts *contacts, const MpmBodies *bodies);
 PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints *points, PetscInt boundary, PetscInt p,
                                     PetscInt face);
 PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,

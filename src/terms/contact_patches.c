@@ -19,6 +19,7 @@
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -35,7 +36,7 @@
 #define ROUND   20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
 #define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
 #define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
-#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
+#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it, be it with an edge */
 #define NUDGE   1e-3  /* of a cell: so far before a surface lies the cell beside it */
 #define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
 
@@ -134,6 +135,12 @@ static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, Pets
   at[face / 2] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
 }
 
+/* Does a face of the lattice look straight at a surface? Then it is no step where the surface cut the lattice. */
+static PetscBool Aligned(const PetscReal normal[], PetscInt face)
+{
+  return (PetscBool)((face % 2 ? -1. : 1.) * normal[face / 2] > 1. - ALIGNED);
+}
+
 /* Which boundaries cut the lattice of points: some of the faces start well behind them. */
 static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points)
 {
@@ -155,6 +162,7 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
       if (MpmContactsSeesRound(contacts, points, k / points->count, p, face)) continue;
       InitialPlace(dim, points, p, face, at);
       MpmBoundaryDistance(boundary, &still, at, &surface);
+      if (Aligned(surface.normal, face)) continue;
       if (surface.distance < -CUT * points->half_length[p * dim + face / 2])
         contacts->cut[k / points->count] = PETSC_TRUE;
     }
@@ -166,7 +174,8 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
 
 /*
   Did the face touch the boundary at the start, and at which distance? It did where the boundary is the reason for which the lattice
-  has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant.
+  has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant, unless the region of its body was
+  drawn as far as to the surface. It is the body's face from then on, and keeps the distance that it has.
 */
 static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const MpmPoints *points, PetscInt p,
                                 PetscInt face, PetscReal *touches)
@@ -175,15 +184,23 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   const MpmPose      still    = {.growth = 0.};
   const PetscInt     dim = boundary->dim, axis = face / 2;
   const PetscReal    sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
-  PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM], stretch;
+  PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM];
   MpmSurface         surface, beyond;
+  PetscBool          aligned;
 
   InitialPlace(dim, points, p, face, at);
   MpmBoundaryDistance(boundary, &still, at, &surface);
-  stretch  = MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
-  *touches = stretch * surface.distance;
+  aligned  = Aligned(surface.normal, face);
+  *touches = surface.distance;
+  if (!aligned) *touches *= MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
   if (surface.distance <= 0.) return PETSC_TRUE;
-  if (!contacts->cut[b] || -sign * surface.normal[axis] > 1. - ALIGNED) {
+  if (aligned) {
+    const MpmBody body = surface.distance < 2. * half ? MpmBodyOfPoint(contacts->shaped, points->id[p]) : NULL;
+
+    at[axis] += sign * surface.distance;
+    if (body && MpmBodyReaches(body, at)) return PETSC_TRUE;
+  }
+  if (aligned || !contacts->cut[b]) {
     *touches = 0.;
     return (PetscBool)(surface.distance <= MPM_TOLERANCE * half);
   }
@@ -331,6 +348,15 @@ static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, co
   return MpmContactsCell(grid, foot, points->part ? points->part[facet->point] : 0);
 }
 
+/*
+  Does a face look past the boundary rather than at it? A side that shear has turned by a hair faces the surface with a hair of its area, but
+  stands off it by half a domain: in the mean gap that is more than the depth of a stiff contact. The steps of a cut lattice count.
+*/
+static PetscBool IsSide(const MpmContacts *contacts, PetscInt b, PetscReal facing, PetscReal square)
+{
+  return (PetscBool)(!contacts->cut[b] && facing <= FACING * PetscSqrtReal(square));
+}
+
 /* A face that meets an edge of the boundary, in slices; they touch where the face does. */
 static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, const MpmGrid *grid,
                                    const MpmPoints *points, PetscInt face, PetscInt count, const MpmFacet *whole)
@@ -340,7 +366,7 @@ static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, cons
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++) {
     MpmFacet   slice = *whole;
-    PetscReal  arm[MPM_MAX_DIM], area[MPM_MAX_DIM], middle[MPM_MAX_DIM];
+    PetscReal  arm[MPM_MAX_DIM], area[MPM_MAX_DIM], middle[MPM_MAX_DIM], square = 0.;
     MpmSurface surface;
 
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
@@ -352,8 +378,9 @@ static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, cons
     for (PetscInt a = 0; a < dim; a++) {
       slice.normal[a] = surface.normal[a];
       slice.area -= area[a] * surface.normal[a] / (PetscReal)count;
+      square += PetscSqr(area[a] / (PetscReal)count);
     }
-    if (!(slice.area > 0.) || surface.distance > margin) continue;
+    if (IsSide(contacts, whole->boundary, slice.area, square) || surface.distance > margin) continue;
     slice.cell = MpmContactsCell(grid, middle, points->part ? points->part[p] : 0);
     slice.cell = PatchCell(contacts, grid, points, &slice, middle, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &slice));
@@ -392,7 +419,8 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       facet.area -= area[a] * surface.normal[a];
       size += PetscSqr(area[a]);
     }
-    if (!(facet.area > 0.)) continue;
+    slices = surface.distance > margin ? 0 : MpmContactsSliceCount(contacts, points, face, &facet);
+    if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;
       corner.area += facet.area;
@@ -404,9 +432,8 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     }
     if (!boundary->bilateral && surface.distance > margin) continue;
     touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
-    if (boundary->bilateral && !touched) continue;
+    if (!touched && (boundary->bilateral || (!slices && IsSide(contacts, b, facet.area, size)))) continue;
     if (touched) facet.touches = kept[count];
-    slices = MpmContactsSliceCount(contacts, points, face, &facet);
     if (slices) {
       PetscCall(SlicesOfFace(contacts, margin, grid, points, face, slices, &facet));
       continue;
@@ -640,53 +667,6 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 }
 
 /* ---- weights ---- */
-
-/*
-  Weights of a facet on one axis, at the nodes of its patch's box: those of the part of the domain about the facet that is in the
-  domain, the face's middle across, the domain's mean along. That makes a uniform pressure on an even face consistent with
-  uniform stress, in every node.
-
-  Without a domain (half NULL) the displacement is that of the point and its gradient: for shapes that have none, and on a round
-  surface, off which the face stands, so that the force has its moment about the body's middle, and the body rolls over its true
-  radius. Nodes with little mass then have little of the force.
-*/
-static void AxisWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                        PetscInt a, const PetscReal half[], PetscReal line[])
-{
-  const MpmGrid  *grid  = rules->grid;
-  const MpmGroup *group = &space->groups[facet->group];
-  const PetscInt  p = facet->point, dim = space->dim, last = group->count[a] - 1;
-  const PetscInt  shift = a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0;
-  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
-  MpmShapeLine    face = {.weight = weight, .gradient = unused};
-
-  for (PetscInt i = 0; i <= last; i++) line[i] = half ? 0. : space->shape[0].weight[(p * dim + a) * space->width + i];
-  for (PetscInt i = 0; !half && i <= last; i++)
-    line[i] += (facet->place[a] - points->x[p * dim + a]) * space->shape[0].gradient[(p * dim + a) * space->width + i];
-  if (!half) return;
-  const PetscReal x  = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
-  const PetscReal at = PetscMin(PetscMax((facet->place[a] - grid->lower[a]) / grid->h[a], x - half[a]), x + half[a]);
-
-  const PetscReal room = PetscMax(half[a] - PetscAbsReal(at - x), 0.);
-
-  MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-  MpmShapeEvaluate(rules->shape, rules->edge, at, facet->slice ? PetscMin(room, half[a] / MPM_SLICES) : room, lower[a],
-                   upper[a], &face);
-  for (PetscInt i = 0; i < face.count; i++) /* rounding may touch a node more than the domain does */
-    line[PetscMin(PetscMax(face.first + shift + i - group->first[a], 0), last)] += weight[i];
-}
-
-void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                   PetscReal (*line)[MPM_MAX_WIDTH])
-{
-  const PetscBool domain = (PetscBool)(MpmShapeHasDomain(rules->shape) && !facet->round);
-  PetscReal       half[MPM_MAX_DIM];
-
-  line[2][0] = 1.;
-  if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
-  for (PetscInt a = 0; a < space->dim; a++) AxisWeights(rules, space, points, facet, a, domain ? half : NULL, line[a]);
-}
 
 static void Weights(const MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
                     const MpmFacet *facet, const MpmGroup *box, PetscReal weight[])

@@ -57,14 +57,15 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   disc->sum->state_size = state_size;
   disc->sum->own_size   = disc->layout->own_size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
-  PetscCall(MpmContactsShape(disc->contacts, bodies));
+  disc->contacts->shaped = bodies;
   PetscCall(MpmRigidCreate(disc->contacts, placements));
   disc->contacts->material_count = materials->count;
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
-  PetscCall(MpmPairContactsCreate(disc->comm, pairs, state_size, MpmPressureComponent(disc->layout), disc->pairs));
+  PetscCall(
+    MpmPairContactsCreate(disc->comm, pairs, bodies, state_size, MpmPressureComponent(disc->layout), disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
   if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));
@@ -84,6 +85,16 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
   disc->surfaces->component = MpmPressureComponent(disc->layout);
   if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmNodesLocal(const MpmDiscretization *disc)
+{
+  return disc->space->local;
+}
+
+PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node)
+{
+  return (PetscBool)!MpmSpaceIsExtra(disc->space, node);
 }
 
 PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[])

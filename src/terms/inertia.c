@@ -5,8 +5,9 @@
 
   Nodes that are no grid's, those of rigid bodies, have a mass of their own, which is lumped in any case.
 */
-#include "space/motion.h"
-#include "space/stencil.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
 #include "terms/inertia.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
@@ -15,6 +16,7 @@ PetscErrorCode MpmInertiaReset(MpmInertia *inertia)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree2(inertia->mass, inertia->at_rest));
+  PetscCall(MpmMassMatrixReset(&inertia->matrix));
   inertia->active = PETSC_FALSE;
   inertia->local = inertia->owned = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -30,25 +32,28 @@ PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A point's weights at its group's nodes, x fastest. */
-MPM_INLINE void FindWeights(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal weight[])
-{
-  const PetscInt   dim = known.dim, W = space->width;
-  const PetscReal *w = &space->shape[0].weight[p * dim * W];
-
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
-      const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
-
-      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w[k] * row;
-    }
-  }
-}
-
 /* The first owned node whose mass is lumped. */
 static PetscInt FirstLumped(const MpmInertia *inertia, const MpmSpace *space)
 {
   return inertia->consistent ? PetscMin(space->extra.begin, space->owned) : 0;
+}
+
+/* y += M a */
+MPM_INLINE void Multiply(const MpmMassMatrix *mass, PetscInt dim, const PetscReal *restrict a, PetscReal *restrict y)
+{
+  for (PetscInt i = 0; i < mass->nodes; i++) {
+    PetscReal total[MPM_MAX_DIM] = {0., 0., 0.};
+
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      for (PetscInt c = 0; c < dim; c++) total[c] += mass->value[k] * a[mass->column[k] * dim + c];
+    for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += total[c];
+  }
+}
+
+static void MultiplyMatrix(const MpmMassMatrix *mass, PetscInt dim, const PetscReal a[], PetscReal y[])
+{
+  if (dim == 2) Multiply(mass, 2, a, y);
+  else Multiply(mass, 3, a, y);
 }
 
 PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
@@ -58,7 +63,7 @@ PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, 
   PetscFunctionBeginUser;
   for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
     for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += inertia->mass[i] * a[i * dim + c];
-  if (inertia->consistent) PetscCall(MpmMassMultiply(sum, a, y));
+  if (inertia->consistent) MultiplyMatrix(&inertia->matrix, dim, a, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -98,57 +103,58 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define TOGETHER 8 /* points whose products are summed before they go to the element */
-
-/* factor sum_p m_p w_i w_j of one group, added to the blocks of its element. */
-MPM_INLINE PetscErrorCode AddElement(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscReal factor,
-                                     PetscReal work[], PetscReal element[])
+/* The same entry for a pair of nodes of which one has a frame: not a multiple of the identity there. */
+static void AddTurned(const MpmSpace *space, const PetscInt nodes[2], PetscReal value, MpmPattern *pattern)
 {
-  const PetscInt n = known.n, bs = known.block;
-  PetscReal *restrict w = work;
+  const PetscInt bs                                     = pattern->block;
+  PetscReal      element[4 * MPM_MAX_DIM * MPM_MAX_DIM] = {0.};
 
-  for (PetscInt from = group->point_begin; from < group->point_end; from += TOGETHER) {
-    const PetscInt count = PetscMin(TOGETHER, group->point_end - from);
-    PetscReal      mass[TOGETHER];
+  for (PetscInt c = 0; c < bs; c++) element[(c * bs + c) * 2 + 1] = value;
+  MpmPatternAddNodes(pattern, space, 2, nodes, element);
+}
 
-    for (PetscInt q = 0; q < count; q++) {
-      const PetscInt p = sum->space->order[from + q];
+MPM_INLINE void AddRows(const MpmMassMatrix *mass, const MpmSpace *space, PetscInt dim, PetscReal factor,
+                        const PetscInt at[], MpmPattern *pattern)
+{
+  const MpmConstraints *constraints = pattern->constraints;
 
-      mass[q] = factor * MpmPointMass(sum->points, sum->materials, p);
-      FindWeights(known, sum->space, p, &w[q * n]);
-    }
-    for (PetscInt i = 0; i < n; i++) {
-      PetscReal *restrict to = &element[i * bs * bs * n];
-      PetscReal by[TOGETHER];
+  for (PetscInt i = 0; i < mass->nodes; i++) {
+    const PetscInt width = (pattern->row[i + 1] - pattern->row[i]) * dim, *slot = &pattern->slot[i * pattern->window];
 
-      for (PetscInt q = 0; q < count; q++) by[q] = mass[q] * w[q * n + i];
-      for (PetscInt j = 0; j + SLIM <= n; j += SLIM) {
-        Slim four = by[0] * *(const Slim *)&w[j];
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++) {
+      const PetscInt  j     = mass->column[k];
+      const PetscReal value = factor * mass->value[k];
+      PetscReal      *to    = pattern->value[i] + slot[at[mass->place[k]]] * dim;
 
-        for (PetscInt q = 1; q < count; q++) four += by[q] * *(const Slim *)&w[q * n + j];
-        for (PetscInt c = 0; c < known.dim; c++) *(Slim *)&to[(c * bs + c) * n + j] += four;
+      if (i != j && (MpmConstraintsFrame(constraints, i) || MpmConstraintsFrame(constraints, j))) {
+        AddTurned(space, (const PetscInt[]){i, j}, value, pattern);
+        continue;
       }
-      for (PetscInt j = n / SLIM * SLIM; j < n; j++) {
-        PetscReal one = by[0] * w[j];
-
-        for (PetscInt q = 1; q < count; q++) one += by[q] * w[q * n + j];
-        for (PetscInt c = 0; c < known.dim; c++) to[(c * bs + c) * n + j] += one;
-      }
+      for (PetscInt c = 0; c < dim; c++)
+        if (MpmConstraintsFree(constraints, i * dim + c) && MpmConstraintsFree(constraints, j * dim + c))
+          to[c * (width + 1)] += value;
     }
   }
-  return PETSC_SUCCESS;
 }
 
-PetscInt MpmInertiaWork(PetscInt nodes)
+/* Adds factor M to the Jacobian, whose block is dim. */
+static PetscErrorCode AddMatrix(const MpmMassMatrix *mass, const MpmSpace *space, PetscReal factor, MpmPattern *pattern)
 {
-  return (TOGETHER + 1) * nodes;
-}
+  const PetscInt dim = space->dim, side = 2 * mass->reach + 1, size = PetscPowInt(side, dim);
+  PetscInt      *at; /* where the places of this window are in the pattern's */
 
-PetscErrorCode MpmInertiaAddElement(const MpmSum *sum, const MpmGroup *group, PetscReal factor, PetscReal work[],
-                                    PetscReal element[])
-{
   PetscFunctionBeginUser;
-  MPM_DISPATCH(sum->layout, group, AddElement, sum, group, factor, work, element);
+  PetscCall(PetscMalloc1(size, &at));
+  for (PetscInt k = 0; k < size; k++) {
+    PetscInt stride = 1, rest = k;
+
+    at[k] = (pattern->window - 1) / 2;
+    for (PetscInt a = 0; a < dim; a++, rest /= side, stride *= 2 * pattern->reach + 1)
+      at[k] += (rest % side - mass->reach) * stride;
+  }
+  if (dim == 2) AddRows(mass, space, 2, factor, at, pattern);
+  else AddRows(mass, space, 3, factor, at, pattern);
+  PetscCall(PetscFree(at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -156,8 +162,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
                               PetscReal residual[], PetscInt *failed)
 {
   const MpmInertia *inertia = (const MpmInertia *)ctx;
-  const PetscInt    bs = sum->block, most = PetscPowInt(sum->space->width, sum->space->dim);
-  PetscReal        *element, *work;
+  const PetscInt    bs      = sum->block;
 
   PetscFunctionBeginUser;
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
@@ -169,17 +174,17 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     for (PetscInt c = 0; c < sum->space->dim; c++) block[c * bs + c] = inertia->factor * inertia->mass[i];
     MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
   }
-  if (!inertia->consistent || sum->mass_factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc2((most * most * bs * bs), &element, MpmInertiaWork(most), &work));
-  for (PetscInt g = 0; g < sum->space->group_count; g++) {
-    const MpmGroup *group = &sum->space->groups[g];
-
-    PetscCall(PetscArrayzero(element, PetscSqr(group->node_count * bs)));
-    PetscCall(MpmInertiaAddElement(sum, group, inertia->factor, work, element));
-    MpmPatternAddBlock(pattern, sum->space, group, element);
-  }
-  PetscCall(PetscFree2(element, work));
+  if (inertia->consistent) PetscCall(AddMatrix(&inertia->matrix, sum->space, inertia->factor, pattern));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Its diagonal to diagonal blocks, dim^2 values a local node. */
+static void AddDiagonal(const MpmMassMatrix *mass, PetscInt dim, PetscReal factor, PetscReal blocks[])
+{
+  for (PetscInt i = 0; i < mass->nodes; i++)
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      for (PetscInt c = 0; c < dim && mass->column[k] == i; c++)
+        blocks[(i * dim + c) * dim + c] += factor * mass->value[k];
 }
 
 static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
@@ -187,30 +192,13 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmInertia *inertia = (const MpmInertia *)ctx;
   const PetscInt    bs = sum->block, dim = sum->space->dim;
-  MpmWorkspace      work;
 
   PetscFunctionBeginUser;
   (void)u, (void)failed;
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
     for (PetscInt c = 0; c < dim; c++) blocks[(i * bs + c) * bs + c] += inertia->factor * inertia->mass[i];
-  if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmWorkspaceCreate(sum, &work));
-  for (PetscInt g = 0; g < sum->space->group_count; g++) {
-    const MpmGroup *group = &sum->space->groups[g];
-    const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
-
-    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt  p    = sum->space->order[s];
-      const PetscReal mass = inertia->factor * MpmPointMass(sum->points, sum->materials, p);
-
-      FindWeights(KnownGeneral(sum->layout, group), sum->space, p, work.basis.basis[0]);
-      for (PetscInt i = 0; i < group->node_count; i++)
-        for (PetscInt c = 0; c < dim; c++)
-          blocks[(nodes[i] * bs + c) * bs + c] += mass * PetscSqr(work.basis.basis[0][i]);
-    }
-  }
-  PetscCall(PetscFree(work.storage));
+  if (inertia->consistent) AddDiagonal(&inertia->matrix, dim, inertia->factor, blocks);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "space/motion.h"
 
 /*
   A step's inertia is M (factor u + at_rest), where M is the mass, lumped at the nodes or consistent, u the step's
@@ -17,6 +18,8 @@ struct MpmInertia {
   PetscInt   local, owned; /* nodes of the step's space */
   PetscReal *mass;         /* kg, lumped, of all local nodes; */
   PetscReal *at_rest;      /* m/s2, dim values a node */
+
+  MpmMassMatrix matrix; /* where it is consistent */
 };
 
 PetscErrorCode MpmInertiaReset(MpmInertia *inertia);
@@ -24,10 +27,3 @@ PetscErrorCode MpmInertiaReset(MpmInertia *inertia);
 PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space);
 /* y += M a, of values at the local nodes, dim a node; the rows of ghosts hold what this rank adds to them. */
 PetscErrorCode MpmInertiaMultiply(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[]);
-/*
-  Adds factor times the consistent mass of a group's points to its element, as MpmPatternAddBlock() takes it; `work`: room for
-  MpmInertiaWork() numbers, by the most nodes that a group has.
-*/
-PetscInt       MpmInertiaWork(PetscInt nodes);
-PetscErrorCode MpmInertiaAddElement(const MpmSum *sum, const MpmGroup *group, PetscReal factor, PetscReal work[],
-                                    PetscReal element[]);

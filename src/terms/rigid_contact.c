@@ -62,6 +62,32 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                     PetscReal *squares)
+{
+  MpmPatchWork work;
+
+  PetscFunctionBeginUser;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    MpmPatchAnswer  answer;
+
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
+      PetscReal force[MPM_MAX_DIM];
+
+      if (contacts->facet[f].point < 0) continue;
+      MpmFacetForce(contacts, patch, f, &work, &answer, force);
+      for (PetscInt a = 0; a < sum->space->dim; a++) *squares += PetscSqr(force[a]);
+    }
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal at[],
                                const PetscReal u[], PetscReal *material, PetscReal *boundary)
 {

@@ -33,31 +33,16 @@
 #define SLACK 1.01 /* of the distance between points: domains may have been stretched */
 #define SAME  1e-6 /* of a domain: depths below one surface */
 
-PetscErrorCode MpmContactsShape(MpmContacts *contacts, const MpmBodies *bodies)
-{
-  PetscFunctionBeginUser;
-  contacts->shaped = NULL;
-  for (PetscInt b = 0; b < bodies->count; b++)
-    if (MpmBodyRound(bodies->at[b])) contacts->shaped = bodies;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The round region whose surface took the next point of the lattice beyond a face, or NULL. */
 static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *points, PetscInt dim, PetscInt p,
                               PetscInt face)
 {
-  const PetscReal *half = &points->half_length[p * dim];
-  const PetscReal  size = half[face / 2];
-  MpmRegion        region;
-  PetscInt         b = 0, first, end;
+  const PetscReal *half   = &points->half_length[p * dim];
+  const PetscReal  size   = half[face / 2];
+  const MpmBody    body   = MpmBodyOfPoint(contacts->shaped, points->id[p]);
+  const MpmRegion  region = body ? MpmBodyRound(body) : NULL;
   PetscReal        at[MPM_MAX_DIM], normal[MPM_MAX_DIM], N[MPM_MAX_DIM], depth, along;
 
-  if (!contacts->shaped) return NULL;
-  for (; b < contacts->shaped->count; b++) {
-    MpmBodyGetIds(contacts->shaped->at[b], &first, &end);
-    if (points->id[p] < end) break;
-  }
-  region = b < contacts->shaped->count ? MpmBodyRound(contacts->shaped->at[b]) : NULL;
   if (!region || !MpmRegionCut(region, &points->x0[p * dim], half, normal, &depth)) return NULL;
   for (PetscInt a = 0; a < dim; a++) at[a] = points->x0[p * dim + a];
   if (PetscAbsReal(MpmRegionToRound(region, at, N) - depth) > SAME * size) return NULL; /* a cylinder's end is nearer */

@@ -2,10 +2,8 @@
   The faces of surfaces in a step: which there are, their areas and their weights at the nodes.
 
   A face is one of a point's domain (outer_faces.c) that bounded the material as the stage began and still does. It stands at
-  y = x + F l_a e_a with the outward area a = cof(F) A_a e_a. Its weights are those at y: for shapes with a domain the mean over the
-  face, so that a uniform load on an even face balances a uniform stress in every node; for the others those of the
-  polynomials that hold in the point's own knot intervals, which go on where the face stands in the next ones. Either way only nodes
-  that the point itself touches take part, and what the face's load does in a uniform strain is exact.
+  y = x + F l_a e_a with the outward area a = cof(F) A_a e_a. Its weights (facet_weights.c) are at nodes that the point itself touches,
+  and what the face's load does in a uniform strain is exact.
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
@@ -62,36 +60,7 @@ static PetscErrorCode FindOuter(const MpmSurfaceFaces *faces, const MpmRules *ru
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- weights ---- */
-
-/* On one axis, of shapes without a domain: at `by` cells from the point, in its own knot interval. */
-static void ExtendedLine(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                         PetscInt a, PetscReal line[])
-{
-  const MpmGrid   *grid  = rules->grid;
-  const MpmGroup  *group = &space->groups[facet->group];
-  const PetscInt   p = facet->point, dim = space->dim, count = group->count[a];
-  const PetscInt   shift = a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0;
-  const PetscReal  x = points->x[p * dim + a], by = (facet->place[a] - x) / grid->h[a];
-  const PetscReal *own      = &space->shape[0].weight[(p * dim + a) * space->width];
-  const PetscReal *gradient = &space->shape[0].gradient[(p * dim + a) * space->width];
-  PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-  PetscReal        weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
-  MpmShapeLine     face   = {.weight = weight, .gradient = unused};
-  PetscBool        inside = PETSC_TRUE;
-
-  MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
-  MpmShapeExtend(rules->shape, rules->edge, (x - grid->lower[a]) / grid->h[a], by, lower[a], upper[a], &face);
-  for (PetscInt i = 0; i < count; i++) line[i] = 0.;
-  for (PetscInt i = 0; i < face.count; i++) {
-    const PetscInt k = face.first + shift + i - group->first[a];
-
-    if (k >= 0 && k < count) line[k] = weight[i];
-    else inside = PETSC_FALSE;
-  }
-  /* a point on a knot touches a node less than its interval has */
-  for (PetscInt i = 0; !inside && i < count; i++) line[i] = own[i] + (facet->place[a] - x) * gradient[i];
-}
+/* ---- faces ---- */
 
 static void FaceWeights(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                         PetscReal weight[])
@@ -99,16 +68,11 @@ static void FaceWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   const MpmGroup *group = &space->groups[facet->group];
   PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH];
 
-  line[2][0] = 1.;
-  if (MpmShapeHasDomain(rules->shape)) MpmFacetLines(rules, space, points, facet, line);
-  else
-    for (PetscInt a = 0; a < space->dim; a++) ExtendedLine(rules, space, points, facet, a, line[a]);
+  MpmFacetLines(rules, space, points, facet, line);
   for (PetscInt k = 0; k < group->count[2]; k++)
     for (PetscInt j = 0; j < group->count[1]; j++)
       for (PetscInt i = 0; i < group->count[0]; i++) *weight++ = line[0][i] * line[1][j] * line[2][k];
 }
-
-/* ---- faces ---- */
 
 static PetscErrorCode Reserve(MpmSurfaceFaces *faces, PetscInt weights)
 {

@@ -3,7 +3,6 @@
   element block of a group is the sum of B^T D B over its points. Where the physics has a mean, each cell adds the
   products of a few vectors over all of its nodes.
 */
-#include "terms/inertia.h"
 #include "terms/point_tangent.h"
 #include "terms/terms.h"
 
@@ -148,15 +147,13 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   const MpmSpace *space = sum->space;
   const PetscInt  most = PetscPowInt(space->width, space->dim), bs = sum->block;
   Target          to = {.residual = residual};
-  PetscReal      *mass;
   MpmWorkspace    work;
 
   PetscFunctionBeginUser;
   (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(MpmCouplingCreate(sum, &to.coupling));
-  PetscCall(PetscMalloc3((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows,
-                         (sum->mass_factor > 0. ? MpmInertiaWork(most) : 0), &mass));
+  PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 
@@ -167,7 +164,6 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 
       MPM_DISPATCH_BIOT(sum->layout, group, ElementGroup, sum, group, u, &work, &to, failed);
       PetscCall(MpmCouplingAddGroup(sum, group, &to.coupling));
-      if (sum->mass_factor > 0.) PetscCall(MpmInertiaAddElement(sum, group, sum->mass_factor, mass, to.element));
       MpmPatternAddBlock(pattern, space, group, to.element);
     }
     if (sum->layout->means) {
@@ -176,7 +172,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
                         to.coupling.f_by_u);
     }
   }
-  PetscCall(PetscFree3(to.element, to.rows, mass));
+  PetscCall(PetscFree2(to.element, to.rows));
   PetscCall(MpmCouplingDestroy(&to.coupling));
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);

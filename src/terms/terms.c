@@ -97,12 +97,9 @@ PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const P
 PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                                    PetscInt *failed)
 {
-  MpmSum rest = *sum;
-
   PetscFunctionBeginUser;
-  rest.mass_factor = 0.; /* the points' elements are not there to take the mass */
   for (PetscInt k = 1; k < terms->count; k++)
-    PetscCall(terms->term[k]->tangent(terms->ctx[k], &rest, u, pattern, NULL, failed));
+    PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

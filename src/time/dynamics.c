@@ -85,7 +85,6 @@ static void Stop(MpmModel model)
 {
   model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
   model->disc.sum->part                                     = 1.;
-  model->disc.sum->mass_factor                              = 0.;
 }
 
 PetscErrorCode MpmDynamicsBegin(MpmModel model)
@@ -238,8 +237,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
   inertia->factor     = (1. - method->alpha_m) * dynamics->a_factor;
   inertia->consistent = (PetscBool)!MpmModelMotion(model)->lumped;
   inertia->active     = PETSC_TRUE;
-
-  model->disc.sum->mass_factor = inertia->consistent ? inertia->factor : 0.;
+  if (inertia->consistent) PetscCall(MpmMassMatrixSetUp(&inertia->matrix, model->disc.sum));
   PetscCall(PetscMalloc1(count, &rest));
   for (PetscInt k = 0; k < count; k++) rest[k] = end * dynamics->v_rest[k] + method->alpha_f * dynamics->v_start[k];
   PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, inertia->mass, end * dynamics->v_factor, rest));

@@ -1,23 +1,14 @@
 /*
-  One step: space, conditions and loads, Newton, commit.
+  A step without inertia: Newton from its start, and what it commits.
 */
-#include "base/newton_reason.h"
 #include "point/layout.h"
-#include "point/registry.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "space/rules.h"
 #include "space/space.h"
-#include "space/sum.h"
-#include "bc/bc.h"
 #include "bc/body_motion.h"
-#include "terms/body_contact.h"
 #include "terms/body_surface.h"
-#include "terms/damping.h"
 #include "terms/inertia.h"
-#include "terms/load.h"
-#include "terms/rigid.h"
 #include "terms/rigid_body.h"
 #include "terms/section.h"
 #include "terms/terms.h"
@@ -105,9 +96,7 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The start of Newton: zero, or the increment extrapolated from the last steps; totals stay, prescribed unknowns
-   take their values. */
-static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
+PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
 {
   const PetscInt n = model->disc.space->owned * model->disc.block;
   PetscScalar   *x;
@@ -123,246 +112,6 @@ static PetscErrorCode InitialGuess(MpmModel model, PetscBool predict)
   MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  The ghost penalty's factor. It is a part of Young's modulus, on increments, so that a slope that slides feels it in proportion to
-  stiffness and step: while the factor of safety is sought, `auto` takes less.
-*/
-static PetscReal GhostFactor(const MpmModel model)
-{
-  const PetscBool seeks = (PetscBool)(model->state.rescue.ghost && MpmReductionSeeks(model));
-
-  return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
-}
-
-/* How much of the strain is its mean over pieces (docs/stabilization.md). */
-static PetscReal SmoothShare(const MpmModel model)
-{
-  return model->state.rescue.smooth && MpmReductionSeeks(model) ? MPM_SMOOTH_SAFETY : model->scene.smooth;
-}
-
-/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
-static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
-{
-  const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
-
-  return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
-}
-
-/* The ghost penalty is for matrices: a step that solves for nothing has none. */
-static MpmRules Rules(MpmModel model, PetscReal time)
-{
-  const MpmIntegratorType motion = model->scene.stages[model->state.stage].time.motion.type;
-  const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
-  MpmRules                rules;
-
-  rules = (MpmRules){.grid       = model->disc.grid,
-                     .shape      = model->scene.shape,
-                     .edge       = model->scene.edge,
-                     .layout     = model->disc.layout,
-                     .wall_count = model->state.walls.count,
-                     .walls      = model->state.walls.at,
-                     .stretch    = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
-                     .longest    = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
-                     .parts      = model->disc.parts,
-                     .materials  = model->disc.sum->materials,
-                     .ghost      = solves ? GhostFactor(model) : 0.,
-                     .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-                     .smooth     = SmoothShare(model),
-                     .mean       = (PetscBool)(model->disc.layout->means > 0),
-                     .put_back   = model->disc.put_back,
-                     .time_n     = model->state.time,
-                     .time       = time,
-                     .dynamic    = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
-  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    const MpmLoad *load = &model->scene.loads->at[l];
-
-    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
-      rules.gravity[a] += StepLoadFactor(model, l, time) * load->value[a];
-  }
-  return rules;
-}
-
-/* What does not depend on the step's length: arrays, space, pattern, solver. */
-static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
-{
-  const PetscInt      bs = model->disc.block, dim = model->disc.dim;
-  const MpmParticles *particles = model->state.particles;
-  MpmTrial           *trial     = model->disc.trial;
-
-  PetscFunctionBeginUser;
-  model->disc.committed = PETSC_FALSE;
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  const PetscInt count = model->disc.points->count;
-
-  PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
-  PetscCall(PetscMalloc3((model->disc.space->local * bs), &model->disc.u, (model->disc.space->local * bs),
-                         &model->disc.residual, (model->disc.space->local * bs), &model->disc.force));
-  PetscCall(MpmTrialReset(trial));
-  PetscCall(PetscMalloc5((count * dim * dim), &trial->F, (count * particles->stress_size), &trial->stress,
-                         (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
-                         (model->disc.space->local * bs), &trial->u));
-  model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->unknown_count);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
-{
-  const MpmRules rules = Rules(model, model->state.time);
-
-  PetscFunctionBeginUser;
-  *why = NULL;
-  PetscCall(PrepareSpace(model, &rules, why));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static MpmPrescription Prescription(const MpmModel model, PetscReal time)
-{
-  return (MpmPrescription){.conditions = model->scene.bcs,
-                           .motions    = model->scene.motions,
-                           .acting     = model->state.bcs,
-                           .particles  = model->state.particles,
-                           .time_n     = model->state.time,
-                           .time       = time,
-                           .diagonal   = model->disc.diagonal};
-}
-
-PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why)
-{
-  const MpmPrescription step = Prescription(model, time);
-  PetscInt              contradicts;
-
-  PetscFunctionBeginUser;
-  *why = NULL;
-  PetscCall(MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space,
-                                &contradicts));
-  PetscCall(MpmWaterHold(model, time));
-  if (contradicts < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                          "motion %s meets nodes that a condition or another motion moves otherwise",
-                          model->scene.motions->names[contradicts]));
-  *why = model->solver.lost;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Does any condition that acts prescribe a displacement other than 0? */
-static PetscBool AnyMoves(const MpmModel model)
-{
-  for (PetscInt b = 0; b < model->scene.bcs->count; b++)
-    if (model->state.bcs[b].active && MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim)) return PETSC_TRUE;
-  return (PetscBool)(model->scene.motions->count > 0);
-}
-
-PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[])
-{
-  MpmPrescription step        = Prescription(model, time);
-  MpmConstraints  constraints = {0};
-  PetscInt        contradicts;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(values, model->disc.space->local * model->disc.block));
-  if (!AnyMoves(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  step.rate = rate;
-  PetscCall(
-    MpmConstraintsSetUp(&constraints, &step, model->disc.grid, model->disc.layout, model->disc.space, &contradicts));
-  PetscCall(PetscArraycpy(values, constraints.value, model->disc.space->local * model->disc.block));
-  PetscCall(MpmConstraintsReset(&constraints));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Conditions that move what they no longer hold. */
-static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const char **why)
-{
-  const MpmPrescription step = Prescription(model, time);
-  PetscInt              lost;
-  PetscReal             left;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmConditionsFindLost(&step, model->state.bcs, model->scene.bodies, model->disc.sum, &lost, &left));
-  if (lost < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  if (left > 0.)
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "condition %s has lost the material that it moves: its nodes hold %.2g %% of what they "
-                            "held; a motion follows a body's points",
-                            model->scene.bcs->names[lost], (double)(100. * left)));
-  else
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "condition %s prescribes a displacement where there is no material; a motion follows a "
-                            "body's points",
-                            model->scene.bcs->names[lost]));
-  *why = model->solver.lost;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Waves that come in through absorbing conditions in a step to `time`, like other loads. */
-static PetscErrorCode AddIncoming(MpmModel model, PetscReal time, PetscReal end, PetscReal start, PetscReal force[])
-{
-  const MpmDamping *damping = model->disc.damping;
-
-  PetscFunctionBeginUser;
-  if (!damping->conditions) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmAbsorbingLoad(damping, model->disc.sum, time, end, force));
-  if (start != 0.) PetscCall(MpmAbsorbingLoad(damping, model->disc.sum, model->state.time, start, force));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[])
-{
-  const MpmRules  rules = Rules(model, time);
-  const PetscReal start = 0.5 - part;
-
-  PetscFunctionBeginUser;
-  if (start == 0.) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    const PetscReal change = MpmModelLoadFactor(model, l, model->state.time) - MpmModelLoadFactor(model, l, time);
-
-    if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && model->state.scheme.integrator->length) continue;
-    PetscCall(
-      MpmLoadApply(&model->scene.loads->at[l], start * change, &rules, model->disc.sum, model->state.particles, force));
-  }
-  PetscCall(AddIncoming(model, time, -start, start, force));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Conditions and loads at the step's end. */
-static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
-{
-  PetscFunctionBeginUser;
-  PetscCall(MpmModelPrescribe(model, time, why));
-  if (!*why) PetscCall(FindLostMaterial(model, time, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    model->disc.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
-    model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
-  }
-  model->disc.surfaces->still = model->state.scheme.water_held;
-  model->disc.surfaces->table = model->scene.water;
-  model->disc.surfaces->open  = model->state.scheme.load_scale;
-  model->disc.sum->dry        = MpmWaterDry(model, time);
-  PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
-  PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
-  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
-  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    const MpmLoad *load = &model->scene.loads->at[l];
-
-    if (load->type != MPM_LOAD_GRAVITY || !model->state.scheme.integrator->length)
-      PetscCall(MpmLoadApply(load, StepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
-                             model->disc.force));
-  }
-  PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
-                        model->disc.force));
-  if (model->scene.body_force) {
-    const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
-
-    PetscCall(
-      MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, at, model->disc.sum, model->disc.force));
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -386,25 +135,8 @@ static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char 
   PetscFunctionBeginUser;
   if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
   if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
-  PetscCall(InitialGuess(model, PETSC_FALSE));
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
   *why = Adrift(model);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
-{
-  const MpmRules rules = Rules(model, time);
-  PetscLogDouble since;
-
-  PetscFunctionBeginUser;
-  *why = NULL;
-  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
-  if (!again) PetscCall(PrepareSpace(model, &rules, why));
-  if (!*why) {
-    model->disc.sum->dt = model->disc.sum->span = dt;
-    PetscCall(PrepareConditions(model, &rules, time, why));
-  }
-  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -422,91 +154,24 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is a place in the grid? Rounding at the edge is forgiven. */
-static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
-{
-  for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal slack = MPM_GRID_SLACK * grid->h[a];
-
-    if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
-}
-
-/* The longest displacement of any local node along each axis, m; infinite where one is no number. */
-static void FindLongest(const MpmModel model, PetscReal longest[])
-{
-  const PetscInt dim = model->disc.dim, bs = model->disc.block;
-
-  for (PetscInt a = 0; a < dim; a++) longest[a] = 0.;
-  for (PetscInt i = 0; i < model->disc.space->local; i++)
-    for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal u = PetscAbsReal(model->disc.u[i * bs + a]);
-
-      if (!(u <= longest[a])) longest[a] = u <= PETSC_MAX_REAL ? u : PETSC_INFINITY;
-    }
-}
-
-/*
-  Can no point of a group reach the grid's edge? They lie between its nodes, and none moves further than three times what
-  a node does, by any shape. `longest` bounds that for all nodes.
-*/
-static PetscBool FarFromEdge(const MpmModel model, const MpmGroup *group, const PetscReal longest[])
-{
-  const MpmGrid *grid = model->disc.grid;
-  const PetscInt bs = model->disc.block, *nodes = &model->disc.space->group_nodes[group->node_offset];
-  PetscInt       first[MPM_MAX_DIM];
-
-  MpmSpaceAt(model->disc.space, group->first, first);
-  for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal room  = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
-    PetscReal       reach = 0.;
-
-    if (3. / grid->h[a] * longest[a] < room) continue;
-    for (PetscInt i = 0; i < group->node_count; i++)
-      reach = PetscMax(reach, PetscAbsReal(model->disc.u[nodes[i] * bs + a]));
-    if (!(3. / grid->h[a] * reach < room)) return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
-}
-
 PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
 {
-  const PetscInt dim = model->disc.dim, bs = model->disc.block, most = PetscPowInt(model->disc.space->width, dim);
-  PetscMPIInt    rank = model->size;
-  PetscReal     *storage;
-  MpmBasis       basis;
-  PetscReal      longest[MPM_MAX_DIM];
-  MpmGrid        next;
+  const PetscBool follows        = (PetscBool)(model->scene.follow.what != MPM_FOLLOW_NOTHING);
+  PetscMPIInt     rank           = model->size;
+  PetscReal       x[MPM_MAX_DIM] = {0.};
+  MpmGrid         next;
+  PetscInt        point;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMovingGridNext(model, &next));
-  FindLongest(model, longest);
-  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
-  for (PetscInt g = 0; g < model->disc.space->group_count && rank == model->size; g++) {
-    const MpmGroup *group = &model->disc.space->groups[g];
-    const PetscInt *nodes = &model->disc.space->group_nodes[group->node_offset];
-
-    if (model->scene.follow.what == MPM_FOLLOW_NOTHING && FarFromEdge(model, group, longest)) continue;
-    for (PetscInt s = group->point_begin; s < group->point_end && rank == model->size; s++) {
-      const PetscInt p              = model->disc.space->order[s];
-      PetscReal      x[MPM_MAX_DIM] = {0.};
-
-      MpmSpaceEvaluate(model->disc.space, group, p, &basis);
-      for (PetscInt a = 0; a < dim; a++) {
-        x[a] = model->disc.points->x[p * dim + a];
-        for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
-      }
-      if (IsInside(&next, x)) continue;
-      rank = model->rank;
-      PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                              dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
-                                      : "point %" PetscInt_FMT " left the grid at (%g, %g)",
-                              model->disc.points->id[p], (double)x[0], (double)x[1], (double)x[2]));
-    }
+  PetscCall(MpmFindOutside(model->disc.sum, follows ? &next : model->disc.grid, model->disc.u, &point, x));
+  if (point >= 0) {
+    rank = model->rank;
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            model->disc.dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
+                                                : "point %" PetscInt_FMT " left the grid at (%g, %g)",
+                            model->disc.points->id[point], (double)x[0], (double)x[1], (double)x[2]));
   }
-  PetscCall(PetscFree(storage));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, model->comm));
   if (rank == model->size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Bcast(model->solver.lost, (PetscMPIInt)sizeof(model->solver.lost), MPI_CHAR, rank, model->comm));
@@ -597,131 +262,6 @@ PetscErrorCode MpmStepFindReference(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Newton from the start at hand; from rest once more where the Krylov method had to be changed. */
-static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedReason *reason)
-{
-  const PetscBool before = model->solver.indefinite;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmSolverSolve(&model->solver, reason));
-  if (!rest || model->solver.indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(InitialGuess(model, PETSC_FALSE));
-  PetscCall(MpmSolverSolve(&model->solver, reason));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Newton from the prediction and, where that fails or there is none, from rest. With contact it is taken with care, and without, from
-  each, but not where loads push along what nothing resists; and all but the last of these are given up when they get nowhere. What
-  succeeded is how the next step starts.
-*/
-static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
-{
-  MpmSolver      *solver    = &model->solver;
-  const PetscBool predicted = solver->cache.predicted, contact = MpmSolverHasContact(solver);
-  PetscBool       turns = contact;
-
-  PetscFunctionBeginUser;
-  solver->newton = solver->linear = 0;
-  for (PetscInt k = 0; k < (predicted ? 4 : 2); k++) {
-    const PetscBool rest = (PetscBool)(!predicted || k >= 2);
-
-    if (k % 2 && !turns) continue;
-    if (k) {
-      if (turns) solver->careful = (PetscBool)!solver->careful;
-      PetscCall(InitialGuess(model, (PetscBool)!rest));
-      if (!rest) PetscCall(MpmRelaxBodies(solver, NULL, solver->x));
-    }
-    solver->cache.hasty = (PetscBool)(contact && k < (predicted ? 3 : 1));
-    PetscCall(SolveFrom(model, rest, reason));
-    if (*reason >= 0) break;
-    if (!k && contact) {
-      PetscCall(MpmUnconstrainedIsPushed(model, &turns));
-      turns = (PetscBool)!turns;
-    }
-  }
-  solver->cache.hasty = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-#define TRUST 0.1 /* of the residual at rest: where bodies may slide or part, a prediction that leaves more is none */
-
-/*
-  May any body slide on another? What sticks now may slide in the next step. Or may they part where no energy tells how to close
-  them again?
-*/
-static PetscBool Rubs(const MpmModel model)
-{
-  if (model->scene.pairs->count && model->disc.layout->saddle) return PETSC_TRUE;
-  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
-    if (model->scene.pairs->at[k].tangential) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/* The start of Newton, and the residual that its tolerance refers to. */
-static PetscErrorCode PredictStep(MpmModel model)
-{
-  PetscReal norm;
-
-  PetscFunctionBeginUser;
-  model->solver.cache.reference = 0.;
-  model->solver.cache.predicted = (PetscBool)(model->state.predict && model->state.dt_last > 0.);
-  if (!model->solver.cache.predicted) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmStepFindReference(model));
-  PetscCall(InitialGuess(model, PETSC_TRUE));
-  PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
-  if (!Rubs(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
-  PetscCall(VecNorm(model->solver.f, NORM_2, &norm));
-  if (norm <= TRUST * model->solver.cache.reference) PetscFunctionReturn(PETSC_SUCCESS);
-  model->solver.cache.predicted = PETSC_FALSE;
-  PetscCall(InitialGuess(model, PETSC_FALSE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-#define AUGMENTATIONS 40 /* of one step */
-
-/* The pressures of boundaries and pairs with method augmented, corrected between solutions until what touches has no depth. */
-static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
-{
-  PetscReal worst = PETSC_INFINITY, pairs;
-
-  PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
-    PetscCall(MpmContactsAugment(model->disc.contacts, model->disc.sum, model->disc.u, &worst));
-    PetscCall(MpmPairsAugment(model->disc.pairs, model->disc.sum, model->disc.u, &pairs));
-    if (PetscMax(worst, pairs) <= 1.) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(MpmSolverSolve(&model->solver, reason));
-  }
-  if (*reason >= 0) *reason = SNES_DIVERGED_MAX_IT;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode SolveStep(MpmModel model, const char **why, PetscBool *retryable)
-{
-  SNESConvergedReason reason;
-
-  PetscFunctionBeginUser;
-  *why = NULL;
-  PetscCall(Solve(model, &reason));
-  PetscCall(Augment(model, &reason));
-  if (reason < 0) {
-    *retryable = PETSC_TRUE;
-    *why       = MpmNewtonReason(reason);
-    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
-    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  *retryable = PETSC_FALSE;
-  PetscCall(MpmStabilityCheck(&model->solver, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  *retryable = PETSC_TRUE;
-  if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
-    *why = "a free boundary moved by more than its contacts were looked for";
-  else PetscCall(MpmStepFindLost(model, why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The work of a step without inertia, in scenes that keep account of it. */
 static PetscErrorCode AddWork(MpmModel model)
 {
@@ -748,7 +288,7 @@ static PetscErrorCode AddWork(MpmModel model)
 static void CorrectSupports(MpmModel model)
 {
   const PetscReal       part = 0.5 - model->state.scheme.load_at_start;
-  const MpmPrescription step = Prescription(model, model->state.time + model->disc.sum->span);
+  const MpmPrescription step = MpmStepPrescription(model, model->state.time + model->disc.sum->span);
 
   if (!model->disc.inertia->dynamic) return;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
@@ -794,7 +334,7 @@ static PetscErrorCode RollBackStep(MpmModel model)
 
 const MpmIntegrator MpmIntegratorQuasistatic = {.name      = "quasistatic",
                                                 .begin     = MpmStepPrepare,
-                                                .predict   = PredictStep,
-                                                .solve     = SolveStep,
+                                                .predict   = MpmStepPredict,
+                                                .solve     = MpmStepSolve,
                                                 .accept    = AcceptStep,
                                                 .roll_back = RollBackStep};

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "grid/shape.h"
 #include "space/momentum.h"
 #include "talus/talus.h"
 

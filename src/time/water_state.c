@@ -8,10 +8,10 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "grid/shape.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/body_surface.h"
@@ -105,7 +105,7 @@ static PetscErrorCode Project(MpmModel model, PetscInt c, PetscReal nodal[])
 
   PetscFunctionBeginUser;
   PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
-  PetscCall(MpmSpaceToGhosts(model->disc.space, 1, nodal));
+  PetscCall(MpmNodesToGhosts(&model->disc, 1, nodal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -143,8 +143,8 @@ static PetscBool IsDry(const MpmModel model, PetscReal time, PetscReal from, Pet
 
 PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time)
 {
-  const MpmSpace *space = model->disc.space;
-  const PetscInt  bs = model->disc.block, c = MpmPressureComponent(model->disc.layout);
+  const PetscInt count = MpmNodesLocal(&model->disc), bs = model->disc.block,
+                 c     = MpmPressureComponent(model->disc.layout);
   const PetscBool all  = model->state.scheme.water_held;
   const PetscReal from = DryHeight(model, time);
   PetscBool       dry  = PETSC_TRUE;
@@ -153,10 +153,10 @@ PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time)
   PetscFunctionBeginUser;
   if (c < 0 || !(from < PETSC_INFINITY || all)) PetscFunctionReturn(PETSC_SUCCESS);
   if (from < PETSC_INFINITY) PetscCall(FindDryGround(model, from, &dry));
-  PetscCall(PetscCalloc1(space->local, &nodal));
+  PetscCall(PetscCalloc1(count, &nodal));
   if (all) PetscCall(Project(model, c, nodal));
-  for (PetscInt i = 0; i < space->local; i++) {
-    if (MpmSpaceIsExtra(space, i) || !MpmConstraintsFree(model->disc.constraints, i * bs + c)) continue;
+  for (PetscInt i = 0; i < count; i++) {
+    if (!MpmNodeInGrid(&model->disc, i) || !MpmConstraintsFree(model->disc.constraints, i * bs + c)) continue;
     if (all || IsDry(model, time, from, dry, i, &nodal[i]))
       MpmConstraintsHold(model->disc.constraints, i * bs + c, nodal[i]);
   }

@@ -3,6 +3,7 @@
   Scenes for the tests of the engine: a model made from a line of options, and a step of it taken apart, so that residual and Jacobian can
   be looked at for any displacement.
 */
+#include "grid/shape.h"
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"

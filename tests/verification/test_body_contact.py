@@ -30,6 +30,8 @@ def patch(test):
         test.check(f"patch_{label}.shear", np.max(np.abs(run.table("stress")[:, 3])) / PRESSURE, None, 1e-8)
         sign = 1.0 if label == "turned" else -1.0
         test.near(f"patch_{label}.force", run.results.column("force_ab_y")[-1], sign * PRESSURE * WIDTH, 1e-10)
+    spline = test.run(BLOCKS, **{**PRESSED, "mpm_shape": "bspline2", "mpm_load_top_place": "face", "mpm_load_top_value": "0,-100"})
+    test.check("patch_spline.stress", difference(spline.table("stress")[:, 1], -100.0), None, 1e-3)
     low, down = runs["augmented"].table("material") == 0, -runs["augmented"].table("displacement")[:, 1]
     # no depth: what the half points between the faces' middles and the nearest centres give
     test.near("patch_augmented.depth", down[~low].min() - down[low].max(), PRESSURE * (0.0625 / 1e6 + 0.03125 / 4e6), 1e-6)

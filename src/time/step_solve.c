@@ -1,0 +1,134 @@
+/*
+  Newton's attempts at a step: from a prediction or from rest, with care or without, and again as contact's pressures are corrected.
+*/
+#include "base/newton_reason.h"
+#include "point/layout.h"
+#include "terms/body_contact.h"
+#include "terms/rigid_body.h"
+#include "time/model.h"
+#include "time/step.h"
+#include "time/time.h"
+
+/* Newton from the start at hand; from rest once more where the Krylov method had to be changed. */
+static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedReason *reason)
+{
+  const PetscBool before = model->solver.indefinite;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmSolverSolve(&model->solver, reason));
+  if (!rest || model->solver.indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
+  PetscCall(MpmSolverSolve(&model->solver, reason));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Newton from the prediction and, where that fails or there is none, from rest. With contact it is taken with care, and without, from
+  each, but not where loads push along what nothing resists; and all but the last of these are given up when they get nowhere. What
+  succeeded is how the next step starts.
+*/
+static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+{
+  MpmSolver      *solver    = &model->solver;
+  const PetscBool predicted = solver->cache.predicted, contact = MpmSolverHasContact(solver);
+  PetscBool       turns = contact;
+
+  PetscFunctionBeginUser;
+  solver->newton = solver->linear = 0;
+  for (PetscInt k = 0; k < (predicted ? 4 : 2); k++) {
+    const PetscBool rest = (PetscBool)(!predicted || k >= 2);
+
+    if (k % 2 && !turns) continue;
+    if (k) {
+      if (turns) solver->careful = (PetscBool)!solver->careful;
+      PetscCall(MpmStepStart(model, (PetscBool)!rest));
+      if (!rest) PetscCall(MpmRelaxBodies(solver, NULL, solver->x));
+    }
+    solver->cache.hasty = (PetscBool)(contact && k < (predicted ? 3 : 1));
+    PetscCall(SolveFrom(model, rest, reason));
+    if (*reason >= 0) break;
+    if (!k && contact) {
+      PetscCall(MpmUnconstrainedIsPushed(model, &turns));
+      turns = (PetscBool)!turns;
+    }
+  }
+  solver->cache.hasty = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define TRUST 0.1 /* of the residual at rest: where bodies may slide or part, a prediction that leaves more is none */
+
+/*
+  May any body slide on another? What sticks now may slide in the next step. Or may they part where no energy tells how to close
+  them again?
+*/
+static PetscBool Rubs(const MpmModel model)
+{
+  if (model->scene.pairs->count && model->disc.layout->saddle) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
+    if (model->scene.pairs->at[k].tangential) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmStepPredict(MpmModel model)
+{
+  PetscReal norm;
+
+  PetscFunctionBeginUser;
+  model->solver.cache.reference = 0.;
+  model->solver.cache.predicted = (PetscBool)(model->state.predict && model->state.dt_last > 0.);
+  if (!model->solver.cache.predicted) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepFindReference(model));
+  PetscCall(MpmStepStart(model, PETSC_TRUE));
+  PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
+  if (!Rubs(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  PetscCall(VecNorm(model->solver.f, NORM_2, &norm));
+  if (norm <= TRUST * model->solver.cache.reference) PetscFunctionReturn(PETSC_SUCCESS);
+  model->solver.cache.predicted = PETSC_FALSE;
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define AUGMENTATIONS 40 /* of one step */
+
+/* The pressures of boundaries and pairs with method augmented, corrected between solutions until what touches has no depth. */
+static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
+{
+  PetscReal worst = PETSC_INFINITY, pairs;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
+    PetscCall(MpmContactsAugment(model->disc.contacts, model->disc.sum, model->disc.u, &worst));
+    PetscCall(MpmPairsAugment(model->disc.pairs, model->disc.sum, model->disc.u, &pairs));
+    if (PetscMax(worst, pairs) <= 1.) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmSolverSolve(&model->solver, reason));
+  }
+  if (*reason >= 0) *reason = SNES_DIVERGED_MAX_IT;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable)
+{
+  SNESConvergedReason reason;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  PetscCall(Solve(model, &reason));
+  PetscCall(Augment(model, &reason));
+  if (reason < 0) {
+    *retryable = PETSC_TRUE;
+    *why       = MpmNewtonReason(reason);
+    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
+    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *retryable = PETSC_FALSE;
+  PetscCall(MpmStabilityCheck(&model->solver, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  *retryable = PETSC_TRUE;
+  if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
+    *why = "a free boundary moved by more than its contacts were looked for";
+  else PetscCall(MpmStepFindLost(model, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
