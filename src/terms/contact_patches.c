@@ -336,15 +336,15 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
 }
 
 /*
-  The cell whose patch a facet joins: its point's own or, where the point's middle is beyond the surface, that before the surface. A
+  The cell whose patch a facet joins: that of the middle x of its domain or, where that is beyond the surface, the one before the surface. A
   patch of its own would push it out in one step, which those beside it, as deep, are not: then it would be back in their cell, and so
   on.
 */
 static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
-                            const MpmFacet *facet, const PetscReal arm[], const MpmSurface *surface)
+                            const MpmFacet *facet, const PetscReal x[], const PetscReal arm[],
+                            const MpmSurface *surface)
 {
-  const PetscReal *x     = &points->x[facet->point * grid->dim];
-  PetscReal        depth = -surface->distance, foot[MPM_MAX_DIM];
+  PetscReal depth = -surface->distance, foot[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < grid->dim; a++) depth += arm[a] * surface->normal[a];
   if (depth <= 0.) return facet->cell;
@@ -364,6 +364,38 @@ static PetscReal Regard(const MpmContacts *contacts, PetscInt b, PetscReal facin
   return contacts->cut[b] ? 1. : t / (1. + t);
 }
 
+/* A face that meets an edge of the boundary, in slices; they touch where the face does. */
+static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, const MpmGrid *grid,
+                                   const MpmPoints *points, PetscInt face, PetscInt count, const MpmFacet *whole)
+{
+  const PetscInt dim = grid->dim, p = whole->point;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++) {
+    MpmFacet   slice = *whole;
+    PetscReal  arm[MPM_MAX_DIM], area[MPM_MAX_DIM], middle[MPM_MAX_DIM], square = 0.;
+    MpmSurface surface;
+
+    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    slice.slice = 1 + k;
+    slice.area  = 0.;
+    MpmContactsSlice(dim, points, p, face, slice.slice, middle);
+    for (PetscInt a = 0; a < dim; a++) slice.place[a] = middle[a] + arm[a];
+    MpmContactsStartDistance(contacts, area, &slice, &surface);
+    for (PetscInt a = 0; a < dim; a++) {
+      slice.normal[a] = surface.normal[a];
+      slice.area -= area[a] * surface.normal[a] / (PetscReal)count;
+      square += PetscSqr(area[a] / (PetscReal)count);
+    }
+    if (!(slice.area > 0.) || surface.distance > margin) continue;
+    slice.area *= Regard(contacts, whole->boundary, slice.area, square);
+    slice.cell = MpmContactsCell(grid, middle, points->part ? points->part[p] : 0);
+    slice.cell = PatchCell(contacts, grid, points, &slice, middle, arm, &surface);
+    PetscCall(MpmContactsAddFacet(contacts, &slice));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The facets of a point that may touch the boundary in this step. */
 static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmGrid *grid,
                                     const MpmPoints *points, const MpmFacet *start)
@@ -371,7 +403,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim = boundary->dim, p = start->point;
   Corner             corner = {0};
-  PetscInt           count  = 0;
+  PetscInt           count  = 0, slices;
   PetscReal          kept[2 * MPM_MAX_DIM];
   PetscBool          cut = PETSC_FALSE;
   MpmSurface         surface;
@@ -395,7 +427,8 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       facet.area -= area[a] * surface.normal[a];
       size += PetscSqr(area[a]);
     }
-    if (!(facet.area > 0.)) continue;
+    slices = surface.distance > margin ? 0 : MpmContactsSliceCount(contacts, points, face, &facet);
+    if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;
       corner.area += facet.area;
@@ -409,9 +442,13 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
     if (touched) facet.touches = kept[count];
     else if (boundary->bilateral) continue;
-    else facet.area *= Regard(contacts, b, facet.area, size);
+    if (slices) {
+      PetscCall(SlicesOfFace(contacts, margin, grid, points, face, slices, &facet));
+      continue;
+    }
+    if (!touched) facet.area *= Regard(contacts, b, facet.area, size);
     if (!(facet.area > 0.)) continue;
-    facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
+    facet.cell = PatchCell(contacts, grid, points, &facet, &points->x[p * dim], arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
     cut = (PetscBool)(cut || (touched && contacts->cut[b]));
     count++;
@@ -496,7 +533,8 @@ static int CompareFacets(const void *a, const void *b)
   if (f->corner != g->corner) return f->corner < g->corner ? -1 : 1;
   if (f->side != g->side) return f->side < g->side ? -1 : 1;
   if (f->round != g->round) return f->round < g->round ? -1 : 1;
-  return f->point < g->point ? -1 : f->point > g->point;
+  if (f->point != g->point) return f->point < g->point ? -1 : 1;
+  return f->slice < g->slice ? -1 : f->slice > g->slice;
 }
 
 /* Widens a box of nodes to hold a group's; an empty box has no nodes. */
