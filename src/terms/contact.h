@@ -19,6 +19,7 @@ typedef struct {
   PetscReal distance;                                                   /* at the step's start */
   PetscInt  side;  /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
   PetscReal area;  /* projected on the boundary, m^(dim-1) */
+  PetscInt  single; /* a patch by itself: a boundary's edge is near (edge_slices.c) */
   PetscInt  slice; /* 0, or 1 + its index, of a slice of a face (edge_slices.c) */
   PetscInt  piece; /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
   PetscReal
@@ -202,11 +203,11 @@ PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints
 PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
                                    const MpmFacet *start);
 /*
-  Faces that meet an edge of the boundary (edge_slices.c): into how many slices is one cut, or 0? And the middle x of what is behind a slice, the
-  same part of its point's domain.
+  Faces at an edge of the boundary (edge_slices.c). SliceCount: is the facet single, and into how many slices is it cut, or 0? And the
+  middle x of what is behind a slice, the same part of its point's domain.
 */
-PetscInt MpmContactsSliceCount(const MpmContacts *contacts, const MpmPoints *points, PetscInt face,
-                               const MpmFacet *facet);
+PetscInt MpmContactsSliceCount(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points, PetscInt face,
+                               const MpmSurface *surface, MpmFacet *facet);
 void MpmContactsSlice(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, PetscInt slice, PetscReal x[]);
 PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);
 /*

@@ -427,7 +427,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       facet.area -= area[a] * surface.normal[a];
       size += PetscSqr(area[a]);
     }
-    slices = surface.distance > margin ? 0 : MpmContactsSliceCount(contacts, points, face, &facet);
+    slices = surface.distance > margin ? 0 : MpmContactsSliceCount(contacts, grid, points, face, &surface, &facet);
     if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;
@@ -533,6 +533,7 @@ static int CompareFacets(const void *a, const void *b)
   if (f->corner != g->corner) return f->corner < g->corner ? -1 : 1;
   if (f->side != g->side) return f->side < g->side ? -1 : 1;
   if (f->round != g->round) return f->round < g->round ? -1 : 1;
+  if (f->single != g->single) return f->single < g->single ? -1 : 1;
   if (f->point != g->point) return f->point < g->point ? -1 : 1;
   return f->slice < g->slice ? -1 : f->slice > g->slice;
 }
@@ -583,7 +584,7 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     MpmPatch       *patch;
 
     if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell ||
-        facet->corner != facet[-1].corner || facet->side != facet[-1].side || facet->round) {
+        facet->corner != facet[-1].corner || facet->side != facet[-1].side || facet->round || facet->single) {
       contacts->patch[contacts->patch_count] = (MpmPatch){.boundary = facet->boundary,
                                                           .begin    = k,
                                                           .box      = box_begin + contacts->patch_count,

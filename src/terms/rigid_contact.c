@@ -354,7 +354,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
 {
   if (facet->point < 0) return;
-  if (facet->piece || facet->round || facet->slice) kept[facet->point] += facet->portion * value;
+  if (facet->piece || facet->round || facet->single) kept[facet->point] += facet->portion * value;
   else kept[facet->point] = value;
 }
 
@@ -368,7 +368,7 @@ static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const 
 
   PetscFunctionBeginUser;
   for (PetscInt f = 0; keeps && f < contacts->facet_count && !any; f++)
-    any = (PetscBool)(contacts->facet[f].boundary == b && (contacts->facet[f].round || contacts->facet[f].slice));
+    any = (PetscBool)(contacts->facet[f].boundary == b && (contacts->facet[f].round || contacts->facet[f].single));
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1(sum->points->count, &area));
   for (PetscInt k = 0; k < 2 * contacts->patch_count; k++) {
@@ -378,7 +378,7 @@ static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const 
     for (PetscInt f = patch->begin; patch->boundary == b && answers[at].active && f < patch->end; f++) {
       MpmFacet *facet = &contacts->facet[f];
 
-      if (!facet->round && !facet->slice) continue;
+      if (!facet->round && !facet->single) continue;
       if (k < contacts->patch_count) area[facet->point] += facet->area;
       else facet->portion = facet->area / area[facet->point];
     }
