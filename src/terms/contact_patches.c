@@ -5,8 +5,8 @@
   outward area a = cof(F) A_a e_a; what of it faces a surface of normal n is A = -a . n. Summed over the steps of a lattice that was
   cut at an angle, A is the area of the cut.
 
-  The facets of one cell form a patch, those at different sides of something with flat faces one each, those on round surfaces one each
-  (round_facets.c). A patch has one mean gap
+  The facets of one cell form a patch, those at different sides of something with flat faces one each, those on round surfaces
+  (round_facets.c) and those near an edge of a boundary (edge_facets.c) are one each. A patch has one mean gap
   and one mean slip, as a mortar method with one multiplier a cell has them: with a condition at every facet the surface would have
   more conditions than the cells have unknowns, and what lies near it would move with it as one.
 
@@ -336,15 +336,15 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
 }
 
 /*
-  The cell whose patch a facet joins: that of the middle x of its domain or, where that is beyond the surface, the one before the surface. A
+  The cell whose patch a facet joins: its point's own or, where the point's middle is beyond the surface, that before the surface. A
   patch of its own would push it out in one step, which those beside it, as deep, are not: then it would be back in their cell, and so
   on.
 */
 static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
-                            const MpmFacet *facet, const PetscReal x[], const PetscReal arm[],
-                            const MpmSurface *surface)
+                            const MpmFacet *facet, const PetscReal arm[], const MpmSurface *surface)
 {
-  PetscReal depth = -surface->distance, foot[MPM_MAX_DIM];
+  const PetscReal *x     = &points->x[facet->point * grid->dim];
+  PetscReal        depth = -surface->distance, foot[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < grid->dim; a++) depth += arm[a] * surface->normal[a];
   if (depth <= 0.) return facet->cell;
@@ -365,32 +365,31 @@ static PetscReal Regard(const MpmContacts *contacts, PetscInt b, PetscReal facin
 }
 
 /* A face that meets an edge of the boundary, in slices; they touch where the face does. */
-static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, const MpmGrid *grid,
-                                   const MpmPoints *points, PetscInt face, PetscInt count, const MpmFacet *whole)
+static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
+                                   PetscInt count, const MpmFacet *whole)
 {
-  const PetscInt dim = grid->dim, p = whole->point;
+  const PetscInt dim = contacts->boundaries[whole->boundary].dim, p = whole->point;
+  PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
+  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+  for (PetscInt a = 0; a < dim; a++) area[a] /= (PetscReal)count;
   for (PetscInt k = 0; k < count; k++) {
-    MpmFacet   slice = *whole;
-    PetscReal  arm[MPM_MAX_DIM], area[MPM_MAX_DIM], middle[MPM_MAX_DIM], square = 0.;
+    MpmFacet   slice  = *whole;
+    PetscReal  square = 0.;
     MpmSurface surface;
 
-    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     slice.slice = 1 + k;
     slice.area  = 0.;
-    MpmContactsSlice(dim, points, p, face, slice.slice, middle);
-    for (PetscInt a = 0; a < dim; a++) slice.place[a] = middle[a] + arm[a];
+    MpmContactsSlicePlace(dim, points, face, &slice);
     MpmContactsStartDistance(contacts, area, &slice, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       slice.normal[a] = surface.normal[a];
-      slice.area -= area[a] * surface.normal[a] / (PetscReal)count;
-      square += PetscSqr(area[a] / (PetscReal)count);
+      slice.area -= area[a] * surface.normal[a];
+      square += PetscSqr(area[a]);
     }
     if (!(slice.area > 0.) || surface.distance > margin) continue;
     slice.area *= Regard(contacts, whole->boundary, slice.area, square);
-    slice.cell = MpmContactsCell(grid, middle, points->part ? points->part[p] : 0);
-    slice.cell = PatchCell(contacts, grid, points, &slice, middle, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &slice));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -427,7 +426,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       facet.area -= area[a] * surface.normal[a];
       size += PetscSqr(area[a]);
     }
-    slices = surface.distance > margin ? 0 : MpmContactsSliceCount(contacts, grid, points, face, &surface, &facet);
+    slices = surface.distance > margin ? 0 : MpmContactsAtEdge(contacts, grid, points, face, &surface, &facet);
     if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;
@@ -443,12 +442,12 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     if (touched) facet.touches = kept[count];
     else if (boundary->bilateral) continue;
     if (slices) {
-      PetscCall(SlicesOfFace(contacts, margin, grid, points, face, slices, &facet));
+      PetscCall(SlicesOfFace(contacts, margin, points, face, slices, &facet));
       continue;
     }
     if (!touched) facet.area *= Regard(contacts, b, facet.area, size);
     if (!(facet.area > 0.)) continue;
-    facet.cell = PatchCell(contacts, grid, points, &facet, &points->x[p * dim], arm, &surface);
+    facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
     cut = (PetscBool)(cut || (touched && contacts->cut[b]));
     count++;

@@ -358,7 +358,7 @@ static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
   else kept[facet->point] = value;
 }
 
-/* Portions by area of a boundary's round facets and slices that touch, among those of the same point. */
+/* Portions by area of a boundary's round and single facets that touch, among those of the same point. */
 static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
                                  const MpmPatchAnswer answers[])
 {
