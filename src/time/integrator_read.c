@@ -216,7 +216,10 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
 
   PetscFunctionBeginUser;
   if (time->motion.type != MPM_EXPLICIT) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!model->scene.pairs->count, "-mpm_contacts: contacts of bodies need steps that are not explicit");
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
+    MpmCheckInput(!model->scene.pairs->at[k].barrier,
+                  "-mpm_contact_%s_method barrier: needs steps that are not explicit; they take penalty",
+                  model->scene.pairs->names[k]);
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     MpmCheckInput(!model->scene.boundaries->at[b].freedom,
                   "-mpm_boundary_%s_free: its place is solved for; explicit steps solve for nothing",
