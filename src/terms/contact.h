@@ -203,10 +203,10 @@ PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints
 PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
                                    const MpmFacet *start);
 /*
-  Faces near an edge of the boundary (edge_facets.c). AtEdge: is the facet single, and into how many slices is its face cut, or 0? And the
+  Faces near an edge of the boundary (edge_facets.c), in cells of sizes h. AtEdge: is the facet single, and into how many slices is its face cut, or 0? And the
   place of a slice.
 */
-PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points, PetscInt face,
+PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], const MpmPoints *points, PetscInt face,
                            const MpmSurface *surface, MpmFacet *facet);
 void     MpmContactsSlicePlace(PetscInt dim, const MpmPoints *points, PetscInt face, MpmFacet *slice);
 PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);

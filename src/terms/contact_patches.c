@@ -426,7 +426,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       facet.area -= area[a] * surface.normal[a];
       size += PetscSqr(area[a]);
     }
-    slices = surface.distance > margin ? 0 : MpmContactsAtEdge(contacts, grid, points, face, &surface, &facet);
+    slices = surface.distance > margin ? 0 : MpmContactsAtEdge(contacts, grid->h, points, face, &surface, &facet);
     if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;

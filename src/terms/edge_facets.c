@@ -12,7 +12,6 @@
   Not so where a boundary is bilateral, which holds the faces that touched at the start, or cut the lattice of points, whose faces are steps.
 */
 #include "geometry/geometry.h"
-#include "grid/grid.h"
 #include "particles/points.h"
 #include "terms/contact.h"
 
@@ -21,20 +20,21 @@
 #define BENT \
   0.1 /* of the way from a face's middle to its corner: so far off a plane's the distance there shows an edge */
 
-/* Does the surface end, or bend, no farther than a cell from a facet, along its plane? */
-static PetscBool EdgeIsNear(const MpmContacts *contacts, const MpmGrid *grid, const MpmFacet *facet,
+/* Does the surface end, or bend, no farther than a cell of sizes h from a facet, along its plane? */
+static PetscBool EdgeIsNear(const MpmContacts *contacts, const PetscReal h[], const MpmFacet *facet,
                             const MpmSurface *surface)
 {
-  for (PetscInt k = 0; k < 2 * grid->dim; k++) {
-    const PetscReal way             = k % 2 ? grid->h[k / 2] : -grid->h[k / 2];
+  const PetscInt dim = contacts->boundaries[facet->boundary].dim;
+
+  for (PetscInt k = 0; k < 2 * dim; k++) {
+    const PetscReal way             = k % 2 ? h[k / 2] : -h[k / 2];
     const PetscReal off             = surface->distance + way * surface->normal[k / 2];
     PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, cosine = 0.;
     MpmSurface      there;
 
-    for (PetscInt a = 0; a < grid->dim; a++)
-      at[a] = facet->place[a] + (a == k / 2 ? way : 0.) - off * surface->normal[a];
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + (a == k / 2 ? way : 0.) - off * surface->normal[a];
     MpmContactsDistance(contacts, facet->boundary, at, &there);
-    for (PetscInt a = 0; a < grid->dim; a++) cosine += there.normal[a] * surface->normal[a];
+    for (PetscInt a = 0; a < dim; a++) cosine += there.normal[a] * surface->normal[a];
     if (PetscAbsReal(there.distance) > OFF * contacts->cell && cosine < SHARP) return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -74,14 +74,14 @@ static PetscBool MeetsEdge(const MpmContacts *contacts, const MpmPoints *points,
   return PETSC_FALSE;
 }
 
-PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points, PetscInt face,
+PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], const MpmPoints *points, PetscInt face,
                            const MpmSurface *surface, MpmFacet *facet)
 {
   const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
 
   if (!MpmSolidHasFaces(&boundary->solid) || boundary->bilateral || contacts->cut[facet->boundary]) return 0;
-  facet->single = EdgeIsNear(contacts, grid, facet, surface);
-  return facet->single && MeetsEdge(contacts, points, face, facet) ? PetscPowInt(MPM_SLICES, grid->dim - 1) : 0;
+  facet->single = EdgeIsNear(contacts, h, facet, surface);
+  return facet->single && MeetsEdge(contacts, points, face, facet) ? PetscPowInt(MPM_SLICES, boundary->dim - 1) : 0;
 }
 
 void MpmContactsSlicePlace(PetscInt dim, const MpmPoints *points, PetscInt face, MpmFacet *slice)
