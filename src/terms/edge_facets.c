@@ -39,13 +39,10 @@ static PetscBool EdgeIsNear(const MpmContacts *contacts, const PetscReal h[], co
   return PETSC_FALSE;
 }
 
-/* From the face's middle to its place with coordinates s from -1 to 1, by the halves of its sides. */
-static void AlongFace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], const PetscReal s[], PetscReal way[])
+/* From the face's middle to its place with coordinates s and t from -1 to 1 along its sides. */
+static void AlongFace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], PetscReal s, PetscReal t, PetscReal way[])
 {
-  for (PetscInt a = 0; a < dim; a++) {
-    way[a] = 0.;
-    for (PetscInt k = 0; k < dim - 1; k++) way[a] += s[k] * sides[k][a];
-  }
+  for (PetscInt a = 0; a < dim; a++) way[a] = s * sides[0][a] + (dim > 2 ? t * sides[1][a] : 0.);
 }
 
 /* Are the distances at the face's corners not those from a plane? */
@@ -56,10 +53,9 @@ static PetscBool MeetsEdge(const MpmContacts *contacts, PetscReal (*sides)[MPM_M
 
   MpmContactsDistance(contacts, facet->boundary, facet->place, &middle);
   for (PetscInt k = 0; k < PetscPowInt(2, dim - 1); k++) {
-    const PetscReal s[2]            = {k % 2 ? 1. : -1., k / 2 ? 1. : -1.};
-    PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, flat = middle.distance, square = 0.;
+    PetscReal at[MPM_MAX_DIM] = {0., 0., 0.}, flat = middle.distance, square = 0.;
 
-    AlongFace(dim, sides, s, at);
+    AlongFace(dim, sides, k % 2 ? 1. : -1., k / 2 ? 1. : -1., at);
     for (PetscInt a = 0; a < dim; a++) {
       flat += middle.normal[a] * at[a];
       square += PetscSqr(at[a]);
@@ -83,11 +79,10 @@ PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], Pet
 
 void MpmContactsSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice)
 {
-  const PetscInt  k              = slice->slice - 1;
-  const PetscReal s[MPM_MAX_DIM] = {(PetscReal)(2 * (k % MPM_SLICES) + 1) / MPM_SLICES - 1.,
-                                    (PetscReal)(2 * (k / MPM_SLICES) + 1) / MPM_SLICES - 1., 0.};
-  PetscReal       way[MPM_MAX_DIM];
+  const PetscInt k = slice->slice - 1;
+  PetscReal      way[MPM_MAX_DIM];
 
-  AlongFace(dim, sides, s, way);
+  AlongFace(dim, sides, (PetscReal)(2 * (k % MPM_SLICES) + 1) / MPM_SLICES - 1.,
+            (PetscReal)(2 * (k / MPM_SLICES) + 1) / MPM_SLICES - 1., way);
   for (PetscInt a = 0; a < dim; a++) slice->place[a] += way[a];
 }
