@@ -76,13 +76,21 @@ static PetscBool EndsWith(const char *text, const char *tail)
 /* May a run go on with another value? What a scene is made of must stay; how it is loaded, solved and written may not. */
 static PetscBool MayChange(const char *name)
 {
-  static const char *const heads[] = {"mpm_title",       "mpm_plugin",
-                                      "mpm_time_",       "mpm_output_",
-                                      "mpm_checkpoint_", "mpm_restart",
-                                      "mpm_quiet",       "mpm_solver",
-                                      "mpm_jacobian",    "mpm_mat_type",
-                                      "mpm_vec_type",    "mpm_newton_",
-                                      "mpm_matfree_",    "mpm_stabilization_ghost"};
+  static const char *const heads[] = {"mpm_title",
+                                      "mpm_plugin",
+                                      "mpm_time_",
+                                      "mpm_output_",
+                                      "mpm_checkpoint_",
+                                      "mpm_restart",
+                                      "mpm_quiet",
+                                      "mpm_solver",
+                                      "mpm_jacobian",
+                                      "mpm_mat_type",
+                                      "mpm_vec_type",
+                                      "mpm_newton_",
+                                      "mpm_matfree_",
+                                      "mpm_stabilization_ghost",
+                                      "mpm_stabilization_interior"};
 
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(heads); k++)
     if (BeginsWith(name, heads[k])) return PETSC_TRUE;

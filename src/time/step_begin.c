@@ -62,6 +62,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                      .materials  = model->disc.sum->materials,
                      .ghost      = solves ? GhostFactor(model) : 0.,
                      .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .interior   = solves ? model->disc.interior : 0.,
                      .smooth     = SmoothShare(model),
                      .mean       = (PetscBool)(model->disc.layout->means > 0),
                      .put_back   = model->disc.put_back,
