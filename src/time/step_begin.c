@@ -269,7 +269,8 @@ PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
   if (!*why) {
-    model->disc.sum->dt = model->disc.sum->span = dt;
+    model->disc.sum->dt   = dt;
+    model->disc.sum->span = model->state.scheme.rescuing.on ? time - model->state.time : dt;
     PetscCall(PrepareConditions(model, &rules, time, why));
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
