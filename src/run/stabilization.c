@@ -117,7 +117,7 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                    "holds rows of cells that would shear by themselves where dilation is less than friction; 0 "
                    "for none (cavity in sand expanded by a fifth, cells of an eighth of its radius: error of the "
                    "pressure 0.5 % with 0, 0.05 % with 0.1)",
-                   MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->disc.interior, NULL));
+                   MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.interior, NULL));
   PetscCall(MpmOptionsWord(&block, "fbar",
                            "average the volume change over cells, against locking: auto (where a law flows "
                            "plastically or nu is above 0.45, unless only one component of the displacement is free), "
@@ -283,8 +283,8 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "%g%s%s", (double)model->disc.ghost,
                             model->state.rescue.ghost_auto ? " (auto)" : "",
                             sparse ? ", all faces where points are one a cell" : ""));
-  if (model->disc.interior > 0. && MpmStagesSolve(model))
-    PetscCall(PetscSNPrintf(interior, sizeof(interior), "; interior penalty %g", (double)model->disc.interior));
+  if (model->scene.interior > 0. && MpmStagesSolve(model))
+    PetscCall(PetscSNPrintf(interior, sizeof(interior), "; interior penalty %g", (double)model->scene.interior));
   if (model->scene.smooth > 0.)
     PetscCall(PetscSNPrintf(smooth, sizeof(smooth), "; strains smoothed by %g", (double)model->scene.smooth));
   else if (model->state.rescue.smooth && MpmStagesReduce(model))

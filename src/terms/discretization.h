@@ -37,7 +37,6 @@ typedef struct MpmDiscretization {
   PetscBool        committed;   /* do these three tell of the last step that has become the state? */
   PetscReal        diagonal;    /* of prescribed unknowns: a typical stiffness */
   PetscReal        ghost;       /* factor of the ghost penalty, 0: none */
-  PetscReal        interior;    /* of that on all faces, 0: none */
   PetscInt         parts;       /* of the material, with nodes of their own; 1: all bodies share them */
 } MpmDiscretization;
 

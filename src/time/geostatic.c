@@ -253,7 +253,7 @@ static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt so
 
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
 {
-  const PetscReal ghost = model->disc.ghost, interior = model->disc.interior;
+  const PetscReal ghost = model->disc.ghost;
   PetscInt        solved;
   MpmPoints       points;
   MpmRest         rest;
@@ -273,9 +273,7 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   /* what the penalty holds back in one iteration is left for the next ones; contacts may press on small-cut nodes */
   if (model->state.rescue.ghost)
     model->disc.ghost = model->solver.factorises && !model->scene.pairs->count ? 0. : MPM_GHOST_REST;
-  model->disc.interior = 0.;
   PetscCall(FindEquilibrium(model, &rest, &solved, why));
-  model->disc.interior           = interior;
   model->state.scheme.water_held = PETSC_FALSE;
   if (model->disc.ghost < ghost) model->disc.ghost = ghost;
   if (!*why) {
