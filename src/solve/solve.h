@@ -85,7 +85,7 @@ typedef struct {
   MpmExcursion   excursion;
   MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
   PetscBool      told_unstable; /* it has, and that was said */
-  char           lost[256];     /* tells of a point that left the grid, or of what nothing holds */
+  char           lost[320];     /* tells of a point that left the grid, or of what nothing holds */
   PetscInt       newton, linear;
   PetscInt64     newton_total, linear_total;
 } MpmSolver;
