@@ -34,6 +34,7 @@ static PetscErrorCode Evaluate(MpmSolver *solver, Vec x, Objective *objective)
   PetscCall(MpmPotentialEvaluate(solver->disc, &objective->value, &size, &failed));
   if (failed || PetscIsInfOrNanReal(objective->value)) objective->value = PETSC_INFINITY;
   objective->noise = ROUNDING * size;
+  PetscCall(PetscInfo(solver->snes, "the objective is %.16g\n", (double)objective->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

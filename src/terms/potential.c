@@ -13,7 +13,6 @@
 #include "point/layout.h"
 #include "point/stored_energy.h"
 #include "particles/points.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "terms/body_surface.h"
 #include "terms/contact.h"
@@ -67,7 +66,7 @@ static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
 
   PetscFunctionBeginUser;
   *failed = 0;
-  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->u, disc->space->local * disc->block, &same));
+  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->u, MpmNodesLocal(disc) * disc->block, &same));
   if (same) PetscFunctionReturn(PETSC_SUCCESS);
   disc->trial->made = PETSC_FALSE;
   disc->sum->trial  = disc->trial;
@@ -80,7 +79,7 @@ static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
 static PetscErrorCode AddLinear(const MpmDiscretization *disc, PetscReal *value)
 {
   const MpmTerms *terms  = disc->terms;
-  const PetscInt  count  = disc->space->local * disc->block;
+  const PetscInt  count  = MpmNodesLocal(disc) * disc->block;
   PetscInt        failed = 0;
   PetscReal      *force, *zero;
 
@@ -105,7 +104,7 @@ PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, P
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   part[0] = disc->sum->part * (disc->dim == 2 ? Stored(2, disc) : Stored(3, disc));
   PetscCall(AddLinear(disc, &part[1]));
-  for (PetscInt k = 0; k < disc->space->local * disc->block; k++) part[2] -= disc->force[k] * disc->u[k];
+  for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->force[k] * disc->u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 3, MPIU_REAL, MPIU_SUM, disc->comm));
   *value = part[0] + part[1] + part[2];
   *size  = PetscAbsReal(part[0]) + PetscAbsReal(part[1]) + PetscAbsReal(part[2]);
