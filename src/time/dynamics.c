@@ -436,7 +436,8 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
   MpmRigidFromNodes(model->disc.contacts, dynamics->v_new, dynamics->a_new);
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual}));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual,
+                                               model->disc.inertia->local, model->disc.inertia->owned}));
   PetscCall(MpmMotionToPoints(
     model->disc.sum, &MpmModelMotion(model)->transfer,
     &(MpmMotionStep){.v_old = dynamics->v_start, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));

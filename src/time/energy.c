@@ -21,7 +21,6 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/momentum.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "terms/body_contact.h"
@@ -160,7 +159,7 @@ static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal forc
 static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const MpmStepWork *step, PetscReal *work)
 {
   const MpmTerms *terms  = model->disc.terms;
-  const PetscInt  local  = model->disc.space->local;
+  const PetscInt  local  = step->local;
   PetscInt        failed = 0;
   PetscReal      *force;
 
@@ -179,7 +178,7 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const M
 PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
 {
   const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
-  const PetscInt       local    = model->disc.space->local;
+  const PetscInt       local    = work->local;
   MpmEnergy           *energy   = &model->state.scheme.energy;
   PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
 
@@ -188,7 +187,7 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
   sum[0] = BY_DIM(Internal, model->disc.dim, model);
-  sum[1] = Work(model, local, work->loads, work->u) + Work(model, model->disc.space->owned, work->supports, work->u);
+  sum[1] = Work(model, local, work->loads, work->u) + Work(model, work->owned, work->supports, work->u);
   PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
   sum[1] -= taken;
   PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->at ? work->at : work->u, work->u, &material,

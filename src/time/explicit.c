@@ -141,6 +141,21 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define EVEN 10 /* steps at a stage's end that are of one length */
+
+/*
+  A step that the stage's end cuts short has another contact: what rests presses by what its weight moves it in a step. So where
+  anything touches the last ones share what is left.
+*/
+static void ShareRest(MpmModel model)
+{
+  const PetscReal left  = model->state.time_end - model->state.time;
+  const PetscReal steps = PetscCeilReal(left / model->state.dt_wanted - 1e-3);
+
+  if (!model->scene.boundaries->count && !model->scene.pairs->count) return;
+  if (steps >= 1. && steps <= EVEN) model->state.dt_wanted = PetscMin(model->state.dt_wanted, left / steps);
+}
+
 static PetscErrorCode Length(MpmModel model, const char **why)
 {
   const MpmMotionControl *motion = MpmModelMotion(model);
@@ -157,6 +172,7 @@ static PetscErrorCode Length(MpmModel model, const char **why)
   if (crossing > 0.) crossing = Shortened(&motion->damping, crossing);
   model->state.dt_wanted = motion->cfl * crossing;
   if (!(crossing > 0.)) *why = "a point has no finite wave speed";
+  if (!*why && !(given > 0.) && !model->state.scheme.rescuing.on) ShareRest(model);
   if (*why || !(given > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   if (given > crossing * (1. + PETSC_SQRT_MACHINE_EPSILON)) {
     PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
@@ -358,10 +374,12 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
   const PetscInt  count    = model->disc.space->local * model->disc.dim;
   PetscReal      *other    = dynamics->a_rest;
-  PetscInt        failed   = 0;
+  const PetscReal dt = PetscMax(model->disc.sum->dt, model->state.dt_wanted); /* one that is cut short kicks nobody */
+  PetscInt        failed = 0;
 
   PetscFunctionBeginUser;
-  MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, model->disc.sum->dt);
+  MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, dt);
+  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, model->disc.inertia->mass, dt));
   if (MpmDampingAny(model->disc.damping)) {
     PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
     model->disc.damping->active = PETSC_TRUE;
@@ -527,8 +545,9 @@ static PetscErrorCode Observe(MpmModel model)
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, HasOthers(model) ? dynamics->a_start : NULL,
-                                               dynamics->loads, model->disc.residual}));
+  PetscCall(
+    MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, HasOthers(model) ? dynamics->a_start : NULL, dynamics->loads,
+                                       model->disc.residual, model->disc.space->local, model->disc.space->owned}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -547,9 +566,9 @@ static PetscErrorCode Accept(MpmModel model)
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
   sum->trial                  = NULL;
-  model->disc.contacts->moved = model->disc.u;
+  model->disc.contacts->moved = model->disc.pairs->moved = model->disc.u;
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
-  model->disc.contacts->moved = NULL;
+  model->disc.contacts->moved = model->disc.pairs->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

@@ -246,8 +246,10 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
 
   PetscFunctionBeginUser;
   if (time->motion.type != MPM_EXPLICIT && !time->rescue) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!model->scene.pairs->count, "-mpm_contacts: contacts of bodies need steps that are not explicit%s",
-                time->rescue ? ", as those of -mpm_time_rescue relaxation are" : "");
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
+    MpmCheckInput(!model->scene.pairs->at[k].barrier,
+                  "-mpm_contact_%s_method barrier: needs steps that are not explicit%s; they take penalty",
+                  model->scene.pairs->names[k], time->rescue ? ", as those of -mpm_time_rescue relaxation are" : "");
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     MpmCheckInput(!model->scene.boundaries->at[b].freedom,
                   "-mpm_boundary_%s_free: its place is solved for; explicit steps%s solve for nothing",

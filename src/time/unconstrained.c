@@ -8,7 +8,6 @@
   A free translation along which the loads have a resultant leaves no equilibrium, however short the step.
 */
 #include "point/layout.h"
-#include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "terms/contact.h"
