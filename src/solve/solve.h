@@ -22,6 +22,14 @@ typedef struct {
   PetscReal excess;                  /* of the last iterate: residual over tolerance, of the field that has most */
 } MpmFieldNormsKept;
 
+/* Where a step is a minimisation (minimise.c): its objective where the last line search ended. */
+typedef struct {
+  PetscBool on;    /* it is */
+  PetscBool known; /* has that line search evaluated it? */
+  MpmPlace  at;
+  PetscReal value; /* J */
+} MpmMinimisation;
+
 /*
   What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
@@ -41,6 +49,7 @@ typedef struct {
   PetscInt          least_at; /* and after how many iterations */
   PetscInt          balances; /* iterations that only the contacts' forces asked for */
   MpmFieldNormsKept fields;
+  MpmMinimisation   minimisation;
   PetscReal         imbalance;       /* of free bodies, at the last iterate */
   PetscInt          made_count;      /* Jacobians of this solution, */
   PetscInt          made_count_last; /* and of the last one */
