@@ -9,6 +9,7 @@
 #include "bc/bc.h"
 #include "terms/body_contact.h"
 #include "terms/inertia.h"
+#include "terms/potential.h"
 #include "terms/rigid.h"
 #include "time/dynamics.h"
 #include "time/model.h"
@@ -326,4 +327,20 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
                   "-mpm_material_%s_density: must be > 0, kg/m3, in dynamics", model->scene.materials->names[m]);
   for (PetscInt k = 0; k < model->scene.stage_count; k++) PetscCall(CheckExplicit(model, &model->scene.stages[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmStagesMinimise(const MpmModel model)
+{
+  if (!MpmStagesSolve(model) || model->scene.smooth > 0. || !MpmPotentialExists(&model->disc)) return PETSC_FALSE;
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    const MpmMotionControl  *motion  = &model->scene.stages[k].time.motion;
+    const MpmDampingControl *damping = &motion->damping;
+
+    if (motion->type == MPM_QUASISTATIC || motion->type == MPM_EXPLICIT) continue;
+    if (damping->mass > 0. || damping->stiffness > 0. || damping->linear > 0. || damping->quadratic > 0.)
+      return PETSC_FALSE;
+    for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+      if (model->scene.bcs->at[b].absorbing) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }

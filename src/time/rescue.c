@@ -14,7 +14,6 @@
   Order of calls: Begin(); then for each step of the motion the integrator's, to NextTime(), and Over().
 */
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "grid/grid.h"
 #include "space/sum.h"
 #include "time/dynamics.h"
@@ -34,21 +33,13 @@ PetscBool MpmRescueServes(const MpmModel model)
 /* Extents of the material over cells, the largest of all axes. */
 static PetscErrorCode CountCells(MpmModel model, PetscReal *cells)
 {
-  const PetscInt dim                    = model->disc.dim;
-  PetscReal      reach[2 * MPM_MAX_DIM] = {0.};
-  MpmPoints      points;
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < 2 * dim; k++) reach[k] = PETSC_NINFINITY;
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt k = 0; k < points.count * dim; k++) {
-    reach[k % dim]       = PetscMax(reach[k % dim], points.x[k]);
-    reach[dim + k % dim] = PetscMax(reach[dim + k % dim], -points.x[k]);
-  }
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, (PetscMPIInt)(2 * dim), MPIU_REAL, MPIU_MAX, model->comm));
+  PetscCall(MpmParticlesGetExtents(model->state.particles, lower, upper));
   *cells = 1.;
-  for (PetscInt a = 0; a < dim; a++) *cells = PetscMax(*cells, (reach[a] + reach[dim + a]) / model->disc.grid->h[a]);
+  for (PetscInt a = 0; a < model->disc.dim; a++)
+    *cells = PetscMax(*cells, (upper[a] - lower[a]) / model->disc.grid->h[a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
