@@ -75,6 +75,12 @@ typedef struct {
   } option[MPM_AT_REST];
 } MpmAtRest;
 
+/* What to do where the tangent loses definiteness; has it, and was that said? */
+typedef struct {
+  MpmUnstable unstable;
+  PetscBool   told;
+} MpmDefinite;
+
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
   MpmDiscretization *disc;
@@ -98,9 +104,8 @@ typedef struct {
   MpmFieldsplit  split;
   MpmEvaluations cache;
   MpmExcursion   excursion;
-  MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
-  PetscBool      told_unstable; /* it has, and that was said */
-  char           lost[320];     /* tells of a point that left the grid, or of what nothing holds */
+  MpmDefinite    definite;
+  char           lost[320]; /* tells of a point that left the grid, or of what nothing holds */
   PetscInt       newton, linear;
   PetscInt64     newton_total, linear_total;
 } MpmSolver;
