@@ -755,6 +755,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
                                    model->scene.pairs, model->state.placements, model->state.particles->state_size));
   PetscCall(MpmSurfacesAdd(model));
+  model->solver.cache.minimisation.on = MpmStagesMinimise(model);
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   if (MpmStagesSolve(model)) PetscCall(MpmSolverChoose(&model->solver, unknowns));

@@ -22,6 +22,14 @@ typedef struct {
   PetscReal excess;                  /* of the last iterate: residual over tolerance, of the field that has most */
 } MpmFieldNormsKept;
 
+/* Where a step is a minimisation (minimise.c): its objective where the last line search ended. */
+typedef struct {
+  PetscBool on;    /* it is */
+  PetscBool known; /* has that line search evaluated it? */
+  MpmPlace  at;
+  PetscReal value; /* J */
+} MpmMinimisation;
+
 /*
   What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
@@ -41,6 +49,7 @@ typedef struct {
   PetscInt          least_at; /* and after how many iterations */
   PetscInt          balances; /* iterations that only the contacts' forces asked for */
   MpmFieldNormsKept fields;
+  MpmMinimisation   minimisation;
   PetscReal         imbalance;       /* of free bodies, at the last iterate */
   PetscInt          made_count;      /* Jacobians of this solution, */
   PetscInt          made_count_last; /* and of the last one */
@@ -75,12 +84,6 @@ typedef struct {
   } option[MPM_AT_REST];
 } MpmAtRest;
 
-/* What to do where the tangent loses definiteness; has it, and was that said? */
-typedef struct {
-  MpmUnstable unstable;
-  PetscBool   told;
-} MpmDefinite;
-
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
   MpmDiscretization *disc;
@@ -104,10 +107,13 @@ typedef struct {
   MpmFieldsplit  split;
   MpmEvaluations cache;
   MpmExcursion   excursion;
-  MpmDefinite    definite;
-  char           lost[320]; /* tells of a point that left the grid, or of what nothing holds */
-  PetscInt       newton, linear;
-  PetscInt64     newton_total, linear_total;
+  struct {
+    MpmUnstable choice; /* what to do where the tangent loses definiteness */
+    PetscBool   told;   /* it has, and that was said */
+  } unstable;
+  char       lost[320]; /* tells of a point that left the grid, or of what nothing holds */
+  PetscInt   newton, linear;
+  PetscInt64 newton_total, linear_total;
 } MpmSolver;
 
 /* The sums over points by colours, in blocks or one node a colour, or by differences (jacobian_coloring.c). */

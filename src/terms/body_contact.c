@@ -83,7 +83,7 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
 {
   const MpmPair      *pair = &contacts->pairs->at[patch->pair];
   const MpmContactLaw law  = {.stiffness = patch->stiffness,
-                              .along     = SLIDING,
+                              .along     = patch->direct ? 1. : SLIDING,
                               .friction  = pair->friction,
                               .adhesion  = pair->adhesion,
                               .strength  = patch->strength,
@@ -124,6 +124,25 @@ static PetscReal Conductance(const MpmPairPatch *patch, const MpmSum *sum)
   return sum->dt * patch->side[0].area * patch->through;
 }
 
+/* Adds what turning of a side adds to the mean displacement. */
+static void AddTurning(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt s, const MpmSum *sum,
+                       const PetscReal u[], PetscReal w[])
+{
+  const MpmGroup  *box       = &sum->space->groups[patch->side[s].box];
+  const PetscInt  *nodes     = &sum->space->group_nodes[box->node_offset];
+  const PetscReal *weight    = &contacts->weight[patch->side[s].weight];
+  PetscReal        moment[3] = {0., 0., 0.}, arm[3], way[3] = {0., 0., 0.};
+
+  for (PetscInt i = 0; i < box->node_count; i++) {
+    if (weight[i] == 0.) continue;
+    MpmPairArm(patch, s, sum, i, arm);
+    for (PetscInt a = 0; a < sum->space->dim; a++) way[a] = weight[i] * u[nodes[i] * sum->block + a];
+    for (PetscInt a = 0; a < 3; a++)
+      moment[a] += arm[(a + 1) % 3] * way[(a + 2) % 3] - arm[(a + 2) % 3] * way[(a + 1) % 3];
+  }
+  MpmPairAddTurning(&patch->side[s].lever, moment, s ? -1. : 1., w);
+}
+
 /* sum_i w_i u_i of the first side less that of the second */
 static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, const PetscReal u[],
                      PetscReal w[])
@@ -137,6 +156,27 @@ static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch,
     for (PetscInt i = 0; i < box->node_count; i++)
       for (PetscInt a = 0; weight[i] != 0. && a < ROWS; a++)
         if (Acts(patch, sum, a)) w[a] += sign * weight[i] * u[nodes[i] * sum->block + Component(contacts, a)];
+    if (patch->direct) AddTurning(contacts, patch, s, sum, u, w);
+  }
+}
+
+/* The same in explicit steps, where turning has its part. */
+static void AddDirectForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
+                           const PetscReal force[], PetscReal y[])
+{
+  for (PetscInt s = 0; s < 2; s++) {
+    const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
+    const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
+    const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
+
+    for (PetscInt i = 0; i < box->node_count; i++) {
+      PetscReal arm[3], at_node[3];
+
+      if (weight[i] == 0.) continue;
+      MpmPairArm(patch, s, sum, i, arm);
+      MpmPairNodeForce(&patch->side[s].lever, force, arm, at_node);
+      for (PetscInt a = 0; a < sum->space->dim; a++) y[nodes[i] * sum->block + a] += sign * weight[i] * at_node[a];
+    }
   }
 }
 
@@ -144,6 +184,10 @@ static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch,
 static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
                      const PetscReal force[], PetscReal y[])
 {
+  if (patch->direct) {
+    AddDirectForce(contacts, patch, sum, force, y);
+    return;
+  }
   for (PetscInt s = 0; s < 2; s++) {
     const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
     const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
@@ -417,6 +461,25 @@ void MpmPairsRelease(MpmPairContacts *contacts)
 
 /* ---- the step is over ---- */
 
+/*
+  The slip that is kept of an explicit step, in which contact acted where the nodes would have come without it: the one they came to; of
+  what slides at most what the traction stretches.
+*/
+static void KeepSlip(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, PetscReal slip[])
+{
+  const PetscInt dim = sum->space->dim;
+  PetscReal      w[ROWS], square = 0., most = 0., came[MPM_MAX_DIM];
+
+  Relative(contacts, patch, sum, contacts->moved, w);
+  MpmContactAcross(dim, patch->normal, w);
+  for (PetscInt a = 0; a < dim; a++) {
+    came[a] = patch->slip[a] + w[a];
+    square += PetscSqr(came[a]);
+    most += PetscSqr(slip[a]);
+  }
+  for (PetscInt a = 0; a < dim; a++) slip[a] = came[a] * (square > most ? PetscSqrtReal(most / square) : 1.);
+}
+
 /* Forces of the converged step; the points keep the slips. */
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
@@ -432,6 +495,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
 
     Relative(contacts, &contacts->patch[k], sum, u, w);
     Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    if (contacts->moved && answer.active) KeepSlip(contacts, &contacts->patch[k], sum, answer.slip);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
       slip[k][a] = answer.slip[a];
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];

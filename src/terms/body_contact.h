@@ -24,10 +24,19 @@ struct MpmPairs {
   MpmPair *at;
 };
 
+/* In explicit steps: how the mean of a side is that of a place beside its own (body_impact.c). In 2D what turns is along z. */
+typedef struct {
+  PetscBool turns;                             /* its nodes tell how it turns */
+  PetscReal middle[MPM_MAX_DIM];               /* where the mean of the nodes stands, m */
+  PetscReal offset[MPM_MAX_DIM];               /* from there to where the patch's force acts, m */
+  PetscReal inverse[MPM_MAX_DIM][MPM_MAX_DIM]; /* turning by moment of the nodes' displacements, 1/m2 */
+} MpmPairLever;
+
 /* The facets of one side of a patch: the nodes of a box, and the weights of the mean over the facets at them. */
 typedef struct {
-  PetscInt  begin, end, box, weight;                       /* begin, end: in the contacts' list of facets */
-  PetscReal area, place[MPM_MAX_DIM], vector[MPM_MAX_DIM]; /* projected; mean place; sum of the outward area vectors */
+  PetscInt     begin, end, box, weight;  /* begin, end: in the contacts' list of facets */
+  PetscReal    area, place[MPM_MAX_DIM]; /* projected; mean place */
+  MpmPairLever lever;
 } MpmPatchSide;
 
 /* The facets of the first body in one cell, and those of the second that lie across. */
@@ -38,6 +47,7 @@ typedef struct {
   PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
   PetscReal    closed;                       /* by so much the last step closed the gap where it touches, m */
   PetscReal    shift;            /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
+  PetscBool    direct;           /* in an explicit step: no equations are solved, and sides have levers */
   PetscBool    held;             /* touches whatever its gap is, for an iteration, */
   PetscReal    way[MPM_MAX_DIM]; /* and slides this way */
   PetscReal    through;          /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
@@ -52,18 +62,19 @@ struct MpmPairContacts {
   const MpmPairs  *pairs;
   const MpmBodies *bodies;
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
-  PetscReal     cell, touch;       /* the smallest size of a cell; a patch no further away touches */
-  PetscBool     starts;            /* the step is the run's first: what overlaps now touches */
-  PetscBool     holds;             /* patches of some rank are held */
-  MPI_Comm      comm;
-  PetscInt      state_size;                                 /* of a point's history */
-  PetscInt      water;                                      /* the unknown that is water's pressure, or -1 */
-  PetscInt      facet_count, list_count, patch_count, most; /* most: nodes of a patch */
-  MpmPairFacet *facet;                                      /* by cells */
-  PetscInt     *list;                                       /* of facets, by patches and their sides */
-  MpmPairPatch *patch;
-  PetscInt      weight_count;
-  PetscReal    *weight;
+  PetscReal        cell, touch;    /* the smallest size of a cell; a patch no further away touches */
+  PetscBool        starts;         /* the step is the run's first: what overlaps now touches */
+  PetscBool        holds;          /* patches of some rank are held */
+  const PetscReal *moved;          /* explicit steps: displacements, contact having acted at others; or NULL */
+  MPI_Comm         comm;
+  PetscInt         state_size;                                 /* of a point's history */
+  PetscInt         water;                                      /* the unknown that is water's pressure, or -1 */
+  PetscInt         facet_count, list_count, patch_count, most; /* most: nodes of a patch */
+  MpmPairFacet    *facet;                                      /* by cells */
+  PetscInt        *list;                                       /* of facets, by patches and their sides */
+  MpmPairPatch    *patch;
+  PetscInt         weight_count;
+  PetscReal       *weight;
 };
 
 /* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */
@@ -99,6 +110,17 @@ PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, con
   the next step makes that of it (MpmRules.put_back).
 */
 PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles);
+/*
+  For explicit steps dt: patches become so soft that none throws back what it stops, by the masses of the local nodes, and their
+  forces have no moment (body_impact.c). Collective.
+*/
+PetscErrorCode MpmPairsLimit(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
+/* From the mean of a side to node i of its box, m; 3 numbers. */
+void MpmPairArm(const MpmPairPatch *patch, PetscInt s, const MpmSum *sum, PetscInt i, PetscReal arm[]);
+/* What a node gets by its weight of a force on a side, 3 numbers, at this arm. */
+void MpmPairNodeForce(const MpmPairLever *lever, const PetscReal force[], const PetscReal arm[], PetscReal at_node[]);
+/* Adds to the mean w, 3 numbers, what turning adds: `moment` is sum_i w_i r_i x u_i. */
+void MpmPairAddTurning(const MpmPairLever *lever, const PetscReal moment[], PetscReal sign, PetscReal w[]);
 /* The points of a patch keep its slip and the gap at which it touches. */
 PetscErrorCode       MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM],
                                         MpmParticles          *particles);

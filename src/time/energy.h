@@ -13,11 +13,13 @@
   at        that at which contact and damping acted; NULL: u
   loads     forces on the material, of which each rank has its part; their mean over the step
   supports  at the owned nodes, the forces that prescribed unknowns exert; 0 at free ones
+  local, owned  numbers of nodes
 
   The points, the space and the terms are as the step had them; the forces of contact and of damping are evaluated anew.
 */
 typedef struct {
   const PetscReal *u, *at, *loads, *supports;
+  PetscInt         local, owned;
 } MpmStepWork;
 
 /* Adds a step, once the trial is found and before the points take it. Collective; nothing happens in scenes without inertia. */

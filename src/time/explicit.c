@@ -109,18 +109,24 @@ PetscReal MpmExplicitPart(const MpmMotionControl *motion)
   return motion->update == MPM_UPDATE_USL ? PetscSqrtReal(0.5) : 1.;
 }
 
+/* The stage's step; 0: none is given. */
+static PetscReal GivenStep(const MpmModel model)
+{
+  return model->state.scheme.rescuing.on ? 0. : model->scene.stages[model->state.stage].time.step;
+}
+
 /* With scaled masses: the stage's step, or `cfl` of the time in which the slowest wave crosses a cell. */
 static PetscErrorCode FindScaledStep(MpmModel model)
 {
-  const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
-  const MpmSum         *sum     = model->disc.sum;
-  const PetscInt        dim     = model->disc.dim;
-  PetscReal             slowest = PETSC_MAX_REAL, h = PETSC_MAX_REAL;
-  MpmPoints             points;
+  const MpmMotionControl *motion  = MpmModelMotion(model);
+  const MpmSum           *sum     = model->disc.sum;
+  const PetscInt          dim     = model->disc.dim;
+  PetscReal               slowest = PETSC_MAX_REAL, h = PETSC_MAX_REAL;
+  MpmPoints               points;
 
   PetscFunctionBeginUser;
-  model->state.dt_wanted = control->step;
-  if (control->step > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.dt_wanted = GivenStep(model);
+  if (model->state.dt_wanted > 0.) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const PetscReal *state = points.state ? &points.state[p * sum->state_size] : NULL;
@@ -131,14 +137,30 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMin(h, model->disc.grid->h[a]);
-  model->state.dt_wanted = control->motion.cfl * MpmExplicitPart(&control->motion) * h / slowest;
+  model->state.dt_wanted = motion->cfl * MpmExplicitPart(motion) * h / slowest;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define EVEN 10 /* steps at a stage's end that are of one length */
+
+/*
+  A step that the stage's end cuts short has another contact: what rests presses by what its weight moves it in a step. So where
+  anything touches the last ones share what is left.
+*/
+static void ShareRest(MpmModel model)
+{
+  const PetscReal left  = model->state.time_end - model->state.time;
+  const PetscReal steps = PetscCeilReal(left / model->state.dt_wanted - 1e-3);
+
+  if (!model->scene.boundaries->count && !model->scene.pairs->count) return;
+  if (steps >= 1. && steps <= EVEN) model->state.dt_wanted = PetscMin(model->state.dt_wanted, left / steps);
 }
 
 static PetscErrorCode Length(MpmModel model, const char **why)
 {
-  const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
-  PetscReal             crossing;
+  const MpmMotionControl *motion = MpmModelMotion(model);
+  const PetscReal         given  = GivenStep(model);
+  PetscReal               crossing;
 
   PetscFunctionBeginUser;
   if (MpmModelScales(model)) {
@@ -146,18 +168,19 @@ static PetscErrorCode Length(MpmModel model, const char **why)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(FindCrossing(model, &crossing));
-  crossing *= MpmExplicitPart(&control->motion);
-  if (crossing > 0.) crossing = Shortened(&control->motion.damping, crossing);
-  model->state.dt_wanted = control->motion.cfl * crossing;
+  crossing *= MpmExplicitPart(motion);
+  if (crossing > 0.) crossing = Shortened(&motion->damping, crossing);
+  model->state.dt_wanted = motion->cfl * crossing;
   if (!(crossing > 0.)) *why = "a point has no finite wave speed";
-  if (*why || !(control->step > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (control->step > crossing * (1. + PETSC_SQRT_MACHINE_EPSILON)) {
+  if (!*why && !(given > 0.) && !model->state.scheme.rescuing.on) ShareRest(model);
+  if (*why || !(given > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (given > crossing * (1. + PETSC_SQRT_MACHINE_EPSILON)) {
     PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "the step %.4g is longer than a wave allows in a cell, %.4g", (double)control->step,
+                            "the step %.4g is longer than a wave allows in a cell, %.4g", (double)given,
                             (double)crossing));
     *why = model->solver.lost;
   }
-  model->state.dt_wanted = control->step;
+  model->state.dt_wanted = given;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,15 +242,17 @@ static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
   const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
-  PetscReal            *rate;
+  const PetscReal       by =
+    model->disc.sum->span / model->disc.sum->dt; /* the run's time goes on as fast; 1: it is the motion's */
+  PetscReal *rate;
 
   PetscFunctionBeginUser;
   if (!constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((local * dim), &rate));
-  PetscCall(MpmStepPrescribedRate(model, model->state.time - 0.5 * model->disc.sum->dt, 1, rate));
+  PetscCall(MpmStepPrescribedRate(model, model->state.time - 0.5 * model->disc.sum->span, 1, rate));
   MpmFramesToUnknowns(constraints, dim, local, velocity);
   for (PetscInt k = 0; k < local * dim; k++)
-    if (!MpmConstraintsFree(constraints, k)) velocity[k] = rate[k];
+    if (!MpmConstraintsFree(constraints, k)) velocity[k] = by * rate[k];
   MpmFramesToAxes(constraints, dim, local, velocity);
   PetscCall(PetscFree(rate));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -349,10 +374,12 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
   const PetscInt  count    = model->disc.space->local * model->disc.dim;
   PetscReal      *other    = dynamics->a_rest;
-  PetscInt        failed   = 0;
+  const PetscReal dt = PetscMax(model->disc.sum->dt, model->state.dt_wanted); /* one that is cut short kicks nobody */
+  PetscInt        failed = 0;
 
   PetscFunctionBeginUser;
-  MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, model->disc.sum->dt);
+  MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, dt);
+  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, model->disc.inertia->mass, dt));
   if (MpmDampingAny(model->disc.damping)) {
     PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
     model->disc.damping->active = PETSC_TRUE;
@@ -518,8 +545,9 @@ static PetscErrorCode Observe(MpmModel model)
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, HasOthers(model) ? dynamics->a_start : NULL,
-                                               dynamics->loads, model->disc.residual}));
+  PetscCall(
+    MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, HasOthers(model) ? dynamics->a_start : NULL, dynamics->loads,
+                                       model->disc.residual, model->disc.space->local, model->disc.space->owned}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -538,9 +566,9 @@ static PetscErrorCode Accept(MpmModel model)
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
   sum->trial                  = NULL;
-  model->disc.contacts->moved = model->disc.u;
+  model->disc.contacts->moved = model->disc.pairs->moved = model->disc.u;
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
-  model->disc.contacts->moved = NULL;
+  model->disc.contacts->moved = model->disc.pairs->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

@@ -4,7 +4,6 @@
 #include "point/layout.h"
 #include "point/registry.h"
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "bc/body_motion.h"
@@ -46,7 +45,8 @@ static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal t
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
-  const MpmIntegratorType motion = model->scene.stages[model->state.stage].time.motion.type;
+  const MpmStage         *stage  = &model->scene.stages[model->state.stage];
+  const MpmIntegratorType motion = stage->time.motion.type;
   const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
   MpmRules                rules;
 
@@ -62,6 +62,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                      .materials  = model->disc.sum->materials,
                      .ghost      = solves ? GhostFactor(model) : 0.,
                      .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .interior   = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.interior : 0.,
                      .smooth     = SmoothShare(model),
                      .mean       = (PetscBool)(model->disc.layout->means > 0),
                      .put_back   = model->disc.put_back,
@@ -90,7 +91,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  const PetscInt count = model->disc.points->count;
+  const PetscInt count = model->disc.space->point_count;
 
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
   PetscCall(PetscMalloc3((model->disc.space->local * bs), &model->disc.u, (model->disc.space->local * bs),
@@ -268,7 +269,8 @@ PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
   if (!*why) {
-    model->disc.sum->dt = model->disc.sum->span = dt;
+    model->disc.sum->dt   = dt;
+    model->disc.sum->span = model->state.scheme.rescuing.on ? time - model->state.time : dt;
     PetscCall(PrepareConditions(model, &rules, time, why));
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

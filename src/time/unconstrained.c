@@ -11,7 +11,6 @@
   contact holds along its normals only: one of them that the loads push along a free motion rests on friction alone.
 */
 #include "point/layout.h"
-#include "grid/grid.h"
 #include "particles/body.h"
 #include "space/space.h"
 #include "space/sum.h"
