@@ -27,7 +27,7 @@ struct _p_MpmRegion {
   PetscInt      dim;
   PetscReal     tolerance[MPM_REGION_DIM];
   PetscReal     lower[MPM_REGION_DIM],
-    upper[MPM_REGION_DIM];           /* bounding box of what counts as inside; infinite where the region is */
+    upper[MPM_REGION_DIM]; /* bounding box of what counts as inside; infinite where the region is */
   PetscReal  clip[2][MPM_REGION_DIM];
   PetscReal  center[MPM_REGION_DIM]; /* sphere; a cylinder's `point` */
   PetscReal  axis[MPM_REGION_DIM];   /* unit vector */
@@ -308,7 +308,7 @@ static PetscErrorCode ReadClip(const MpmOptions *options, MpmRegion region)
   for (PetscInt a = 0; a < region->dim; a++) {
     MpmCheckInput(region->clip[0][a] <= region->clip[1][a],
                   "-%sclip_upper %g on axis %c: must be >= -%sclip_lower, which is %g", Prefix(options),
-                  (double)region->clip[1][a], "xyz"[a], Prefix(options), (double)region->clip[0][a]);
+                  (double)region->clip[1][a], "xyz"[a], Prefix(options), (double)region -> clip[0][a]);
     region->lower[a] = PetscMax(region->lower[a], region->clip[0][a] - region->tolerance[a]);
     region->upper[a] = PetscMin(region->upper[a], region->clip[1][a] + region->tolerance[a]);
   }

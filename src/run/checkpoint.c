@@ -83,7 +83,7 @@ static PetscBool MayChange(const char *name)
                                       "mpm_jacobian",    "mpm_mat_type",
                                       "mpm_vec_type",    "mpm_newton_",
                                       "mpm_matfree_",    "mpm_stabilization_ghost",
-                                      "mpm_relaxation_"};
+                                      "mpm_relaxation_", "mpm_stabilization_interior"};
 
   if (EndsWith(name, "time_rescue")) return PETSC_FALSE; /* points have velocities with it */
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(heads); k++)

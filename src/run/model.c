@@ -427,7 +427,7 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     if (MpmPressureBounds(
           model, model->scene.boundaries->at[k].friction,
           (PetscBool)(model->scene.boundaries->at[k].stick && !model->scene.boundaries->at[k].bilateral)))
-      model->solver.symmetric = PETSC_FALSE;
+      model->solver.at_rest.serves = PETSC_TRUE;
   }
   MpmRigidStart(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -67,6 +67,7 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
     solver->disc->residual[k] = -solver->disc->force[k];
   solver->cache.assembled   = PETSC_FALSE;
   solver->disc->trial->made = PETSC_FALSE;
+  PetscCall(MpmSolverMindContact(solver, PETSC_FALSE));
   PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, solver->jacobian));
   PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->pattern,
                             solver->disc->residual, failed));
@@ -155,6 +156,7 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(solver, x));
+  PetscCall(MpmSolverMindContact(solver, PETSC_FALSE));
   PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, P));
   if (solver->jacobian_type == MPM_JACOBIAN_LOCAL || solver->jacobian_type == MPM_JACOBIAN_MATFREE)
     PetscCall(
@@ -177,7 +179,8 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   solver->cache.made_count++;
   PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
-  if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
+  if (solver->symmetric || solver->at_rest.count)
+    PetscCall(MatSetOption(P, MAT_SYMMETRIC, (PetscBool)(solver->symmetric || solver->at_rest.now)));
   PetscCall(MpmFieldsplitUpdate(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
