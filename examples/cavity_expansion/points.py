@@ -62,7 +62,7 @@ def merge(points, size):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cells", type=int, default=2, help="cells to a radius of the cavity (2)")
-    parser.add_argument("--per-cell", type=int, default=2, help="points to a cell along an axis (2)")
+    parser.add_argument("--per-cell", type=int, default=3, help="points to a cell along an axis (3)")
     options = parser.parse_args()
     size = RADIUS / (options.cells * options.per_cell)
     stress = 3 * f",{-PRESSURE:.0f}" + ",0"

@@ -77,6 +77,21 @@ def rim_stress(radius, start):
     return root(lambda rim: profile(rim)[-1, 0] - radius, start)
 
 
+def ellipticity(dilation):
+    """The least determinant of the acoustic tensor over normals in the plane while it flows, over that without flow, small strains,
+    and the least and largest angle in degrees between the radius and normals for which it is below 0."""
+    stiffness = LAME + 2.0 * SHEAR * np.eye(3)
+    bound, flow = (np.array([np.sin(angle) - 1.0, np.sin(angle) + 1.0, 0.0]) for angle in (FRICTION, dilation))
+    tangent = stiffness - np.outer(stiffness @ flow, bound @ stiffness) / (bound @ stiffness @ flow)
+    angle = np.radians(np.linspace(0.0, 90.0, 9001))
+    c, s = np.cos(angle), np.sin(angle)
+    across = (tangent[0, 1] + SHEAR) * (tangent[1, 0] + SHEAR) * (c * s)**2
+    value = (tangent[0, 0] * c**2 + SHEAR * s**2) * (tangent[1, 1] * s**2 + SHEAR * c**2) - across
+    value /= SHEAR * (LAME + 2.0 * SHEAR)
+    below = np.degrees(angle[value < -1e-9])
+    return value.min(), (below[0], below[-1]) if len(below) else None
+
+
 def main():
     print("# from reference.py: wall's radius over the first one; pressures at the wall and the rim over that at the start")
     print("radius,wall,rim")

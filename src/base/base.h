@@ -13,6 +13,8 @@
 #define MPM_INLINE static inline __attribute__((always_inline))
 
 #define MPM_MAX_DIM 3
+
+#define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
 /* Basis functions of one shape: weights, then derivatives, then weights less their means. */
 #define MPM_BASES          (MPM_MAX_DIM + 2)
 #define MPM_DEVIATION(dim) ((dim) + 1)

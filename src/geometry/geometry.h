@@ -51,6 +51,8 @@ PetscBool MpmRegionEnd(MpmRegion region, const PetscReal x[], PetscInt axis, Pet
 
 /* Is its surface round, that of a sphere (2D: a disc) or a cylinder? */
 PetscBool MpmRegionIsRound(MpmRegion region);
+/* Does the clipping end a round one, seen from a place along an axis to a side (0 lower, 1 upper), before its surface does? */
+PetscBool MpmRegionClips(MpmRegion region, const PetscReal x[], PetscInt axis, PetscInt side);
 /* Puts a place onto the round surface along its normal, which is returned, outward; what it was below it, m. */
 PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[]);
 /* Of a round one, m. */

@@ -9,6 +9,8 @@
     polygon   vertices: x1,y1,x2,y2,... in order round the boundary, closed by itself; in 3D a prism along z, from
               lower_z to upper_z where they are given
 
+  Of each, clip_lower and clip_upper, where they are given, leave what lies between these corners: an octant of a sphere.
+
   A place within the tolerance of the edge counts as inside. The tolerance is one length per axis; at an angle it is
   what the ellipsoid with these semi-axes reaches.
 */
@@ -25,7 +27,8 @@ struct _p_MpmRegion {
   PetscInt      dim;
   PetscReal     tolerance[MPM_REGION_DIM];
   PetscReal     lower[MPM_REGION_DIM],
-    upper[MPM_REGION_DIM];           /* bounding box of what counts as inside; infinite where the region is */
+    upper[MPM_REGION_DIM]; /* bounding box of what counts as inside; infinite where the region is */
+  PetscReal  clip[2][MPM_REGION_DIM];
   PetscReal  center[MPM_REGION_DIM]; /* sphere; a cylinder's `point` */
   PetscReal  axis[MPM_REGION_DIM];   /* unit vector */
   PetscReal  radius, length;         /* length < 0: endless */
@@ -289,6 +292,29 @@ static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Leaves what lies between two corners, of which either may be missing. */
+static PetscErrorCode ReadClip(const MpmOptions *options, MpmRegion region)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < region->dim; a++) {
+    region->clip[0][a] = PETSC_NINFINITY;
+    region->clip[1][a] = PETSC_INFINITY;
+  }
+  if (region->type == MPM_REGION_FILE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsReals(options, "clip_lower", "m", "the region ends at this lower corner", MPM_RANGE_ANY,
+                            MPM_OPTIONAL, region->dim, region->clip[0], NULL));
+  PetscCall(MpmOptionsReals(options, "clip_upper", "m", "the region ends at this upper corner", MPM_RANGE_ANY,
+                            MPM_OPTIONAL, region->dim, region->clip[1], NULL));
+  for (PetscInt a = 0; a < region->dim; a++) {
+    MpmCheckInput(region->clip[0][a] <= region->clip[1][a],
+                  "-%sclip_upper %g on axis %c: must be >= -%sclip_lower, which is %g", Prefix(options),
+                  (double)region->clip[1][a], "xyz"[a], Prefix(options), (double)region -> clip[0][a]);
+    region->lower[a] = PetscMax(region->lower[a], region->clip[0][a] - region->tolerance[a]);
+    region->upper[a] = PetscMin(region->upper[a], region->clip[1][a] + region->tolerance[a]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const PetscReal tolerance[], MpmRegion *region)
 {
   MpmRegion r;
@@ -310,6 +336,7 @@ PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const Pe
   PetscCall(MpmOptionsWord(options, "region", "which part of space", region_types, MPM_OPTIONAL, &type, NULL));
   r->type = (MpmRegionType)type;
   PetscCall(ReadGeometry(options, r));
+  PetscCall(ReadClip(options, r));
   *region = r;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -332,6 +359,7 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
 
     PetscCall(MpmOptionsHeading(&options, kinds[k].title));
     PetscCall(ReadGeometry(&options, &region));
+    PetscCall(ReadClip(&options, &region));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -558,6 +586,16 @@ PetscBool MpmRegionEnd(MpmRegion region, const PetscReal x[], PetscInt axis, Pet
 PetscBool MpmRegionIsRound(MpmRegion region)
 {
   return (PetscBool)(region->type == MPM_REGION_SPHERE || region->type == MPM_REGION_CYLINDER);
+}
+
+PetscBool MpmRegionClips(MpmRegion region, const PetscReal x[], PetscInt axis, PetscInt side)
+{
+  PetscReal at[MPM_REGION_DIM] = {0., 0., 0.}, normal[MPM_REGION_DIM];
+
+  for (PetscInt a = 0; a < region->dim; a++) at[a] = x[a];
+  at[axis] = region->clip[side][axis];
+  return (PetscBool)(PetscAbsReal(at[axis]) < PETSC_INFINITY &&
+                     MpmRegionToRound(region, at, normal) > region->tolerance[axis]);
 }
 
 PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[])

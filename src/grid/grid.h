@@ -5,8 +5,6 @@
 #include "base/base.h"
 #include "base/types.h"
 
-#define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
-
 #define MPM_GRID_SLACK 1e-9 /* of a cell: by so much a point may be outside of the grid, from rounding */
 
 /*

@@ -47,8 +47,10 @@ static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, Mp
     if (a >= grid->dim) continue;
     MpmCheckInput(lower[a] <= PETSC_NINFINITY || upper[a] >= PETSC_INFINITY ||
                     (lower[a] >= grid->lower[a] - tolerance && upper[a] <= grid->upper[a] + tolerance),
-                  "-%sregion: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]", block->prefix,
-                  (double)lower[a], (double)upper[a], "xyz"[a], (double)(grid->lower[a]), (double)(grid->upper[a]));
+                  "-%sregion: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]; -%sclip_lower and "
+                  "-%sclip_upper cut it",
+                  block->prefix, (double)lower[a], (double)upper[a], "xyz"[a], (double)(grid->lower[a]),
+                  (double)(grid->upper[a]), block -> prefix, block -> prefix);
     lower[a] = PetscMax(lower[a], grid->lower[a]);
     upper[a] = PetscMin(upper[a], grid->upper[a]);
     body->cell_lower[a] =

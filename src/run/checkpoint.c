@@ -82,8 +82,10 @@ static PetscBool MayChange(const char *name)
                                       "mpm_quiet",       "mpm_solver",
                                       "mpm_jacobian",    "mpm_mat_type",
                                       "mpm_vec_type",    "mpm_newton_",
-                                      "mpm_matfree_",    "mpm_stabilization_ghost"};
+                                      "mpm_matfree_",    "mpm_stabilization_ghost",
+                                      "mpm_relaxation_", "mpm_stabilization_interior"};
 
+  if (EndsWith(name, "time_rescue")) return PETSC_FALSE; /* points have velocities with it */
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(heads); k++)
     if (BeginsWith(name, heads[k])) return PETSC_TRUE;
   if (BeginsWith(name, "mpm_bc_") || BeginsWith(name, "mpm_load_"))
@@ -313,7 +315,8 @@ PetscErrorCode MpmCheckpointWrite(MpmModel model)
 PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop)
 {
   const MpmCheckpoint *checkpoint = &model->results->checkpoint;
-  const PetscBool      end        = (PetscBool)(model->state.time >= model->state.time_end * (1. - 1e-12));
+  const PetscBool      rescue     = model->state.scheme.rescuing.on;
+  const PetscBool      end        = (PetscBool)(!rescue && model->state.time >= model->state.time_end * (1. - 1e-12));
   PetscBool            due;
   PetscLogDouble       now;
   int                  note[2] = {MpmSignalsCaught(), 0};
@@ -323,7 +326,7 @@ PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop)
   if (!model->rank) note[1] = checkpoint->wall > 0. && now - checkpoint->since >= checkpoint->wall;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, note, 2, MPI_INT, MPI_MAX, model->comm));
   due = (PetscBool)(note[0] || note[1]);
-  if (checkpoint->every && model->state.step && model->state.step % checkpoint->every == 0) due = PETSC_TRUE;
+  if (checkpoint->every && !rescue && model->state.step && model->state.step % checkpoint->every == 0) due = PETSC_TRUE;
   if (end && (checkpoint->every || checkpoint->wall > 0.)) due = PETSC_TRUE; /* time_end may be moved later */
   if (due) PetscCall(MpmCheckpointWrite(model));
   *stop = (PetscBool)(note[0] && !end);

@@ -64,7 +64,7 @@ PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions
     PetscCall(MpmOptionsHeading(&block, "Contact of bodies"));
     PetscCall(ReadPair(&block, bodies, pair->body));
     PetscCall(MpmPairRead(&block, model->disc.dim, (PetscBool)(water || MpmOptionsHelp()), pair));
-    if (MpmPressureBounds(model, pair->friction, pair->stick)) model->solver.symmetric = PETSC_FALSE;
+    if (MpmPressureBounds(model, pair->friction, pair->stick)) model->solver.at_rest.serves = PETSC_TRUE;
     /* the first body of each has a part of its own, so the two differ */
     if (!MpmOptionsHelp() && !bodies->part[pair->body[0]]) bodies->part[pair->body[0]] = bodies->parts++;
   }

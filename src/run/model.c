@@ -427,7 +427,7 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     if (MpmPressureBounds(
           model, model->scene.boundaries->at[k].friction,
           (PetscBool)(model->scene.boundaries->at[k].stick && !model->scene.boundaries->at[k].bilateral)))
-      model->solver.symmetric = PETSC_FALSE;
+      model->solver.at_rest.serves = PETSC_TRUE;
   }
   MpmRigidStart(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -755,6 +755,7 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
                                    model->scene.pairs, model->state.placements, model->state.particles->state_size));
   PetscCall(MpmSurfacesAdd(model));
+  model->solver.cache.minimisation.on = MpmStagesMinimise(model);
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
   if (MpmStagesSolve(model)) PetscCall(MpmSolverChoose(&model->solver, unknowns));

@@ -110,6 +110,10 @@ PetscErrorCode MpmTerminalBegin(MpmModel model)
   PetscCall(PrintMotion(model));
   PetscCall(MpmStabilizationText(model, sizeof(text), text));
   PetscCall(PetscPrintf(model->comm, "  %s\n", text));
+  if (model->solver.cache.minimisation.on)
+    PetscCall(PetscPrintf(model->comm,
+                          "  each step minimises a potential: the materials' energy%s, less the work of the loads\n",
+                          MpmStagesAreImplicit(model) ? ", with inertia" : ""));
   PetscCall(PetscPrintf(model->comm, "  %" PetscInt64_FMT " point%s, grid of %" PetscInt_FMT " x %" PetscInt_FMT,
                         model->state.particles->total, model->state.particles->total == 1 ? "" : "s", grid->cells[0],
                         grid->cells[1]));

@@ -11,6 +11,7 @@
 #include "grid/partition.h"
 #include "particles/particles.h"
 #include "space/rules.h"
+#include "time/rescue.h"
 #include "time/time.h"
 #include "run/run.h"
 
@@ -402,6 +403,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   dt_nominal                      = model->state.dt_nominal;
   start                           = model->state.time_start;
   PetscCall(MpmStageResume(model));
+  MpmRescueResume(model);
   MpmCheckInput(
     model->state.time_start == start, "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
     model->scene.stages[model->state.stage].name, restart->path, (double)start, (double)model->state.time_start);

@@ -12,7 +12,7 @@
 
 static PetscBool AtStageEnd(const MpmModel model)
 {
-  return (PetscBool)(model->state.time >= model->state.time_end * (1. - 1e-12));
+  return (PetscBool)(!model->state.scheme.rescuing.on && model->state.time >= model->state.time_end * (1. - 1e-12));
 }
 
 /* Has the last stage come to its end? */
@@ -21,26 +21,31 @@ static PetscBool AtEnd(const MpmModel model)
   return (PetscBool)(AtStageEnd(model) && model->state.stage + 1 >= model->scene.stage_count);
 }
 
-/* The next step, in the next stage where this one has ended; a geostatic stage is a single step for the results. */
+/*
+  The next step, in the next stage where this one has ended; a geostatic stage is a single step for the results. Where a relaxation
+  goes on in place of a step it is one of that, and there is nothing to tell until it has come to rest.
+*/
 static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
 {
-  const char    **why = &model->caller.why;
+  const PetscBool begins = (PetscBool)!model->state.scheme.rescuing.on;
+  const char    **why    = &model->caller.why;
   const MpmStage *stage;
 
   PetscFunctionBeginUser;
   *why = NULL;
   if (AtStageEnd(model)) PetscCall(MpmStageBegin(model, model->state.stage + 1));
   stage = &model->scene.stages[model->state.stage];
-  if (stage->name && model->state.time == model->state.time_start)
+  if (begins && stage->name && model->state.time == model->state.time_start)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
+  if (begins && model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
   if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
     PetscCall(MpmGeostaticRun(model, why));
     *dt = model->state.time - model->state.time_start;
   } else PetscCall(MpmAdvance(model, dt, why));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (!*why && model->caller.after) PetscCall((*model->caller.after)(model, model->caller.after_ctx));
+  if (!*why && !model->state.scheme.rescuing.on && model->caller.after)
+    PetscCall((*model->caller.after)(model, model->caller.after_ctx));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,7 +55,8 @@ static PetscErrorCode StepOnce(MpmModel model)
 
   PetscFunctionBeginUser;
   model->caller.stop = PETSC_FALSE;
-  PetscCall(TakeStep(model, &dt));
+  do PetscCall(TakeStep(model, &dt));
+  while (model->state.scheme.rescuing.on && !model->caller.why);
   if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -148,7 +154,7 @@ static PetscErrorCode Run(MpmModel model)
 
     PetscCall(TakeStep(model, &dt));
     if (model->caller.why && model->state.step == before) break;
-    PetscCall(Report(model, dt));
+    if (!model->state.scheme.rescuing.on) PetscCall(Report(model, dt));
     if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
     if (model->caller.why) break;
     PetscCall(MpmCheckpointStep(model, &interrupted));

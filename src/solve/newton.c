@@ -13,7 +13,7 @@
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
-#include "solve/solve.h"
+#include "solve/line_search.h"
 
 /* Brings the solution vector to the local nodes, ghosts included, as components along the axes. */
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
@@ -45,7 +45,7 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GetPlace(Vec x, MpmPlace *place)
+PetscErrorCode MpmPlaceGet(Vec x, MpmPlace *place)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscObjectGetId((PetscObject)x, &place->id));
@@ -53,7 +53,7 @@ static PetscErrorCode GetPlace(Vec x, MpmPlace *place)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool IsSame(const MpmPlace *a, const MpmPlace *b)
+PetscBool MpmPlaceIsSame(const MpmPlace *a, const MpmPlace *b)
 {
   return (PetscBool)(a->id == b->id && a->state == b->state);
 }
@@ -62,11 +62,12 @@ static PetscBool IsSame(const MpmPlace *a, const MpmPlace *b)
 static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  PetscCall(GetPlace(x, &solver->cache.summed));
+  PetscCall(MpmPlaceGet(x, &solver->cache.summed));
   for (PetscInt k = 0; k < solver->disc->space->local * solver->disc->block; k++)
     solver->disc->residual[k] = -solver->disc->force[k];
   solver->cache.assembled   = PETSC_FALSE;
   solver->disc->trial->made = PETSC_FALSE;
+  PetscCall(MpmSolverMindContact(solver, PETSC_FALSE));
   PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, solver->jacobian));
   PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->pattern,
                             solver->disc->residual, failed));
@@ -155,6 +156,7 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(solver, x));
+  PetscCall(MpmSolverMindContact(solver, PETSC_FALSE));
   PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, P));
   if (solver->jacobian_type == MPM_JACOBIAN_LOCAL || solver->jacobian_type == MPM_JACOBIAN_MATFREE)
     PetscCall(
@@ -170,14 +172,15 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   MpmPlace place;
 
   PetscFunctionBeginUser;
-  PetscCall(GetPlace(x, &place));
-  if (!IsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
+  PetscCall(MpmPlaceGet(x, &place));
+  if (!MpmPlaceIsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
   solver->cache.summed.id = 0;
   solver->cache.assembled = PETSC_TRUE;
   solver->cache.made_count++;
   PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
   if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
-  if (solver->symmetric) PetscCall(MatSetOption(P, MAT_SYMMETRIC, PETSC_TRUE));
+  if (solver->symmetric || solver->at_rest.count)
+    PetscCall(MatSetOption(P, MAT_SYMMETRIC, (PetscBool)(solver->symmetric || solver->at_rest.now)));
   PetscCall(MpmFieldsplitUpdate(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -441,17 +444,7 @@ PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A line search at work: from X along -Y, with F at X; W and G are the step that is tried and the residual there. */
-typedef struct {
-  MpmSolver *solver;
-  Vec        X, F, Y, W, G;
-  PetscInt   it;
-  PetscReal  fnorm; /* of F */
-  PetscReal  lambda, norm;
-} Search;
-
-/* Tries X - lambda Y: the residual there, and its norm. */
-static PetscErrorCode Try(Search *search)
+PetscErrorCode MpmSearchTry(MpmSearch *search)
 {
   PetscFunctionBeginUser;
   PetscCall(VecWAXPY(search->W, -search->lambda, search->Y, search->X));
@@ -537,7 +530,7 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
   with a slope as large as the last and of the other sign, and a residual that falls on every other one. So there the slope
   has to be less after a step than before.
 */
-static PetscErrorCode SearchByWork(Search *search, PetscBool *found)
+static PetscErrorCode SearchByWork(MpmSearch *search, PetscBool *found)
 {
   const PetscReal ratio = search->it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
   FullStep        step  = {.norm_start = search->fnorm};
@@ -550,7 +543,7 @@ static PetscErrorCode SearchByWork(Search *search, PetscBool *found)
   PetscCall(VecDot(search->F, search->Y, &dot));
   step.start = PetscRealPart(dot);
   for (PetscInt trial = 0;; trial++) {
-    PetscCall(Try(search));
+    PetscCall(MpmSearchTry(search));
     if (PetscIsInfOrNanReal(search->norm)) {
       *found = (PetscBool)(trial < LINE_SEARCH_TRIALS);
       if (!*found) break;
@@ -587,7 +580,7 @@ typedef struct {
 } Bracket;
 
 /* Is the residual at search->lambda, with this slope there, good enough? */
-static PetscBool IsGood(const Search *search, const Bracket *bracket, PetscReal slope)
+static PetscBool IsGood(const MpmSearch *search, const Bracket *bracket, PetscReal slope)
 {
   const PetscBool early = (PetscBool)(search->it < LINE_SEARCH_PATIENT);
 
@@ -604,7 +597,7 @@ static PetscBool IsGood(const Search *search, const Bracket *bracket, PetscReal 
   slope's zero is bracketed, by regula falsi that keeps off the ends. Where friction makes the slope negative at the start, it says nothing
   and the residual counts.
 */
-static PetscErrorCode SearchByBracket(Search *search, PetscBool *found)
+static PetscErrorCode SearchByBracket(MpmSearch *search, PetscBool *found)
 {
   Bracket     bracket = {.at = {0., -1.}};
   PetscScalar dot;
@@ -616,7 +609,7 @@ static PetscErrorCode SearchByBracket(Search *search, PetscBool *found)
   for (PetscInt trial = 0;; trial++) {
     PetscBool uphill;
 
-    PetscCall(Try(search));
+    PetscCall(MpmSearchTry(search));
     if (PetscIsInfOrNanReal(search->norm)) {
       *found = (PetscBool)(trial < BRACKET_TRIALS);
       if (!*found) break;
@@ -651,7 +644,7 @@ static PetscErrorCode SearchByBracket(Search *search, PetscBool *found)
   volume. Each field's residual counts over its own tolerance, and the one that is furthest from it. Where the step
   is too long, the next length is the minimum of the parabola through the square at 0, its slope there, and this one.
 */
-static PetscErrorCode SearchByNorm(Search *search, PetscBool *found)
+static PetscErrorCode SearchByNorm(MpmSearch *search, PetscBool *found)
 {
   const PetscReal growth = search->it < LINE_SEARCH_PATIENT ? NORM_GROWTH : NORM_GROWTH_LATER;
   PetscReal       start, excess;
@@ -661,7 +654,7 @@ static PetscErrorCode SearchByNorm(Search *search, PetscBool *found)
   if (!search->it) PetscCall(MpmFieldsLearn(search->solver, search->X, search->Y));
   PetscCall(FindExcess(search->solver, search->X, search->F, &start));
   for (PetscInt trial = 0;; trial++) {
-    PetscCall(Try(search));
+    PetscCall(MpmSearchTry(search));
     if (PetscIsInfOrNanReal(search->norm)) {
       *found = (PetscBool)(trial < LINE_SEARCH_TRIALS);
       if (!*found) break;
@@ -682,7 +675,7 @@ static PetscErrorCode SearchByNorm(Search *search, PetscBool *found)
 }
 
 /* Tells the contacts of the iterate that is taken; those that were held until now do otherwise there. */
-static PetscErrorCode FollowContacts(Search *search)
+static PetscErrorCode FollowContacts(MpmSearch *search)
 {
   const MpmDiscretization *disc   = search->solver->disc;
   const PetscBool          held   = (PetscBool)(disc->contacts->newton.holds || disc->pairs->holds);
@@ -703,7 +696,7 @@ static PetscErrorCode FollowContacts(Search *search)
 /* The program's own line search. */
 static PetscErrorCode LineSearch(SNESLineSearch object, void *ctx)
 {
-  Search    search = {.solver = (MpmSolver *)ctx, .lambda = 1.};
+  MpmSearch search = {.solver = (MpmSolver *)ctx, .lambda = 1.};
   MpmPlace  tried;
   SNES      snes;
   PetscReal xnorm, ynorm;
@@ -718,17 +711,19 @@ static PetscErrorCode LineSearch(SNESLineSearch object, void *ctx)
   if (search.solver->disc->layout->field_count > 1) PetscCall(SearchByNorm(&search, &found));
   else if (search.solver->careful) PetscCall(SearchByBracket(&search, &found));
   else PetscCall(SearchByWork(&search, &found));
+  if (found && search.solver->cache.minimisation.on) PetscCall(MpmSearchDescend(&search, &found));
   if (!found) {
     PetscCall(SNESLineSearchSetReason(object, SNES_LINESEARCH_FAILED_NANORINF));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(FollowContacts(&search));
   PetscCall(VecNorm(search.Y, NORM_2, &ynorm));
-  PetscCall(GetPlace(search.W, &tried));
+  PetscCall(MpmPlaceGet(search.W, &tried));
   PetscCall(VecCopy(search.W, search.X));
   PetscCall(VecCopy(search.G, search.F));
-  if (IsSame(&tried, &search.solver->cache.summed))
-    PetscCall(GetPlace(search.X, &search.solver->cache.summed)); /* the same values */
+  if (MpmPlaceIsSame(&tried, &search.solver->cache.summed))
+    PetscCall(MpmPlaceGet(search.X, &search.solver->cache.summed)); /* the same values */
+  PetscCall(MpmSearchTaken(&search));
   PetscCall(VecNorm(search.X, NORM_2, &xnorm));
   PetscCall(SNESLineSearchSetLambda(object, search.lambda));
   PetscCall(SNESLineSearchSetNorms(object, xnorm, search.norm, ynorm));
@@ -736,13 +731,18 @@ static PetscErrorCode LineSearch(SNESLineSearch object, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* More where each one leads downhill: a step that is far too long gets there, which cuts would not do sooner. */
+#define ITERATIONS          25
+#define ITERATIONS_DOWNHILL 50
+
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver)
 {
   SNESLineSearch search;
 
   PetscFunctionBeginUser;
   PetscCall(SNESSetType(solver->snes, SNESNEWTONLS));
-  PetscCall(SNESSetTolerances(solver->snes, PETSC_DEFAULT, 1e-8, 0., 25, PETSC_DEFAULT));
+  PetscCall(SNESSetTolerances(solver->snes, PETSC_DEFAULT, 1e-8, 0.,
+                              solver->cache.minimisation.on ? ITERATIONS_DOWNHILL : ITERATIONS, PETSC_DEFAULT));
   PetscCall(SNESSetDivergenceTolerance(solver->snes, 1e12));
   PetscCall(SNESGetLineSearch(solver->snes, &search));
   PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
@@ -755,6 +755,7 @@ PetscErrorCode MpmNewtonSetMats(MpmSolver *solver)
 {
   PetscFunctionBeginUser;
   PetscCall(SNESSetFunction(solver->snes, solver->f, FormFunction, solver));
+  if (solver->cache.minimisation.on) PetscCall(SNESSetObjective(solver->snes, MpmObjective, solver));
   PetscCall(SNESSetJacobian(solver->snes, solver->shell ? solver->shell : solver->jacobian,
                             solver->jacobian ? solver->jacobian : solver->shell, FormJacobian, solver));
   PetscFunctionReturn(PETSC_SUCCESS);

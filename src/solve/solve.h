@@ -22,6 +22,14 @@ typedef struct {
   PetscReal excess;                  /* of the last iterate: residual over tolerance, of the field that has most */
 } MpmFieldNormsKept;
 
+/* Where a step is a minimisation (minimise.c): its objective where the last line search ended. */
+typedef struct {
+  PetscBool on;    /* it is */
+  PetscBool known; /* has that line search evaluated it? */
+  MpmPlace  at;
+  PetscReal value; /* J */
+} MpmMinimisation;
+
 /*
   What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
@@ -41,6 +49,7 @@ typedef struct {
   PetscInt          least_at; /* and after how many iterations */
   PetscInt          balances; /* iterations that only the contacts' forces asked for */
   MpmFieldNormsKept fields;
+  MpmMinimisation   minimisation;
   PetscReal         imbalance;       /* of free bodies, at the last iterate */
   PetscInt          made_count;      /* Jacobians of this solution, */
   PetscInt          made_count_last; /* and of the last one */
@@ -61,6 +70,20 @@ typedef struct {
   PetscBool more;               /* another step may follow it in any case */
 } MpmExcursion;
 
+#define MPM_AT_REST 4
+/*
+  Contact alone makes the Jacobian unsymmetric: steps in which nothing touches are solved as those of a scene without it. Options that
+  differ then; NULL: none.
+*/
+typedef struct {
+  PetscBool serves, now; /* is there contact that does so; is the present solver the one of such a step? */
+  PetscBool touched;     /* at one of the step's iterates */
+  PetscInt  count;
+  struct {
+    const char *name, *at_rest, *touching;
+  } option[MPM_AT_REST];
+} MpmAtRest;
+
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
   MpmDiscretization *disc;
@@ -69,6 +92,7 @@ typedef struct {
   MpmJacobianType    jacobian_type;
   char              *name, *why; /* the preset; why `auto` took it, or NULL */
   PetscBool          symmetric;
+  MpmAtRest          at_rest;
   char               mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
   PetscBool      indefinite;        /* it has */
@@ -85,7 +109,7 @@ typedef struct {
   MpmExcursion   excursion;
   MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
   PetscBool      told_unstable; /* it has, and that was said */
-  char           lost[256];     /* tells of a point that left the grid, or of what nothing holds */
+  char           lost[320];     /* tells of a point that left the grid, or of what nothing holds */
   PetscInt       newton, linear;
   PetscInt64     newton_total, linear_total;
 } MpmSolver;
@@ -136,6 +160,11 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
 /* Settles `auto` for about so many unknowns, and applies the preset. */
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns);
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver);
+/*
+  Which solver suits: as a step `begins`, by what the last one was; otherwise by whether anything touches at the local unknowns
+  disc->u, for whose Jacobian KSP and PC are then made ready. Collective.
+*/
+PetscErrorCode MpmSolverMindContact(MpmSolver *solver, PetscBool begins);
 /* A solver for another problem, with the same settings and objects of its own. */
 PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *disc, MpmMonitor *monitor,
                                   MpmSolver *copy);

@@ -35,6 +35,23 @@ static PetscErrorCode OptionDefault(const char *name, const char *value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same, with another value in steps in which nothing touches; NULL: none. */
+static PetscErrorCode OptionAtRest(MpmSolver *solver, const char *name, const char *at_rest, const char *touching)
+{
+  PetscBool set;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmDatabaseHas(name + 1, &set));
+  if (set) PetscFunctionReturn(PETSC_SUCCESS);
+  if (touching) PetscCall(PetscOptionsSetValue(NULL, name, touching));
+  if (!solver->at_rest.serves) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(solver->at_rest.count < MPM_AT_REST, PETSC_COMM_SELF, PETSC_ERR_PLIB, "MPM_AT_REST is too small");
+  solver->at_rest.option[solver->at_rest.count].name       = name;
+  solver->at_rest.option[solver->at_rest.count].at_rest    = at_rest;
+  solver->at_rest.option[solver->at_rest.count++].touching = touching;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Takes the lines `-name value` of a preset; `#` starts a comment. */
 static PetscErrorCode ApplyPreset(const char *text)
 {
@@ -198,6 +215,10 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
     PetscCall(OptionDefault("-pc_type", "band"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (!saddle && solver->at_rest.serves) {
+    PetscCall(OptionAtRest(solver, "-pc_type", small && !packaged ? "band" : "cholesky", "lu"));
+    if (!chosen) PetscCall(OptionAtRest(solver, "-mat_mumps_icntl_8", "1", NULL));
+  }
   PetscCall(OptionDefault("-pc_factor_mat_solver_type", MATSOLVERMUMPS));
   PetscCall(OptionDefault("-pc_type", solver->symmetric ? "cholesky" : "lu"));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
@@ -220,7 +241,7 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
   A smoother or a Krylov method that the user names has its own. The stiff couplings of contacts throw Chebyshev's method with
   ILU off its range: SOR smooths there.
 */
-static PetscErrorCode TuneMultigrid(PetscBool contacts)
+static PetscErrorCode TuneMultigrid(MpmSolver *solver, PetscBool contacts)
 {
   static const char *const tuned[][2] = {
     {"-pc_gamg_threshold", "0"},
@@ -235,7 +256,7 @@ static PetscErrorCode TuneMultigrid(PetscBool contacts)
 
   PetscFunctionBeginUser;
   PetscCall(MpmDatabaseHas("ksp_type", &method));
-  if (!method) PetscCall(OptionDefault("-ksp_pc_side", "right"));
+  if (!method) PetscCall(OptionAtRest(solver, "-ksp_pc_side", NULL, "right"));
   PetscCall(MpmDatabaseHas("mg_levels_pc_type", &smoother));
   if (contacts) PetscCall(OptionDefault("-mg_levels_pc_type", "sor"));
   if (smoother || contacts) PetscFunctionReturn(PETSC_SUCCESS);
@@ -296,10 +317,14 @@ PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
 
   PetscFunctionBeginUser;
   PetscCall(CheckSuits(solver));
+  if (solver->at_rest.serves) {
+    solver->at_rest.serves = (PetscBool)(solver->symmetric && solver->jacobian_type != MPM_JACOBIAN_MATFREE);
+    solver->symmetric      = PETSC_FALSE;
+  }
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
   if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit(contacts));
-  if (!strcmp(name, "amg") && !solver->symmetric) PetscCall(TuneMultigrid(contacts));
+  if (!strcmp(name, "amg") && !solver->symmetric) PetscCall(TuneMultigrid(solver, contacts));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
   if (name != solver->name) {
@@ -311,8 +336,8 @@ PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
     PetscBool chosen;
 
     PetscCall(PetscOptionsHasName(NULL, NULL, "-ksp_type", &chosen));
-    solver->may_be_indefinite = (PetscBool)(solver->symmetric && !chosen);
-    PetscCall(OptionDefault("-ksp_type", solver->symmetric ? "cg" : "gmres"));
+    solver->may_be_indefinite = (PetscBool)((solver->symmetric || solver->at_rest.serves) && !chosen);
+    PetscCall(OptionAtRest(solver, "-ksp_type", "cg", solver->symmetric ? "cg" : "gmres"));
     if (!solver->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
   }
   PetscCall(CreateSNES(solver));
@@ -401,6 +426,58 @@ PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *di
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the options of solves with or without contact, and KSP and PC as they stand. */
+static PetscErrorCode Switch(MpmSolver *solver, PetscBool at_rest)
+{
+  KSP       ksp;
+  PC        pc;
+  PetscBool gmres = PETSC_FALSE, chosen = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < solver->at_rest.count; k++) {
+    const char *value = at_rest ? solver->at_rest.option[k].at_rest : solver->at_rest.option[k].touching;
+
+    if (value) PetscCall(PetscOptionsSetValue(NULL, solver->at_rest.option[k].name, value));
+    else PetscCall(PetscOptionsClearValue(NULL, solver->at_rest.option[k].name));
+    if (!strcmp(solver->at_rest.option[k].name, "-ksp_type")) {
+      chosen = PETSC_TRUE;
+      gmres  = (PetscBool)!strcmp(value, "gmres");
+    }
+  }
+  if (solver->at_rest.now == at_rest) PetscFunctionReturn(PETSC_SUCCESS);
+  solver->at_rest.now = at_rest;
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  if (solver->factorises) PetscCall(PCSetFromOptions(pc));
+  if (chosen && !solver->indefinite) {
+    PetscCall(KSPSetType(ksp, gmres ? KSPGMRES : KSPCG));
+    if (gmres) PetscCall(KSPGMRESSetRestart(ksp, 100));
+    PetscCall(KSPSetPCSide(ksp, gmres ? PC_RIGHT : PC_LEFT));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverMindContact(MpmSolver *solver, PetscBool begins)
+{
+  MpmAtRest *at_rest = &solver->at_rest;
+  PetscReal  squares = 0.;
+
+  PetscFunctionBeginUser;
+  if (!at_rest->count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (begins) {
+    MpmDatabaseCall(solver->database, Switch(solver, (PetscBool)!at_rest->touched));
+    at_rest->touched = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (at_rest->touched) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmContactsAddSquares(solver->disc->contacts, solver->disc->sum, solver->disc->u, &squares));
+  MpmPairsAddSquares(solver->disc->pairs, solver->disc->sum, solver->disc->u, &squares);
+  at_rest->touched = (PetscBool)(squares > 0. || solver->disc->contacts->newton.holds || solver->disc->pairs->holds);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &at_rest->touched, 1, MPM_MPI_BOOL, MPI_LOR, solver->disc->comm));
+  if (at_rest->touched) MpmDatabaseCall(solver->database, Switch(solver, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SetUp(MpmSolver *solver)
 {
   PetscBool changed = PETSC_TRUE;
@@ -409,6 +486,7 @@ static PetscErrorCode SetUp(MpmSolver *solver)
   if (!solver->matrix_unused)
     PetscCall(
       MpmPatternSetUp(&solver->disc->pattern, solver->disc->space, solver->disc->comm, solver->disc->block, &changed));
+  PetscCall(MpmSolverMindContact(solver, PETSC_TRUE));
   if (changed || !solver->jacobian) PetscCall(CreateObjects(solver));
   PetscCall(MatDestroy(&solver->shell));
   if (solver->jacobian_type == MPM_JACOBIAN_MATFREE)

@@ -36,6 +36,7 @@ typedef struct MpmRules {
   PetscReal          longest; /* half-length of a domain, cells: what has been drawn further parts; 0: any */
   const MpmMaterial *materials;
   PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
+  PetscReal          interior;      /* factor of the penalty on the displacement's jumps over all faces, 0: none */
   PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
   PetscBool          mean;   /* points of one cell stand side by side, for means over it */
   PetscReal          time_n, time;         /* the step is from time_n to time */

@@ -78,7 +78,7 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   PetscInt           cell[MPM_MAX_DIM];
   MpmFacet           facet = {.point = p, .group = group};
   PetscReal          arm[MPM_MAX_DIM];
-  MpmPairFacet       made = {.part = points->part[p], .id = 2 * dim * points->id[p] + face, .point = p};
+  MpmPairFacet       made = {.part = points->part[p], .id = points->id[p], .face = face, .point = p};
 
   MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
   MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
@@ -99,18 +99,83 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   return made;
 }
 
+/* Where the faces of each part are: lower corners, and upper ones times -1; the longest arm of one from its point behind them, times -1. */
+typedef struct {
+  PetscInt   dim, parts;
+  PetscReal *least, reach;
+} Extents;
+
+/* Calls for each outer face of points in contact; stays in this file. */
+#define FOR_FACES(contacts, points, dim, p, face) \
+  for (PetscInt p = 0; p < (points)->count; p++) \
+    for (PetscInt face = 0; (points)->faces[p] && InContact((contacts)->pairs, (points)->part[p]) && face < 2 * (dim); \
+         face++) \
+      if ((points)->faces[p] & MpmFaceBit(face / 2, face % 2))
+
+/*
+  Faces that are so far from all of the part on the other side cannot lie across from one, nor be in the cell of one that does: the search,
+  a cell, and arms at both ends, which may end elsewhere on the surface that cut the lattice. Collective.
+*/
+static PetscErrorCode FindExtents(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
+                                  Extents *extents)
+{
+  const PetscInt dim = grid->dim, count = 2 * dim * extents->parts + 1;
+  PetscReal     *longest, h             = 0.;
+
+  PetscFunctionBeginUser;
+  extents->dim = dim;
+  PetscCall(PetscMalloc1(count, &extents->least));
+  for (PetscInt k = 0; k < count; k++) extents->least[k] = PETSC_INFINITY;
+  longest = &extents->least[count - 1];
+  FOR_FACES(contacts, points, dim, p, face)
+  {
+    PetscReal *least = &extents->least[2 * dim * points->part[p]], arm[MPM_MAX_DIM], area[MPM_MAX_DIM], square = 0.;
+
+    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal place = points->x[p * dim + a] + arm[a];
+
+      least[a]       = PetscMin(least[a], place);
+      least[dim + a] = PetscMin(least[dim + a], -place);
+      square += PetscSqr(arm[a]);
+    }
+    *longest = PetscMin(*longest, -PetscSqrtReal(square));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, extents->least, (PetscMPIInt)count, MPIU_REAL, MPIU_MIN, contacts->comm));
+  for (PetscInt a = 0; a < dim; a++) h = PetscMax(h, grid->h[a]);
+  extents->reach = MPM_PAIR_SEARCH * contacts->cell + h - 4. * (*longest < 0. ? *longest : 0.);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is a place of a part within reach of where another part's faces are that it has a contact with? */
+static PetscBool IsNear(const Extents *extents, const MpmPairs *pairs, PetscInt part, const PetscReal x[])
+{
+  for (PetscInt k = 0; k < 2 * pairs->count; k++) {
+    const PetscReal *least = &extents->least[2 * extents->dim * pairs->at[k / 2].part[1 - k % 2]];
+    PetscBool        near  = (PetscBool)(pairs->at[k / 2].part[k % 2] == part);
+
+    for (PetscInt a = 0; a < extents->dim; a++)
+      near = (PetscBool)(near && x[a] > least[a] - extents->reach && -x[a] > least[extents->dim + a] - extents->reach);
+    if (near) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                 const MpmSpace *space)
 {
   PetscInt capacity = 0;
+  Extents  extents  = {.parts = contacts->bodies->parts};
 
   PetscFunctionBeginUser;
   contacts->facet_count = 0;
+  PetscCall(FindExtents(contacts, rules->grid, points, &extents));
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       const PetscInt p = space->order[s];
 
-      if (!points->faces[p] || !InContact(contacts->pairs, points->part[p])) continue;
+      if (!points->faces[p] || !IsNear(&extents, contacts->pairs, points->part[p], &points->x[p * space->dim]))
+        continue;
       for (PetscInt face = 0; face < 2 * space->dim; face++) {
         if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
         if (contacts->facet_count == capacity) {
@@ -121,6 +186,7 @@ static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules
       }
     }
   }
+  PetscCall(PetscFree(extents.least));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -156,14 +222,15 @@ static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* By cell, then by id: one order, whatever the ranks. */
+/* By cell, then by id and face: one order, whatever the ranks. */
 static int CompareFacets(const void *a, const void *b)
 {
   const MpmPairFacet *f = (const MpmPairFacet *)a, *g = (const MpmPairFacet *)b;
 
   for (PetscInt k = MPM_MAX_DIM - 1; k >= 0; k--)
     if (f->cell[k] != g->cell[k]) return f->cell[k] < g->cell[k] ? -1 : 1;
-  return f->id < g->id ? -1 : f->id > g->id;
+  if (f->id != g->id) return f->id < g->id ? -1 : 1;
+  return f->face < g->face ? -1 : f->face > g->face;
 }
 
 /* The first facet of a cell in the sorted list. */

@@ -5,7 +5,8 @@
 #include "terms/body_contact.h"
 
 struct MpmPairFacet {
-  PetscInt  part, id, point, across; /* point: on this rank, -1: a copy; across: one of the other body is */
+  PetscInt part, id, face, point,
+    across; /* id: of its point, which is `point` on this rank, -1: a copy; across: one of the other body is */
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
   PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
     cell[MPM_MAX_DIM];               /* size: half the edge of a face; cell: of its point */

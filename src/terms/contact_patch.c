@@ -287,7 +287,9 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch       *patch   = &contacts->patch[k];
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
-    const PetscReal area    = patch->round ? PetscPowRealInt(contacts->cell, sum->space->dim - 1) : patch->area;
+    const PetscReal area    = patch->round || contacts->facet[patch->begin].single
+                                ? PetscPowRealInt(contacts->cell, sum->space->dim - 1)
+                                : patch->area;
 
     if (!(area > 0.) || !(inverse > 0.)) continue;
     patch->direct    = PETSC_TRUE;

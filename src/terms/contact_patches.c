@@ -5,8 +5,8 @@
   outward area a = cof(F) A_a e_a; what of it faces a surface of normal n is A = -a . n. Summed over the steps of a lattice that was
   cut at an angle, A is the area of the cut.
 
-  The facets of one cell form a patch, those at different sides of something with flat faces one each, those on round surfaces one each
-  (round_facets.c). A patch has one mean gap
+  The facets of one cell form a patch, those at different sides of something with flat faces one each, those on round surfaces
+  (round_facets.c) and those near an edge of a boundary (edge_facets.c) are one each. A patch has one mean gap
   and one mean slip, as a mortar method with one multiplier a cell has them: with a condition at every facet the surface would have
   more conditions than the cells have unknowns, and what lies near it would move with it as one.
 
@@ -364,6 +364,37 @@ static PetscReal Regard(const MpmContacts *contacts, PetscInt b, PetscReal facin
   return contacts->cut[b] ? 1. : t / (1. + t);
 }
 
+/* A face that meets an edge of the boundary, in slices; they touch where the face does. */
+static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
+                                   PetscInt count, const MpmFacet *whole)
+{
+  const PetscInt dim = contacts->boundaries[whole->boundary].dim, p = whole->point;
+  PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+  for (PetscInt a = 0; a < dim; a++) area[a] /= (PetscReal)count;
+  for (PetscInt k = 0; k < count; k++) {
+    MpmFacet   slice  = *whole;
+    PetscReal  square = 0.;
+    MpmSurface surface;
+
+    slice.slice = 1 + k;
+    slice.area  = 0.;
+    MpmContactsSlicePlace(dim, points, face, &slice);
+    MpmContactsStartDistance(contacts, area, &slice, &surface);
+    for (PetscInt a = 0; a < dim; a++) {
+      slice.normal[a] = surface.normal[a];
+      slice.area -= area[a] * surface.normal[a];
+      square += PetscSqr(area[a]);
+    }
+    if (!(slice.area > 0.) || surface.distance > margin) continue;
+    slice.area *= Regard(contacts, whole->boundary, slice.area, square);
+    PetscCall(MpmContactsAddFacet(contacts, &slice));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The facets of a point that may touch the boundary in this step. */
 static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmGrid *grid,
                                     const MpmPoints *points, const MpmFacet *start)
@@ -371,7 +402,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   const MpmBoundary *boundary = &contacts->boundaries[b];
   const PetscInt     dim = boundary->dim, p = start->point;
   Corner             corner = {0};
-  PetscInt           count  = 0;
+  PetscInt           count  = 0, slices;
   PetscReal          kept[2 * MPM_MAX_DIM];
   PetscBool          cut = PETSC_FALSE;
   MpmSurface         surface;
@@ -395,7 +426,8 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       facet.area -= area[a] * surface.normal[a];
       size += PetscSqr(area[a]);
     }
-    if (!(facet.area > 0.)) continue;
+    slices = surface.distance > margin ? 0 : MpmContactsAtEdge(contacts, grid->h, points, face, &surface, &facet);
+    if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;
       corner.area += facet.area;
@@ -409,7 +441,11 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     touched = TouchedAtStart(contacts, b, points, p, face, &kept[count]);
     if (touched) facet.touches = kept[count];
     else if (boundary->bilateral) continue;
-    else facet.area *= Regard(contacts, b, facet.area, size);
+    if (slices) {
+      PetscCall(SlicesOfFace(contacts, margin, points, face, slices, &facet));
+      continue;
+    }
+    if (!touched) facet.area *= Regard(contacts, b, facet.area, size);
     if (!(facet.area > 0.)) continue;
     facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));
@@ -496,7 +532,9 @@ static int CompareFacets(const void *a, const void *b)
   if (f->corner != g->corner) return f->corner < g->corner ? -1 : 1;
   if (f->side != g->side) return f->side < g->side ? -1 : 1;
   if (f->round != g->round) return f->round < g->round ? -1 : 1;
-  return f->point < g->point ? -1 : f->point > g->point;
+  if (f->single != g->single) return f->single < g->single ? -1 : 1;
+  if (f->point != g->point) return f->point < g->point ? -1 : 1;
+  return f->slice < g->slice ? -1 : f->slice > g->slice;
 }
 
 /* Widens a box of nodes to hold a group's; an empty box has no nodes. */
@@ -545,7 +583,7 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     MpmPatch       *patch;
 
     if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell ||
-        facet->corner != facet[-1].corner || facet->side != facet[-1].side || facet->round) {
+        facet->corner != facet[-1].corner || facet->side != facet[-1].side || facet->round || facet->single) {
       contacts->patch[contacts->patch_count] = (MpmPatch){.boundary = facet->boundary,
                                                           .begin    = k,
                                                           .box      = box_begin + contacts->patch_count,

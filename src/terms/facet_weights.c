@@ -46,13 +46,14 @@ static void DomainLine(const MpmRules *rules, const MpmSpace *space, const MpmPo
 {
   const MpmGrid  *grid = rules->grid;
   const PetscInt  p = facet->point, last = space->groups[facet->group].count[a] - 1;
-  const PetscReal x  = (points->x[p * space->dim + a] - grid->lower[a]) / grid->h[a];
-  const PetscReal at = PetscMin(PetscMax((facet->place[a] - grid->lower[a]) / grid->h[a], x - half), x + half);
+  const PetscReal x    = (points->x[p * space->dim + a] - grid->lower[a]) / grid->h[a];
+  const PetscReal at   = PetscMin(PetscMax((facet->place[a] - grid->lower[a]) / grid->h[a], x - half), x + half);
+  const PetscReal room = PetscMax(half - PetscAbsReal(at - x), 0.);
   Axis            axis;
 
   SetAxis(rules, points, p, &axis);
-  MpmShapeEvaluate(rules->shape, rules->edge, at, PetscMax(half - PetscAbsReal(at - x), 0.), axis.lower[a],
-                   axis.upper[a], &axis.line);
+  MpmShapeEvaluate(rules->shape, rules->edge, at, facet->slice ? PetscMin(room, half / MPM_SLICES) : room,
+                   axis.lower[a], axis.upper[a], &axis.line);
   for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
   for (PetscInt i = 0; i < axis.line.count; i++) /* rounding may touch a node more than the domain does */
     line[PetscMin(PetscMax(First(space, points, facet, a, &axis) + i, 0), last)] += axis.weight[i];

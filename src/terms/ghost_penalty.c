@@ -24,6 +24,10 @@
   jump is of order h^p and the penalty of the order of the discretisation error (Burman and Hansbo 2004,
   doi:10.1016/j.cma.2003.12.032, stabilise convection in this way).
 
+  Flow whose dilation is less than its friction loses ellipticity long before a peak: increments that alternate from one row of cells to the
+  next cost nothing, or less. An interior penalty, of the displacement alone, is the same energy on every face with a factor of its own
+  (MpmRules): the shorter a band, the firmer it is held, and it fades with h as the above does.
+
   A face is a group of nodes without points: numbering and sparsity treat it like one.
 
   Sources: Burman (2010), doi:10.1016/j.crma.2010.10.006; for the material point method Coombs (2023),
@@ -51,9 +55,9 @@ struct MpmFace {
   PetscInt    axis, degree;
   PetscInt    first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
   MpmEdgeType edge[MPM_MAX_DIM];
-  PetscReal   stiffness; /* gamma E_s, Pa */
-  PetscReal   gamma;
-  PetscInt    material[2];                                 /* on its two sides */
+  PetscReal   stiffness;   /* gamma E_s, Pa */
+  PetscReal   gamma;       /* that of what is not displacement: 0 where the face has none but the interior penalty */
+  PetscInt    material[2]; /* on its two sides */
   PetscReal   along[MPM_MAX_DIM][FACE_WIDTH * FACE_WIDTH]; /* the matrix is their Kronecker product */
 };
 
@@ -461,16 +465,15 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace fac
 
       next[axis]++;
       if (!IsMaterial(map, next)) continue;
-      const PetscInt  here = *CellAt(map, cell), there = *CellAt(map, next);
-      const PetscBool sparse = (PetscBool)(MarkIsSparse(here) || MarkIsSparse(there));
+      const PetscInt here = *CellAt(map, cell), there = *CellAt(map, next);
 
-      if (!(sparse || IsEdge(map, rules, cell) || IsEdge(map, rules, next)) ||
-          !FaceBox(map->space, rules, cell, &face, &box))
-        continue;
-      face.gamma       = sparse ? PetscMax(rules->ghost, rules->sparse) : rules->ghost;
+      if (MarkIsSparse(here) || MarkIsSparse(there)) face.gamma = PetscMax(rules->ghost, rules->sparse);
+      else if (IsEdge(map, rules, cell) || IsEdge(map, rules, next)) face.gamma = rules->ghost;
+      if (!(face.gamma > 0. || rules->interior > 0.) || !FaceBox(map->space, rules, cell, &face, &box)) continue;
       face.material[0] = MarkMaterial(here);
       face.material[1] = MarkMaterial(there);
-      face.stiffness = face.gamma * PetscMax(materials[face.material[0]].penalty, materials[face.material[1]].penalty);
+      face.stiffness   = PetscMax(face.gamma, rules->interior) *
+                       PetscMax(materials[face.material[0]].penalty, materials[face.material[1]].penalty);
       if (faces) {
         for (PetscInt a = 0; a < map->dim; a++) AxisMatrix(&face, &box, a, grid->h[a]);
         faces[count] = face;
@@ -489,7 +492,7 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
 
   PetscFunctionBeginUser;
   (void)ctx;
-  if (!(rules->ghost > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(rules->ghost > 0. || rules->interior > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MarkOwnPoints(space, rules, points, rules->grid->size > 1 ? 3 : 0, &map));
   if (rules->grid->size > 1) PetscCall(ExchangeMarks(rules->grid, rules->materials, &map));
   space->face_count = ListFaces(&map, rules, NULL, NULL);

@@ -244,20 +244,45 @@ typedef struct {
   const MpmRigidBody      *body;
   const MpmRigidIncrement *q;
   PetscReal                A[3][3];
+  PetscBool                rows; /* as what is balanced */
 } Frame;
 
 /* Adds `share` of a covector, in the body's frame, of a facet at the arm y: to its nodes and to the body. */
-static void AddCovector(Frame *frame, const PetscReal y[3], const PetscReal covector[3], PetscReal share,
+static void AddCovector(const Frame *frame, const PetscReal y[3], const PetscReal covector[3], PetscReal share,
                         const PetscReal weight[], PetscInt n, PetscReal vector[])
 {
   PetscReal c[3], by[2][3];
 
   for (PetscInt a = 0; a < 3; a++)
     c[a] = frame->A[a][0] * covector[0] + frame->A[a][1] * covector[1] + frame->A[a][2] * covector[2];
-  MpmRigidCovector(frame->body, frame->q, y, c, by);
+  MpmRigidCovector(frame->body, frame->q, y, c, frame->rows, by);
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt a = 0; weight[i] != 0. && a < frame->body->dim; a++) vector[3 * i + a] += share * weight[i] * c[a];
   for (PetscInt k = 0; k < 6; k++) vector[3 * n + k] += share * by[k / 3][k % 3];
+}
+
+/* The covectors of a patch's mean gap and of its mean slips, each of 3 (n + 2) numbers. */
+static void FillCovectors(const MpmContacts *contacts, const MpmPatch *patch, const Frame *frame, PetscInt n,
+                          const MpmRigidWork *work, PetscReal vector[])
+{
+  const PetscInt dim = frame->body->dim, size = 3 * (n + 2);
+  const PetscInt slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
+
+  for (PetscInt k = 0; k < 4 * size; k++) vector[k] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet  *facet  = &contacts->facet[f];
+    const PetscReal *weight = n ? MpmFacetWeights(contacts, f) : NULL, share = facet->area / patch->area;
+    PetscReal        y[3];
+
+    MpmRigidArmAfter(frame->body, facet, frame->q, work->u[f - patch->begin], y);
+    AddCovector(frame, y, work->law.surface[f - patch->begin].normal, share, weight, n, vector);
+    for (PetscInt e = 0; e < slips; e++) {
+      PetscReal along[3] = {0., 0., 0.};
+
+      for (PetscInt a = 0; a < dim; a++) along[a] = (e == a ? 1. : 0.) - facet->normal[e] * facet->normal[a];
+      AddCovector(frame, y, along, share, weight, n, &vector[(1 + e) * size]);
+    }
+  }
 }
 
 void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
@@ -269,22 +294,9 @@ void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmR
   const PetscInt        slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
   Frame                 frame = {.body = body, .q = q};
 
-  for (PetscInt k = 0; k < 4 * size; k++) work->left[k] = work->right[k] = 0.;
   MpmRigidAxes(body, q, frame.A);
-  for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet  *facet  = &contacts->facet[f];
-    const PetscReal *weight = n ? MpmFacetWeights(contacts, f) : NULL, share = facet->area / patch->area;
-    PetscReal        y[3];
-
-    MpmRigidArmAfter(body, facet, q, work->u[f - patch->begin], y);
-    AddCovector(&frame, y, work->law.surface[f - patch->begin].normal, share, weight, n, work->left);
-    for (PetscInt e = 0; e < slips; e++) {
-      PetscReal along[3] = {0., 0., 0.};
-
-      for (PetscInt a = 0; a < dim; a++) along[a] = (e == a ? 1. : 0.) - facet->normal[e] * facet->normal[a];
-      AddCovector(&frame, y, along, share, weight, n, &work->left[(1 + e) * size]);
-    }
-  }
+  FillCovectors(contacts, patch, &frame, n, work, work->left);
+  for (PetscInt k = 0; k < 4 * size; k++) work->right[k] = 0.;
   for (PetscInt k = 0; k < size; k++) {
     work->right[k] = patch->area * answer->stiffness * work->left[k];
     for (PetscInt e = 0; e < slips; e++) {
@@ -294,6 +306,9 @@ void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmR
       work->right[(1 + e) * size + k] = patch->area * value;
     }
   }
+  if (!MpmFreedomTurnsInPart(body->freedom)) return;
+  frame.rows = PETSC_TRUE;
+  FillCovectors(contacts, patch, &frame, n, work, work->left);
 }
 
 /* The patch at the local unknowns; PETSC_FALSE where it does nothing. */

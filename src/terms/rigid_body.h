@@ -58,6 +58,8 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
 PetscErrorCode MpmFreedomDestroy(MpmFreedom **freedom);
 /* Has what pushes it a potential? A moment that keeps its direction has none where a body turns about several axes. */
 PetscBool MpmFreedomIsSymmetric(const MpmFreedom *freedom);
+/* Does it turn about two of three axes? The moment about the third is no part of their balance. */
+PetscBool MpmFreedomTurnsInPart(const MpmFreedom *freedom);
 
 /* ---- rigid_motion.c ---- */
 
@@ -93,9 +95,12 @@ void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmFacet
 /* What the facet does to nodes and body; `derivative`: derivatives too. */
 void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
                     const MpmFacetLaw *answer, PetscBool derivative, MpmRigidAnswer *coupled);
-/* How c . (displacement seen) changes with the body's translation and rotation; c along the axes, at the arm y. */
+/*
+  How c . (displacement seen) changes with the body's translation and rotation; c along the axes, at the arm y. With `rows`: what c
+  is in their rows, which differs where some rotations are held.
+*/
 void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3], const PetscReal c[3],
-                      PetscReal by[2][3]);
+                      PetscBool rows, PetscReal by[2][3]);
 /* Residual of what pushes a body, and its derivative by the rotation. */
 void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal residual[2][3],
                   PetscReal derivative[3][3]);

@@ -354,26 +354,33 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
 {
   if (facet->point < 0) return;
-  if (facet->piece || facet->round) kept[facet->point] += facet->portion * value;
+  if (facet->piece || facet->round || facet->single) kept[facet->point] += facet->portion * value;
   else kept[facet->point] = value;
 }
 
-/* Portions by area of the round facets of a boundary that touch, among those of the same point. */
-static PetscErrorCode ShareRound(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
+/* Portions by area of a boundary's round and single facets that touch, among those of the same point. */
+static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
                                  const MpmPatchAnswer answers[])
 {
-  PetscReal *area;
+  const PetscBool keeps = (PetscBool)(contacts->boundaries[b].tangential || contacts->boundaries[b].augmented);
+  PetscBool       any   = PETSC_FALSE;
+  PetscReal      *area;
 
   PetscFunctionBeginUser;
-  if (!contacts->shaped) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt f = 0; keeps && f < contacts->facet_count && !any; f++)
+    any = (PetscBool)(contacts->facet[f].boundary == b && (contacts->facet[f].round || contacts->facet[f].single));
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1(sum->points->count, &area));
-  for (PetscInt pass = 0; pass < 2; pass++) {
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      MpmFacet *facet = &contacts->facet[contacts->patch[k].begin];
+  for (PetscInt k = 0; k < 2 * contacts->patch_count; k++) {
+    const PetscInt  at    = k % contacts->patch_count;
+    const MpmPatch *patch = &contacts->patch[at];
 
-      if (facet->boundary != b || !facet->round || !answers[k].active) continue;
-      if (pass) facet->portion = facet->area / area[facet->point];
-      else area[facet->point] += facet->area;
+    for (PetscInt f = patch->begin; patch->boundary == b && answers[at].active && f < patch->end; f++) {
+      MpmFacet *facet = &contacts->facet[f];
+
+      if (!facet->round && !facet->single) continue;
+      if (k < contacts->patch_count) area[facet->point] += facet->area;
+      else facet->portion = facet->area / area[facet->point];
     }
   }
   PetscCall(PetscFree(area));
@@ -386,7 +393,6 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    if (contacts->boundaries[b].tangential) PetscCall(ShareRound(contacts, b, sum, answers));
     for (PetscInt a = 0; contacts->boundaries[b].tangential && a < sum->space->dim; a++) {
       PetscReal *slip;
 
@@ -559,6 +565,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscCall(PetscArrayzero(contacts->moment, count));
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
+  for (PetscInt b = 0; b < count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(KeepPressures(contacts, sum, answers, particles));
   PetscCall(KeepGaps(contacts, sum, answers, particles));

@@ -165,6 +165,7 @@ PetscBool MpmFreedomIsSymmetric(const MpmFreedom *freedom)
 {
   PetscInt rotations = 0;
 
+  if (MpmFreedomTurnsInPart(freedom)) return PETSC_FALSE;
   for (PetscInt a = 0; a < 3; a++) rotations += freedom->free[1] >> a & 1;
   for (PetscInt a = 0; a < 3; a++)
     if (rotations > 1 && freedom->moment[a] != 0.) return PETSC_FALSE;

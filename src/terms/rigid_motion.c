@@ -19,6 +19,8 @@
 
     dxi = du - dt - dphi x y ,   df = dphi x f - K dxi ,
     residuals:  -f at the nodes,  f for t,  T^T (y x f) for w ,   T^T m = s (m - r x m)/(2 L) .
+
+  Where one of three rotations is held, its moment would get into the rows of the other two by r x m: there, s m/(2 L) is balanced.
 */
 #include "terms/rigid_body.h"
 
@@ -219,27 +221,36 @@ void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmFacet
 
 /* ---- forces ---- */
 
-/* T^T m */
-static void Conjugate(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal m[3], PetscReal result[3])
+PetscBool MpmFreedomTurnsInPart(const MpmFreedom *freedom)
 {
-  PetscReal across[3];
+  PetscInt rotations = 0;
 
-  Cross(q->r, m, across);
+  for (PetscInt a = 0; a < 3; a++) rotations += freedom->free[1] >> a & 1;
+  return (PetscBool)(rotations == 2);
+}
+
+/* T^T m; with `rows`, as what is balanced. */
+static void Conjugate(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal m[3], PetscBool rows,
+                      PetscReal result[3])
+{
+  PetscReal across[3] = {0., 0., 0.};
+
+  if (!rows || !MpmFreedomTurnsInPart(body->freedom)) Cross(q->r, m, across);
   for (PetscInt a = 0; a < 3; a++) result[a] = q->scale * (m[a] - across[a]) / (2. * body->freedom->size);
 }
 
-/* d(T^T m) for dr and dm */
+/* d(T^T m) of what is balanced, for dr and dm */
 static void ConjugateChange(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal m[3],
                             const PetscReal dr[3], const PetscReal dm[3], PetscReal result[3])
 {
-  const PetscReal change = -q->scale * Dot(q->r, dr); /* ds / s */
-  PetscReal       across[3];
+  const PetscReal change    = -q->scale * Dot(q->r, dr); /* ds / s */
+  PetscReal       across[3] = {0., 0., 0.};
 
-  Conjugate(body, q, m, result);
+  Conjugate(body, q, m, PETSC_TRUE, result);
   for (PetscInt a = 0; a < 3; a++) result[a] *= change;
-  Cross(dr, m, across);
+  if (!MpmFreedomTurnsInPart(body->freedom)) Cross(dr, m, across);
   for (PetscInt a = 0; a < 3; a++) result[a] -= q->scale * across[a] / (2. * body->freedom->size);
-  Conjugate(body, q, dm, across);
+  Conjugate(body, q, dm, PETSC_TRUE, across);
   for (PetscInt a = 0; a < 3; a++) result[a] += across[a];
 }
 
@@ -294,7 +305,7 @@ void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRi
 
   MpmRigidArmAfter(body, facet, q, u, y);
   Cross(y, answer->force, m);
-  Conjugate(body, q, m, w);
+  Conjugate(body, q, m, PETSC_TRUE, w);
   for (PetscInt a = 0; a < 3; a++) {
     coupled->residual[0][a] = -answer->force[a];
     coupled->residual[1][a] = answer->force[a];
@@ -311,7 +322,7 @@ void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscRea
   const PetscReal none[3] = {0., 0., 0.};
   PetscReal       w[3];
 
-  Conjugate(body, q, body->moment, w);
+  Conjugate(body, q, body->moment, PETSC_TRUE, w);
   for (PetscInt a = 0; a < 3; a++) {
     residual[0][a] = -body->load[a];
     residual[1][a] = a < RotationCount(body) ? -w[RotationAxis(body, a)] : 0.;
@@ -326,12 +337,12 @@ void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscRea
 }
 
 void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3], const PetscReal c[3],
-                      PetscReal by[2][3])
+                      PetscBool rows, PetscReal by[2][3])
 {
   PetscReal across[3], w[3];
 
   Cross(y, c, across);
-  Conjugate(body, q, across, w);
+  Conjugate(body, q, across, rows, w);
   for (PetscInt a = 0; a < 3; a++) {
     by[0][a] = -c[a];
     by[1][a] = a < RotationCount(body) ? -w[RotationAxis(body, a)] : 0.;

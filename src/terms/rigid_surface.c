@@ -60,14 +60,19 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmBoundary *boundary)
 
 PetscErrorCode MpmFrictionRead(const MpmOptions *block, PetscReal *friction, PetscReal *adhesion, PetscBool *stick)
 {
-  char *text, *end;
+  char     *text, *end;
+  PetscBool given;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, "friction", &given));
   PetscCall(MpmOptionsText(block, "friction",
                            "along the surface: frictionless, stick, Coulomb's coefficient, or its angle (20deg)",
                            "frictionless", MPM_OPTIONAL, &text));
   PetscCall(MpmOptionsReal(block, "adhesion", "Pa", "traction along the surface that is carried without pressure",
                            MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, adhesion, NULL));
+  MpmCheckInput(MpmOptionsHelp() || !given || *adhesion == 0. || strcmp(text, "frictionless"),
+                "-%sadhesion %g: not with -%sfriction frictionless; friction 0 is a surface with adhesion alone",
+                block->prefix, (double)*adhesion, block->prefix);
   *stick = (PetscBool)!strcmp(text, "stick");
   if (!*stick && strcmp(text, "frictionless")) {
     *friction             = strtod(text, &end);

@@ -47,6 +47,7 @@ static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *poin
   for (PetscInt a = 0; a < dim; a++) at[a] = points->origin[p * dim + a];
   if (PetscAbsReal(MpmRegionToRound(region, at, N) - depth) > SAME * size) return NULL; /* a cylinder's end is nearer */
   along = (face % 2 ? 1. : -1.) * N[face / 2];
+  if (MpmRegionClips(region, &points->origin[p * dim], face / 2, face % 2)) return NULL;
   return along > 0. && depth < 2. * SLACK * along * size ? region : NULL;
 }
 

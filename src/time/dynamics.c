@@ -43,7 +43,9 @@
 
 const MpmMotionControl *MpmModelMotion(const MpmModel model)
 {
-  return &model->scene.stages[model->state.stage].time.motion;
+  const MpmStage *stage = &model->scene.stages[model->state.stage];
+
+  return model->state.scheme.rescuing.on ? &stage->relaxation.motion : &stage->time.motion;
 }
 
 static PetscErrorCode Reset(MpmDynamics *dynamics)
@@ -76,7 +78,7 @@ void MpmDynamicsSetStage(MpmModel model)
   damping->stiffness  = moves ? motion->damping.stiffness : 0.;
   damping->linear     = moves ? motion->damping.linear : 0.;
   damping->quadratic  = moves ? motion->damping.quadratic : 0.;
-  damping->conditions = moves ? model->scene.bcs : NULL;
+  damping->conditions = moves && !model->state.scheme.rescuing.on ? model->scene.bcs : NULL;
   damping->acting     = model->state.bcs;
 }
 

@@ -17,6 +17,7 @@
   the ghost penalty has taken: it falls with the step, and with FLIP.
 */
 #include "point/material.h"
+#include "point/stored_energy.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/momentum.h"
@@ -38,26 +39,6 @@
 /* The loops over points are written once, for a constant dimension. */
 #define BY_DIM(f, dim, ...) ((dim) == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
 
-/* Stored in a point per initial volume, J/m3. */
-MPM_INLINE PetscReal Stored(const MpmMaterial *material, PetscInt dim, const PetscReal stress[],
-                            const PetscReal state[], const PetscReal F[])
-{
-  const MpmLawInfo *info = &material->info;
-  const PetscReal   J    = info->traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F);
-  const PetscInt    size = MpmSymSize(dim);
-  PetscReal         tau[6], bulk, shear, mean, square = 0.;
-
-  for (PetscInt k = 0; k < size; k++) tau[k] = J * stress[k];
-  if (info->energy) return info->energy(material->parameter, material->table, tau, F);
-  if (!info->shear_modulus) return 0.;
-  shear = MpmMaterialShearModulusAt(material, state, F);
-  bulk  = MpmMaterialStiffnessAt(material, state, F) - 4. / 3. * shear;
-  mean  = (tau[0] + tau[1] + tau[2]) / 3.;
-  for (PetscInt k = 0; k < size; k++) square += k < 3 ? PetscSqr(tau[k] - mean) : 2. * PetscSqr(tau[k]);
-  if (!(shear > 0.)) return bulk > 0. ? 0.5 * mean * mean / bulk : 0.;
-  return square / (4. * shear) + (bulk > 0. ? 0.5 * mean * mean / bulk : 0.);
-}
-
 /* Of this rank's points. */
 MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const MpmPoints *points)
 {
@@ -65,8 +46,9 @@ MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const Mpm
   PetscReal      sum = 0.;
 
   for (PetscInt p = 0; p < points->count; p++)
-    sum += points->volume0[p] * Stored(&model->scene.materials->at[points->material[p]], dim, &points->stress[p * sym],
-                                       points->state ? &points->state[p * size] : NULL, &points->F[p * dim * dim]);
+    sum += points->volume0[p] *
+           MpmStoredEnergy(&model->scene.materials->at[points->material[p]], dim, &points->stress[p * sym],
+                           points->state ? &points->state[p * size] : NULL, &points->F[p * dim * dim]);
   return sum;
 }
 

@@ -109,18 +109,24 @@ PetscReal MpmExplicitPart(const MpmMotionControl *motion)
   return motion->update == MPM_UPDATE_USL ? PetscSqrtReal(0.5) : 1.;
 }
 
+/* The stage's step; 0: none is given. */
+static PetscReal GivenStep(const MpmModel model)
+{
+  return model->state.scheme.rescuing.on ? 0. : model->scene.stages[model->state.stage].time.step;
+}
+
 /* With scaled masses: the stage's step, or `cfl` of the time in which the slowest wave crosses a cell. */
 static PetscErrorCode FindScaledStep(MpmModel model)
 {
-  const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
-  const MpmSum         *sum     = model->disc.sum;
-  const PetscInt        dim     = model->disc.dim;
-  PetscReal             slowest = PETSC_MAX_REAL, h = PETSC_MAX_REAL;
-  MpmPoints             points;
+  const MpmMotionControl *motion  = MpmModelMotion(model);
+  const MpmSum           *sum     = model->disc.sum;
+  const PetscInt          dim     = model->disc.dim;
+  PetscReal               slowest = PETSC_MAX_REAL, h = PETSC_MAX_REAL;
+  MpmPoints               points;
 
   PetscFunctionBeginUser;
-  model->state.dt_wanted = control->step;
-  if (control->step > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.dt_wanted = GivenStep(model);
+  if (model->state.dt_wanted > 0.) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const PetscReal *state = points.state ? &points.state[p * sum->state_size] : NULL;
@@ -131,7 +137,7 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMin(h, model->disc.grid->h[a]);
-  model->state.dt_wanted = control->motion.cfl * MpmExplicitPart(&control->motion) * h / slowest;
+  model->state.dt_wanted = motion->cfl * MpmExplicitPart(motion) * h / slowest;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -152,8 +158,9 @@ static void ShareRest(MpmModel model)
 
 static PetscErrorCode Length(MpmModel model, const char **why)
 {
-  const MpmTimeControl *control = &model->scene.stages[model->state.stage].time;
-  PetscReal             crossing;
+  const MpmMotionControl *motion = MpmModelMotion(model);
+  const PetscReal         given  = GivenStep(model);
+  PetscReal               crossing;
 
   PetscFunctionBeginUser;
   if (MpmModelScales(model)) {
@@ -161,19 +168,19 @@ static PetscErrorCode Length(MpmModel model, const char **why)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(FindCrossing(model, &crossing));
-  crossing *= MpmExplicitPart(&control->motion);
-  if (crossing > 0.) crossing = Shortened(&control->motion.damping, crossing);
-  model->state.dt_wanted = control->motion.cfl * crossing;
+  crossing *= MpmExplicitPart(motion);
+  if (crossing > 0.) crossing = Shortened(&motion->damping, crossing);
+  model->state.dt_wanted = motion->cfl * crossing;
   if (!(crossing > 0.)) *why = "a point has no finite wave speed";
-  if (!*why && !(control->step > 0.)) ShareRest(model);
-  if (*why || !(control->step > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (control->step > crossing * (1. + PETSC_SQRT_MACHINE_EPSILON)) {
+  if (!*why && !(given > 0.) && !model->state.scheme.rescuing.on) ShareRest(model);
+  if (*why || !(given > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (given > crossing * (1. + PETSC_SQRT_MACHINE_EPSILON)) {
     PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "the step %.4g is longer than a wave allows in a cell, %.4g", (double)control->step,
+                            "the step %.4g is longer than a wave allows in a cell, %.4g", (double)given,
                             (double)crossing));
     *why = model->solver.lost;
   }
-  model->state.dt_wanted = control->step;
+  model->state.dt_wanted = given;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -235,15 +242,17 @@ static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
   const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
-  PetscReal            *rate;
+  const PetscReal       by =
+    model->disc.sum->span / model->disc.sum->dt; /* the run's time goes on as fast; 1: it is the motion's */
+  PetscReal *rate;
 
   PetscFunctionBeginUser;
   if (!constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((local * dim), &rate));
-  PetscCall(MpmStepPrescribedRate(model, model->state.time - 0.5 * model->disc.sum->dt, 1, rate));
+  PetscCall(MpmStepPrescribedRate(model, model->state.time - 0.5 * model->disc.sum->span, 1, rate));
   MpmFramesToUnknowns(constraints, dim, local, velocity);
   for (PetscInt k = 0; k < local * dim; k++)
-    if (!MpmConstraintsFree(constraints, k)) velocity[k] = rate[k];
+    if (!MpmConstraintsFree(constraints, k)) velocity[k] = by * rate[k];
   MpmFramesToAxes(constraints, dim, local, velocity);
   PetscCall(PetscFree(rate));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -9,6 +9,7 @@
 #include "bc/bc.h"
 #include "terms/body_contact.h"
 #include "terms/inertia.h"
+#include "terms/potential.h"
 #include "terms/rigid.h"
 #include "time/dynamics.h"
 #include "time/model.h"
@@ -159,10 +160,31 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What goes on where a quasi-static step gives up. */
+static PetscErrorCode ReadRescue(const MpmOptions *block, MpmTimeControl *control)
+{
+  static const char *const rescues[] = {"none", "relaxation", NULL};
+  const PetscBool          serves    = (PetscBool)(control->motion.type == MPM_QUASISTATIC);
+  PetscInt                 rescue    = control->rescue ? 1 : 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(CheckMethod(block, "rescue", serves, "integrator quasistatic"));
+  control->rescue = PETSC_FALSE;
+  if (!serves && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+    MpmOptionsWord(block, "rescue",
+                   "what goes on where a quasi-static step gives up: nothing, or a relaxation (block relaxation) "
+                   "until there is rest",
+                   rescues, MPM_OPTIONAL, &rescue, NULL));
+  control->rescue = (PetscBool)(rescue == 1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *control)
 {
   PetscFunctionBeginUser;
   PetscCall(ReadMotion(block, &control->motion));
+  PetscCall(ReadRescue(block, control));
   if (control->motion.type != MPM_QUASISTATIC) control->second = PETSC_FALSE;
   PetscCall(ReadScheme(block, control));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -190,11 +212,19 @@ PetscBool MpmStagesAreImplicit(const MpmModel model)
   return PETSC_FALSE;
 }
 
-PetscBool MpmStagesAreDynamic(const MpmModel model)
+/* Does any stage begin with inertia? */
+static PetscBool AnyMoves(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
     if (model->scene.stages[k].time.motion.type != MPM_QUASISTATIC) return PETSC_TRUE;
   return PETSC_FALSE;
+}
+
+PetscBool MpmStagesAreDynamic(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].time.rescue) return PETSC_TRUE;
+  return AnyMoves(model);
 }
 
 /* Do points carry what a transfer needs? */
@@ -215,15 +245,16 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
   PetscReal             cell = PETSC_MAX_REAL;
 
   PetscFunctionBeginUser;
-  if (time->motion.type != MPM_EXPLICIT) PetscFunctionReturn(PETSC_SUCCESS);
+  if (time->motion.type != MPM_EXPLICIT && !time->rescue) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < model->scene.pairs->count; k++)
     MpmCheckInput(!model->scene.pairs->at[k].barrier,
-                  "-mpm_contact_%s_method barrier: needs steps that are not explicit; they take penalty",
-                  model->scene.pairs->names[k]);
+                  "-mpm_contact_%s_method barrier: needs steps that are not explicit%s; they take penalty",
+                  model->scene.pairs->names[k], time->rescue ? ", as those of -mpm_time_rescue relaxation are" : "");
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     MpmCheckInput(!model->scene.boundaries->at[b].freedom,
-                  "-mpm_boundary_%s_free: its place is solved for; explicit steps solve for nothing",
-                  model->scene.boundaries->names[b]);
+                  "-mpm_boundary_%s_free: its place is solved for; explicit steps%s solve for nothing",
+                  model->scene.boundaries->names[b], time->rescue ? ", as those of -mpm_time_rescue relaxation," : "");
+  if (time->rescue) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < model->disc.dim; a++) cell = PetscMin(cell, model->disc.h[a]);
   for (PetscInt b = 0; !stage->relaxation.scaled && b < model->scene.bodies->count; b++) {
     const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
@@ -272,13 +303,16 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   const PetscBool dynamic = MpmStagesAreDynamic(model);
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    model->scene.stages[k].time.motion.transfer.degree = MpmShapeDegree(model->scene.shape);
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    MpmStage *stage = &model->scene.stages[k];
+
+    stage->time.motion.transfer.degree = stage->relaxation.motion.transfer.degree = MpmShapeDegree(model->scene.shape);
+  }
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscBool given;
 
     PetscCall(MpmBodyReadVelocity(options, model->scene.bodies->names[b], model->scene.bodies->at[b], &given));
-    MpmCheckInput(dynamic || !given || MpmOptionsHelp(),
+    MpmCheckInput(!given || AnyMoves(model) || MpmOptionsHelp(),
                   "-mpm_body_%s_velocity: no stage has inertia; -mpm_time_integrator names one",
                   model->scene.bodies->names[b]);
   }
@@ -286,11 +320,27 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
   if (!MpmOptionsHelp()) PetscCall(CheckConditions(model));
   if (!dynamic || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->disc.layout->solid, "-mpm_time_integrator: physics %s has no inertia; solid has",
-                model->scene.physics.name);
+  MpmCheckInput(model->disc.layout->solid, "-mpm_time_%s: physics %s has no inertia; solid has",
+                AnyMoves(model) ? "integrator" : "rescue", model->scene.physics.name);
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     MpmCheckInput(model->scene.materials->at[m].density > 0.,
                   "-mpm_material_%s_density: must be > 0, kg/m3, in dynamics", model->scene.materials->names[m]);
   for (PetscInt k = 0; k < model->scene.stage_count; k++) PetscCall(CheckExplicit(model, &model->scene.stages[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmStagesMinimise(const MpmModel model)
+{
+  if (!MpmStagesSolve(model) || model->scene.smooth > 0. || !MpmPotentialExists(&model->disc)) return PETSC_FALSE;
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    const MpmMotionControl  *motion  = &model->scene.stages[k].time.motion;
+    const MpmDampingControl *damping = &motion->damping;
+
+    if (motion->type == MPM_QUASISTATIC || motion->type == MPM_EXPLICIT) continue;
+    if (damping->mass > 0. || damping->stiffness > 0. || damping->linear > 0. || damping->quadratic > 0.)
+      return PETSC_FALSE;
+    for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+      if (model->scene.bcs->at[b].absorbing) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }

@@ -2,7 +2,7 @@
   Dynamic relaxation: a state at rest, found by explicit steps whose motion is damped.
 
     kinetic  no damping until the points' kinetic energy falls; then all velocities become zero, and the points stay where
-             they are in that step
+             they are in that step; not while supports move
     viscous  f_i -= 2 xi m_i v_i ; xi is a rate, 1/s, critical for a mode whose angular frequency it is
     local    f_i -= alpha |f_i| sign(v_i), by component
 
@@ -49,18 +49,25 @@
 
 /* ---- options ---- */
 
-PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
+#define RESCUE_STEPS 200000
+
+void MpmRelaxationDefaults(MpmRelaxation *relaxation)
+{
+  *relaxation = (MpmRelaxation){.tolerance = 0.01, .factor = 0.8, .hold = -1., .steps = RESCUE_STEPS};
+  MpmMotionDefaults(&relaxation->motion);
+  relaxation->motion.type          = MPM_EXPLICIT;
+  relaxation->motion.transfer.type = MPM_TRANSFER_FLIP;
+}
+
+PetscErrorCode MpmRelaxationRead(const MpmOptions *block, PetscBool rescue, MpmRelaxation *relaxation)
 {
   static const char *const dampings[] = {"kinetic", "viscous", "local", NULL};
-  MpmRelaxation           *relaxation = &stage->relaxation;
   static const char *const masses[]   = {"physical", "scaled", NULL};
   static const char *const places[]   = {"nodes", "points", NULL};
-  PetscInt                 damping = 0, mass = 0, place = 0;
+  PetscInt                 damping = (PetscInt)relaxation->damping, mass = relaxation->scaled ? 1 : 0;
+  PetscInt                 place = relaxation->felt ? 1 : 0;
 
   PetscFunctionBeginUser;
-  relaxation->tolerance = 0.01;
-  relaxation->factor    = 0.8;
-  relaxation->hold      = -1.;
   PetscCall(MpmOptionsWord(block, "damping",
                            "kinetic: velocities become zero where the kinetic energy passes a peak; viscous: a force "
                            "2 xi m v; local: a part of each force that drives a node, against its velocity",
@@ -88,18 +95,21 @@ PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage)
                    places, MPM_OPTIONAL, &place, NULL));
   relaxation->felt = (PetscBool)(place == 1);
   if (damping == MPM_DAMPING_VISCOUS || MpmOptionsHelp())
-    PetscCall(MpmOptionsReal(block, "xi", "1/s",
-                             "of viscous damping; fastest near the angular frequency of the slowest mode",
-                             MPM_RANGE_POSITIVE, MPM_REQUIRED, &relaxation->xi, NULL));
+    PetscCall(
+      MpmOptionsReal(block, "xi", "1/s", "of viscous damping; fastest near the angular frequency of the slowest mode",
+                     MPM_RANGE_POSITIVE, relaxation->xi > 0. ? MPM_OPTIONAL : MPM_REQUIRED, &relaxation->xi, NULL));
   if (damping == MPM_DAMPING_LOCAL || MpmOptionsHelp())
     PetscCall(MpmOptionsReal(block, "factor", "-", "of local damping", ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL,
                              &relaxation->factor, NULL));
+  if (rescue || MpmOptionsHelp())
+    PetscCall(MpmOptionsInt(block, "steps", "most steps of a rescue (time_rescue)", 1, PETSC_INT_MAX, MPM_OPTIONAL,
+                            &relaxation->steps, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmModelRelaxes(const MpmModel model)
 {
-  return model->scene.stages[model->state.stage].relaxation.on;
+  return (PetscBool)(model->scene.stages[model->state.stage].relaxation.on || model->state.scheme.rescuing.on);
 }
 
 PetscBool MpmCouldRelax(const MpmModel model)
@@ -111,7 +121,7 @@ PetscBool MpmCouldRelax(const MpmModel model)
 PetscBool MpmStagesRelax(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].relaxation.on) return PETSC_TRUE;
+    if (model->scene.stages[k].relaxation.on || model->scene.stages[k].time.rescue) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -124,13 +134,17 @@ void MpmRelaxationBegin(MpmModel model)
   model->state.relaxing.reset = model->state.time;
 }
 
+void MpmRelaxationForget(MpmModel model)
+{
+  model->state.relaxing.force = model->state.relaxing.energy = 0.;
+  model->state.relaxing.resets                               = 0;
+}
+
 /* ---- scaled masses ---- */
 
 PetscBool MpmModelScales(const MpmModel model)
 {
-  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
-
-  return (PetscBool)(relaxation->on && relaxation->scaled);
+  return (PetscBool)(MpmModelRelaxes(model) && model->scene.stages[model->state.stage].relaxation.scaled);
 }
 
 /* Masses of the local nodes, ghosts included, in place of the velocities with which an implicit step starts. */
@@ -196,22 +210,29 @@ static PetscReal FreeSquare(const MpmModel model, PetscInt node, const PetscReal
   return square;
 }
 
-/* K_F, from the whole forces at the owned nodes. Nodes without mass have nothing to balance. */
+/*
+  K_F, from the whole forces at the owned nodes. Nodes without mass have nothing to balance. Where there are no loads, since
+  supports drive the material, their largest force counts.
+*/
 static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const PetscReal force[])
 {
   const PetscInt dim     = model->disc.dim;
-  PetscReal      most[2] = {0., 0.};
+  PetscReal      most[3] = {0., 0., 0.};
 
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < model->disc.inertia->owned; i++) {
-    PetscReal square = 0.;
+    PetscReal square = 0., whole = 0., free;
 
     if (!(model->disc.inertia->mass[i] > 0.)) continue;
     for (PetscInt a = 0; a < dim; a++) square += PetscSqr(load[i * dim + a]);
-    most[0] = PetscMax(most[0], FreeSquare(model, i, &force[i * dim]));
+    for (PetscInt a = 0; a < dim; a++) whole += PetscSqr(force[i * dim + a]);
+    free    = FreeSquare(model, i, &force[i * dim]);
+    most[0] = PetscMax(most[0], free);
     most[1] = PetscMax(most[1], square);
+    most[2] = PetscMax(most[2], whole - free);
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, most, 2, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, most, 3, MPIU_REAL, MPIU_MAX, model->comm));
+  if (!(most[1] > 0.)) most[1] = most[2];
   model->state.relaxing.force = most[1] > 0. ? PetscSqrtReal(most[0] / most[1]) : (most[0] > 0. ? PETSC_MAX_REAL : 0.);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -259,10 +280,26 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of the step under way. */
+/* Of the step under way, by the clock of the motion. */
 static PetscReal End(const MpmModel model)
 {
-  return model->state.time + model->disc.sum->span;
+  const MpmRescuing *rescuing = &model->state.scheme.rescuing;
+
+  return rescuing->on ? rescuing->clock + model->disc.sum->dt : model->state.time + model->disc.sum->span;
+}
+
+/* Are supports, or loads in a rescue, on their way? A support that stopped with the points would lose a step's part of it. */
+static PetscErrorCode IsDriven(MpmModel model, PetscBool *driven)
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+
+  PetscFunctionBeginUser;
+  *driven = PETSC_FALSE;
+  for (PetscInt k = 0; constraints->any && k < model->disc.inertia->owned * model->disc.dim; k++)
+    if (!MpmConstraintsFree(constraints, k) && constraints->value[k] != 0.) *driven = PETSC_TRUE;
+  if (model->state.scheme.rescuing.on && End(model) < model->state.scheme.rescuing.ramp) *driven = PETSC_TRUE;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, driven, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
@@ -276,6 +313,12 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &kinetic, 1, MPIU_REAL, MPIU_SUM, model->comm));
   *stopped = (PetscBool)(model->scene.stages[model->state.stage].relaxation.damping == MPM_DAMPING_KINETIC &&
                          kinetic < relaxing->kinetic);
+  if (*stopped) {
+    PetscBool driven;
+
+    PetscCall(IsDriven(model, &driven));
+    *stopped = (PetscBool)!driven;
+  }
   if (*stopped) {
     kinetic = 0.;
     relaxing->resets++;
@@ -298,7 +341,8 @@ static PetscBool HaveHeld(const MpmModel model)
   if (relaxing->since < 0.) return PETSC_FALSE;
   if (relaxation->hold >= 0.) return (PetscBool)(held >= relaxation->hold);
   if (relaxation->damping == MPM_DAMPING_VISCOUS) return (PetscBool)(held >= 2. / relaxation->xi);
-  if (relaxation->damping == MPM_DAMPING_LOCAL) return (PetscBool)(held >= relaxing->since - model->state.time_start);
+  if (relaxation->damping == MPM_DAMPING_LOCAL)
+    return (PetscBool)(held >= relaxing->since - (model->state.scheme.rescuing.on ? 0. : model->state.time_start));
   return (PetscBool)(held >= (relaxing->kinetic > 0. ? 4. : 2.) * relaxing->quarter &&
                      (relaxing->quarter > 0. || !(relaxing->kinetic > 0.)));
 }
@@ -307,21 +351,23 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
 {
   const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
   MpmRelaxing         *relaxing   = &model->state.relaxing;
+  const MpmRescuing   *rescuing   = &model->state.scheme.rescuing;
   PetscReal            work       = 0., most;
   PetscBool            holds;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < model->disc.inertia->owned * model->disc.dim; k++) work += load[k] * model->disc.u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &work, 1, MPIU_REAL, MPIU_SUM, model->comm));
-  relaxing->work += work;
+  relaxing->work   = rescuing->on ? model->state.scheme.energy.external - rescuing->work : relaxing->work + work;
   most             = PetscAbsReal(relaxing->work);
   relaxing->energy = most > 0. ? relaxing->kinetic / most : (relaxing->kinetic > 0. ? PETSC_MAX_REAL : 0.);
   holds            = (PetscBool)(relaxing->force < relaxation->tolerance && relaxing->energy < relaxation->tolerance);
+  if (rescuing->on && End(model) < rescuing->ramp) holds = PETSC_FALSE;
   if (holds && relaxing->first < 0.) relaxing->first = End(model);
   if (!holds) relaxing->since = -1.;
-  else if (relaxing->since < 0.) relaxing->since = model->state.time;
+  else if (relaxing->since < 0.) relaxing->since = rescuing->on ? rescuing->clock : model->state.time;
   relaxing->rests = HaveHeld(model);
-  if (relaxing->rests)
+  if (relaxing->rests && !rescuing->on)
     PetscCall(MpmMonitorNote(&model->monitor,
                              "at rest at %.6g: K_F and K_E are below %g, first at %.6g, without a break since %.6g; "
                              "%" PetscInt_FMT " reset%s",

@@ -6,11 +6,14 @@
 #include "time/scene.h"
 #include "talus/talus.h"
 
-/* The options of a stage of that type; its time control becomes explicit. */
-PetscErrorCode MpmRelaxationRead(const MpmOptions *block, MpmStage *stage);
+/* Options of a relaxation, and of a rescue by one; `relaxation` holds the defaults on entry. */
+void           MpmRelaxationDefaults(MpmRelaxation *relaxation);
+PetscErrorCode MpmRelaxationRead(const MpmOptions *block, PetscBool rescue, MpmRelaxation *relaxation);
 /* As a stage begins. */
 void MpmRelaxationBegin(MpmModel model);
-/* Is the stage under way one, and is any? */
+/* Nothing relaxes in the step that comes: its columns are 0. */
+void MpmRelaxationForget(MpmModel model);
+/* Is what is under way one, and could anything be? */
 PetscBool MpmModelRelaxes(const MpmModel model);
 PetscBool MpmStagesRelax(const MpmModel model);
 /* Could a stage of that type go on where the quasi-static one under way does not? */

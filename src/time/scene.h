@@ -44,6 +44,7 @@ typedef struct {
   PetscBool        second; /* steps of two stages (sdirk.c) */
   PetscReal        error;  /* largest error in time of a step, relative; 0: it is not looked at */
   MpmMotionControl motion;
+  PetscBool        rescue; /* a relaxation goes on where a quasi-static step gives up (rescue.c) */
 } MpmTimeControl;
 
 typedef enum { MPM_GEOSTATIC_NONE, MPM_GEOSTATIC_GRAVITY, MPM_GEOSTATIC_K0 } MpmGeostaticMethod;
@@ -67,6 +68,8 @@ typedef struct {
   PetscReal            xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
   PetscBool            scaled;          /* nodes have the masses that a long step wants (relaxation.c) */
   PetscBool            felt;            /* K_F is that of the forces as the points feel them (relaxation.c) */
+  MpmMotionControl     motion;          /* of a rescue, */
+  PetscInt             steps;           /* and how many it may take */
 } MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
@@ -127,6 +130,7 @@ typedef struct {
   PetscBool        fbar, fbar_auto;
   PetscBool        fbar_plain; /* F-bar averages dilation by shear, too */
   const char      *fbar_why;   /* what `auto` went by, or NULL */
+  PetscReal        interior;   /* factor of the ghost penalty on all faces, but in geostatic stages; 0: none */
   PetscReal        smooth;     /* share of means over pieces in the strain of a solid */
   PetscReal        divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
   PetscBool        divide_auto;

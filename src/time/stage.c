@@ -275,21 +275,44 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A relaxation takes explicit steps; by default velocities keep all that the nodes do not change. */
-static PetscErrorCode ReadRelaxation(const MpmOptions *options, MpmStage *stage, PetscBool on)
+/* The block of a stage, or without a name that of the scene, whose options are the stages' defaults. */
+static PetscErrorCode ReadRelaxation(const MpmOptions *options, const char *name, PetscBool rescue,
+                                     MpmRelaxation *relaxation)
 {
   char             prefix[256];
   const MpmOptions block = {options->comm, prefix, options->record};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_relaxation_", stage->name));
-  PetscCall(MpmRelaxationRead(&block, stage));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_%s%s%srelaxation_", name ? "stage_" : "", name ? name : "",
+                          name ? "_" : ""));
+  PetscCall(MpmRelaxationRead(&block, rescue, relaxation));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A stage that is a relaxation takes explicit steps; by default velocities keep all that the nodes do not change. */
+static PetscErrorCode ReadRelaxationStage(const MpmOptions *options, MpmStage *stage, PetscBool on)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ReadRelaxation(options, stage->name, PETSC_FALSE, &stage->relaxation));
   stage->relaxation.on = on;
   if (!on) PetscFunctionReturn(PETSC_SUCCESS);
   if (stage->time.motion.type != MPM_EXPLICIT) stage->time.step = 0.;
   stage->time.motion.type          = MPM_EXPLICIT;
   stage->time.motion.transfer.type = MPM_TRANSFER_FLIP;
   stage->time.motion.transfer.pic  = 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A geostatic stage has ways of its own. */
+static PetscErrorCode RefuseRescue(const MpmOptions *options, const char *time_prefix, MpmStage *stage)
+{
+  const MpmOptions block = {options->comm, time_prefix, options->record};
+  PetscBool        given;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(&block, "rescue", &given));
+  MpmCheckInput(!given || !stage->time.rescue || MpmOptionsHelp(), "-%srescue: not in a geostatic stage", time_prefix);
+  stage->time.rescue = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -313,8 +336,11 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   stage->time = *scene;
   if (type == 1) stage->time.motion.type = MPM_QUASISTATIC;
   if (type == 1 && !(scene->step > 0.)) stage->time.step = stage->time.step_min = 0.1 * scene->end;
-  if (type == 2 || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, stage, (PetscBool)(type == 2)));
+  if (type == 2 || MpmOptionsHelp()) PetscCall(ReadRelaxationStage(options, stage, (PetscBool)(type == 2)));
   PetscCall(MpmTimeControlRead(options, time_prefix, &stage->time));
+  if (type == 1) PetscCall(RefuseRescue(options, time_prefix, stage));
+  if (stage->time.rescue && !MpmOptionsHelp())
+    PetscCall(ReadRelaxation(options, stage->name, PETSC_TRUE, &stage->relaxation));
   MpmCheckInput(type != 2 || stage->time.motion.type == MPM_EXPLICIT || MpmOptionsHelp(),
                 "-%sintegrator %s: a stage of type relaxation takes explicit steps", time_prefix,
                 MpmIntegratorTypes[stage->time.motion.type]);
@@ -396,9 +422,12 @@ static PetscErrorCode CheckBodies(const MpmModel model)
 PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
 {
   MpmTimeControl scene;
+  MpmRelaxation  relaxation;
 
   PetscFunctionBeginUser;
   PetscCall(MpmSceneTimeRead(model, options, &scene));
+  MpmRelaxationDefaults(&relaxation);
+  if (scene.rescue || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, NULL, PETSC_TRUE, &relaxation));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
   PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.relaxing.ended));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.relaxing.ended[k] = -1.;
@@ -407,7 +436,8 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
     MpmStage *stage = &model->scene.stages[k];
 
     PetscCall(PetscMalloc1((model->scene.bodies->count + 1), &stage->material));
-    stage->time = scene;
+    stage->time       = scene;
+    stage->relaxation = relaxation;
     if (stage->name) PetscCall(ReadStage(model, options, &scene, stage));
     else {
       PetscCall(PetscCalloc1((model->scene.bodies->count + 1), &stage->removed));

@@ -26,6 +26,18 @@ typedef struct {
   PetscReal *ended;         /* by stage: when it ended, where that was before its time was over; otherwise negative */
 } MpmRelaxing;
 
+/* A relaxation in place of a quasi-static step that gave up (rescue.c). */
+typedef struct {
+  PetscBool on;
+  PetscReal start, end; /* s, of the run's time: of that step */
+  PetscReal clock,
+    ramp;         /* s, of the motion: how long it has taken, and in what time loads and supports get to their ends */
+  PetscReal work; /* J, that everything had done from outside as it began */
+  PetscReal first, since; /* of the last stage that was a relaxation */
+  PetscInt  steps;        /* so far */
+  PetscInt  count;        /* of rescues that have come to rest */
+} MpmRescuing;
+
 /* How far the grid has moved with what it follows. */
 typedef struct {
   PetscBool known;              /* what it follows has been there; */
@@ -69,10 +81,11 @@ typedef struct {
   PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
   MpmEnergy energy;
-  PetscReal order;      /* the power of a step's length that the estimate goes with */
-  PetscReal trial;      /* what `largest` will be, should the step be accepted */
-  PetscReal largest;    /* what errors are relative to: the largest change since the stage's start */
-  PetscReal load_scale; /* what a geostatic stage applies of its loads; otherwise 1 */
+  MpmRescuing rescuing;
+  PetscReal   order;      /* the power of a step's length that the estimate goes with */
+  PetscReal   trial;      /* what `largest` will be, should the step be accepted */
+  PetscReal   largest;    /* what errors are relative to: the largest change since the stage's start */
+  PetscReal   load_scale; /* what a geostatic stage applies of its loads; otherwise 1 */
 } MpmScheme;
 
 /* What moves on: points, time, and how steps go. */

@@ -46,7 +46,8 @@ static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal t
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
-  const MpmIntegratorType motion = model->scene.stages[model->state.stage].time.motion.type;
+  const MpmStage         *stage  = &model->scene.stages[model->state.stage];
+  const MpmIntegratorType motion = stage->time.motion.type;
   const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
   MpmRules                rules;
 
@@ -62,6 +63,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                      .materials  = model->disc.sum->materials,
                      .ghost      = solves ? GhostFactor(model) : 0.,
                      .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .interior   = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.interior : 0.,
                      .smooth     = SmoothShare(model),
                      .mean       = (PetscBool)(model->disc.layout->means > 0),
                      .put_back   = model->disc.put_back,
@@ -268,7 +270,8 @@ PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (!again) PetscCall(PrepareSpace(model, &rules, why));
   if (!*why) {
-    model->disc.sum->dt = model->disc.sum->span = dt;
+    model->disc.sum->dt   = dt;
+    model->disc.sum->span = model->state.scheme.rescuing.on ? time - model->state.time : dt;
     PetscCall(PrepareConditions(model, &rules, time, why));
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

@@ -6,6 +6,7 @@
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/relaxation.h"
+#include "time/rescue.h"
 #include "time/time.h"
 
 /* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
@@ -164,7 +165,7 @@ static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where Newton's method has found no state of rest in the shortest step, motion might. */
+/* Where Newton's method has found no state of rest in the shortest step, motion might: it takes over, or is named in the reason. */
 static PetscErrorCode OfferRelaxation(MpmModel model, const char **why)
 {
   SNESConvergedReason reason;
@@ -174,8 +175,15 @@ static PetscErrorCode OfferRelaxation(MpmModel model, const char **why)
   if (!MpmCouldRelax(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESGetConvergedReason(model->solver.snes, &reason));
   if (reason > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmRescueServes(model)) {
+    PetscCall(MpmRescueBegin(model, *why));
+    *why = NULL;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscSNPrintf(text, sizeof(text),
-                          "%s; if there is a state of rest elsewhere, a stage of type relaxation may find it", *why));
+                          "%s; if there is a state of rest elsewhere, a stage of type relaxation may find it, or "
+                          "-mpm_time_rescue relaxation in this one",
+                          *why));
   PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text)));
   *why = model->solver.lost;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -191,6 +199,47 @@ static PetscErrorCode DividePoints(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The points' places and their ranks, for a step that begins there. */
+static PetscErrorCode Arrange(MpmModel model, const char **why)
+{
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMovingGridFollow(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
+  if (model->scene.divide > 0.) PetscCall(DividePoints(model));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A step of the motion that goes on where a quasi-static step gave up. */
+static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, const char **why)
+{
+  PetscReal next;
+  PetscBool retryable;
+  char      text[sizeof(model->solver.lost)];
+
+  PetscFunctionBeginUser;
+  PetscCall(model->state.scheme.integrator->length(model, why));
+  if (!*why) {
+    PetscCall(MpmRescueNextTime(model, &next));
+    PetscCall(MpmStep(model, next, model->state.dt_wanted, PETSC_FALSE, why, &retryable));
+  }
+  if (*why) {
+    PetscCall(PetscSNPrintf(text, sizeof(text), "the relaxation that goes on to time %.6g: %s",
+                            (double)model->state.scheme.rescuing.end, *why));
+    PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text)));
+    *why = model->solver.lost;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  model->state.time = next;
+  PetscCall(MpmReductionObserve(model));
+  PetscCall(MpmRescueOver(model, dt, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
@@ -200,17 +249,16 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   const PetscInt  most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION;
   PetscReal       next;
   PetscBool       retryable, again = PETSC_FALSE;
-  PetscLogDouble  since;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMovingGridFollow(model, why));
+  PetscCall(Arrange(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
-  if (model->scene.divide > 0.) PetscCall(DividePoints(model));
-  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
-  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->state.scheme.rescuing.on) {
+    PetscCall(AdvanceRescue(model, dt, why));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   model->state.cuts = 0;
+  if (MpmRescueServes(model)) MpmRelaxationForget(model);
   if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (;;) {

@@ -6,11 +6,17 @@
   (translations; rotations about c, over R), each prescribed displacement q . u = g gives a row r_k = q . m_k(x). Motions in the
   null space of M = sum r r^T are free. A boundary holds along its normal what touches it, and all of it with stick.
   A free translation along which the loads have a resultant leaves no equilibrium, however short the step.
+
+  Where all is held so, a piece may slide all the same. The loose pieces are those that bodies in contact make each by itself, which
+  contact holds along its normals only: one of them that the loads push along a free motion rests on friction alone.
 */
 #include "point/layout.h"
-#include "grid/grid.h"
+#include "particles/body.h"
+#include "particles/points.h"
 #include "space/space.h"
+#include "space/sum.h"
 #include "bc/bc.h"
+#include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/inertia.h"
 #include "time/model.h"
@@ -20,6 +26,7 @@
 
 #define MOTIONS_MOST 6
 #define ZERO         1e-10 /* of sums of numbers about 1 */
+#define PUSHED       1e-3  /* of a loose piece's loads: normals of facets turn with them */
 
 /* ---- pieces ---- */
 
@@ -31,6 +38,7 @@ typedef struct {
 
 typedef struct {
   MpmModel  model;
+  PetscBool loose; /* without friction */
   PetscInt  dim, motions, count;
   PetscInt *of; /* the piece of each local node */
   PetscReal (*centre)[MPM_MAX_DIM], *radius;
@@ -41,7 +49,8 @@ typedef struct {
 typedef struct {
   PetscInt  free_count;
   PetscReal free[MOTIONS_MOST][MOTIONS_MOST];
-  PetscBool axis[MPM_MAX_DIM], pushed; /* free translations along axes; do the loads push along one? */
+  PetscBool axis[MPM_MAX_DIM],
+    pushed; /* free translations along axes; do the loads push along one (loose: along any motion)? */
 } Freedom;
 
 static PetscInt Root(PetscInt parent[], PetscInt i)
@@ -60,7 +69,7 @@ static PetscInt FirstNode(const MpmSpace *space, PetscInt box)
 }
 
 /* Gives all nodes of a piece the lowest global number among them. */
-static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
+static PetscErrorCode LabelPieces(const MpmModel model, PetscBool loose, PetscInt label[])
 {
   const MpmSpace *space = model->disc.space;
   PetscInt       *parent;
@@ -77,7 +86,7 @@ static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
 
     for (PetscInt k = 1; k < space->groups[g].node_count; k++) parent[Root(parent, node[k])] = Root(parent, node[0]);
   }
-  for (PetscInt k = 0; k < space->parts.couple_count; k++) {
+  for (PetscInt k = 0; !loose && k < space->parts.couple_count; k++) {
     const PetscInt *box = space->parts.couple[k].box;
 
     parent[Root(parent, FirstNode(space, box[1]))] = Root(parent, FirstNode(space, box[0]));
@@ -103,17 +112,17 @@ static PetscErrorCode LabelPieces(const MpmModel model, PetscInt label[])
 }
 
 /* All ranks know all pieces: their labels are the global numbers of one node each. */
-static PetscErrorCode FindPieces(MpmModel model, Pieces *pieces)
+static PetscErrorCode FindPieces(MpmModel model, PetscBool loose, Pieces *pieces)
 {
   const MpmSpace *space = model->disc.space;
   PetscInt       *own, *label;
   PetscMPIInt     mine = 0, *count, *start;
 
   PetscFunctionBeginUser;
-  *pieces = (Pieces){.model = model, .dim = model->disc.dim, .motions = model->disc.dim == 2 ? 3 : 6};
+  *pieces = (Pieces){.model = model, .loose = loose, .dim = model->disc.dim, .motions = model->disc.dim == 2 ? 3 : 6};
   PetscCall(PetscMalloc1(space->local, &pieces->of));
   PetscCall(PetscMalloc3(space->owned, &own, model->size, &count, (model->size + 1), &start));
-  PetscCall(LabelPieces(model, pieces->of));
+  PetscCall(LabelPieces(model, loose, pieces->of));
   for (PetscInt i = 0; i < space->owned; i++)
     if (pieces->of[i] == space->global[i] && !MpmSpaceIsExtra(space, i)) own[mine++] = space->global[i];
   PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, count, 1, MPI_INT, model->comm));
@@ -237,6 +246,7 @@ static void HoldByBoundaries(Pieces *pieces)
     const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
     const PetscInt     node     = model->disc.space->group_nodes[model->disc.space->groups[facet->group].node_offset];
     const PetscInt     piece    = pieces->of[node];
+    const PetscBool    firm     = (PetscBool)(boundary->bilateral && boundary->stick);
     MpmSurface         before, after;
 
     MpmBoundaryDistance(boundary, &contacts->before[facet->boundary], facet->place, &before);
@@ -245,12 +255,27 @@ static void HoldByBoundaries(Pieces *pieces)
         PetscMin(before.distance, after.distance) - facet->touches > MPM_TOLERANCE * model->disc.h[0])
       continue;
     Hold(pieces, piece, before.normal, facet->place);
-    for (PetscInt a = 0; a < dim && boundary->tangential; a++) {
+    for (PetscInt a = 0; a < dim && boundary->tangential && (!pieces->loose || firm); a++) {
       PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
 
       unit[a] = 1.;
       Hold(pieces, piece, unit, facet->place);
     }
+  }
+}
+
+/* Loose pieces hold each other where they touch as the step starts. */
+static void HoldByPairs(Pieces *pieces)
+{
+  const MpmModel         model = pieces->model;
+  const MpmPairContacts *pairs = model->disc.pairs;
+
+  for (PetscInt k = 0; pieces->loose && k < pairs->patch_count; k++) {
+    const MpmPairPatch *patch = &pairs->patch[k];
+
+    if (patch->gap - patch->touches > MPM_TOLERANCE * model->disc.h[0]) continue;
+    for (PetscInt s = 0; s < 2; s++)
+      Hold(pieces, pieces->of[FirstNode(model->disc.space, patch->side[s].box)], patch->normal, patch->side[s].place);
   }
 }
 
@@ -301,6 +326,12 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
     freedom->axis[a] = (PetscBool)(square > 1. - 1e-6);
     if (freedom->axis[a] && PetscAbsReal(sums->load[a]) > ZERO * sums->size) freedom->pushed = PETSC_TRUE;
   }
+  for (PetscInt k = 0; pieces->loose && k < freedom->free_count; k++) {
+    PetscReal push = 0.;
+
+    for (PetscInt i = 0; i < m; i++) push += freedom->free[k][i] * sums->load[i];
+    if (PetscAbsReal(push) > PUSHED * sums->size) freedom->pushed = PETSC_TRUE;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -321,15 +352,42 @@ static PetscErrorCode DescribeVector(const Pieces *pieces, const char head[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The first body with points in a piece, or none; collective. */
+static PetscErrorCode FindBody(const Pieces *pieces, PetscInt piece, const char **name)
+{
+  const MpmSum    *sum    = pieces->model->disc.sum;
+  const MpmSpace  *space  = pieces->model->disc.space;
+  const MpmBodies *bodies = pieces->model->scene.bodies;
+  PetscInt         first  = PETSC_INT_MAX;
+  MpmBody          body;
+
+  PetscFunctionBeginUser;
+  *name = NULL;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+
+    if (group->point_end == group->point_begin || pieces->of[FirstNode(space, g)] != piece) continue;
+    first = PetscMin(first, sum->points->id[space->order[group->point_begin]]);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &first, 1, MPIU_INT, MPI_MIN, pieces->model->comm));
+  body = MpmBodyOfPoint(bodies, first);
+  for (PetscInt b = 0; body && b < bodies->count; b++)
+    if (bodies->at[b] == body) *name = bodies->names[b];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* "nothing holds the material against translation in y" */
 static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freedom *freedom, char **text)
 {
-  PetscInt named = 0;
+  const char *name  = NULL;
+  PetscInt    named = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmTextAppend(text, "nothing holds the "));
-  if (pieces->count == 1) PetscCall(MpmTextAppend(text, "material"));
-  else PetscCall(DescribeVector(pieces, "piece about ", pieces->centre[piece], text));
+  if (pieces->loose) PetscCall(FindBody(pieces, piece, &name));
+  PetscCall(MpmTextAppend(text, pieces->loose ? "nothing but friction holds " : "nothing holds "));
+  if (name) PetscCall(MpmTextAppend(text, "body %s", name));
+  else if (pieces->count == 1) PetscCall(MpmTextAppend(text, "the material"));
+  else PetscCall(DescribeVector(pieces, "the piece about ", pieces->centre[piece], text));
   PetscCall(MpmTextAppend(text, " against "));
   for (PetscInt a = 0; a < pieces->dim; a++)
     if (freedom->axis[a]) PetscCall(MpmTextAppend(text, "%s%c", named++ ? ", " : "translation in ", "xyz"[a]));
@@ -339,21 +397,25 @@ static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freed
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The piece that loads push along a free motion, or the first that has one; `worst` is -1 where none has. Free `pieces` with Forget(). */
-static PetscErrorCode Examine(MpmModel model, Pieces *pieces, PetscInt *worst, Freedom *freedom)
+/*
+  The piece that loads push along a free motion, or the first that has one (loose: only the former); `worst` is -1 where none has.
+  Free `pieces` with Forget().
+*/
+static PetscErrorCode Examine(MpmModel model, PetscBool loose, Pieces *pieces, PetscInt *worst, Freedom *freedom)
 {
   PetscFunctionBeginUser;
   *worst          = -1;
   freedom->pushed = PETSC_FALSE;
-  PetscCall(FindPieces(model, pieces));
+  PetscCall(FindPieces(model, loose, pieces));
   PetscCall(FindCentres(pieces));
   HoldByConditions(pieces);
   HoldByBoundaries(pieces);
+  HoldByPairs(pieces);
   AddLoads(pieces);
   PetscCall(SumPieces(pieces, sizeof(Sums) / sizeof(PetscReal), (PetscReal *)pieces->sums));
   for (PetscInt k = 0; k < pieces->count; k++) {
     PetscCall(FindFreedom(pieces, &pieces->sums[k], freedom));
-    if (!freedom->free_count || (*worst >= 0 && !freedom->pushed)) continue;
+    if (!freedom->free_count || ((loose || *worst >= 0) && !freedom->pushed)) continue;
     *worst = k;
     if (freedom->pushed) break;
   }
@@ -378,7 +440,7 @@ PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
   PetscFunctionBeginUser;
   *pushed = PETSC_FALSE;
   if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Examine(model, &pieces, &worst, &freedom));
+  PetscCall(Examine(model, PETSC_FALSE, &pieces, &worst, &freedom));
   *pushed = (PetscBool)(worst >= 0 && freedom.pushed);
   PetscCall(Forget(&pieces));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -393,15 +455,19 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
 
   PetscFunctionBeginUser;
   if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Examine(model, &pieces, &worst, &freedom));
-  if (worst >= 0) {
-    PetscCall(Describe(&pieces, worst, &freedom, &text));
-    PetscCall(MpmTextAppend(&text, " (%s)", *why));
-    PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
-    *why       = model->solver.lost;
-    *retryable = (PetscBool)(*retryable && !(freedom.pushed && !model->scene.boundaries->count));
-    PetscCall(PetscFree(text));
+  for (PetscInt loose = 0; loose < (model->scene.boundaries->count || model->scene.pairs->count ? 2 : 1) && !text;
+       loose++) {
+    PetscCall(Examine(model, (PetscBool)loose, &pieces, &worst, &freedom));
+    if (worst >= 0) {
+      PetscCall(Describe(&pieces, worst, &freedom, &text));
+      PetscCall(MpmTextAppend(&text, " (%s)", *why));
+      if (loose) PetscCall(MpmTextAppend(&text, "; if it slides on, that takes inertia (-mpm_time_integrator)"));
+      PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
+      *why       = model->solver.lost;
+      *retryable = (PetscBool)(*retryable && (loose || !freedom.pushed || model->scene.boundaries->count));
+    }
+    PetscCall(Forget(&pieces));
   }
-  PetscCall(Forget(&pieces));
+  PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

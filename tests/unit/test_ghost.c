@@ -1,6 +1,6 @@
 /*
   The ghost penalty: it feels nothing of polynomials that the shape functions know, and it bounds the iterations of a plain Krylov method as
-  a body moves over a cell.
+  a body moves over a cell. That on all faces leaves pressures alone and holds increments that alternate from cell to cell.
 
   Ranks: 1 2
 */
@@ -33,7 +33,7 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const char *ghost,
 }
 
 /* The same of saturated ground, with a step and a permeability that make both parts of the pressure's factor count. */
-static PetscErrorCode CreatePoro(PetscInt dim, const char *shape, MpmModel *model)
+static PetscErrorCode CreatePoro(PetscInt dim, const char *shape, const char *ghost, MpmModel *model)
 {
   char options[2048];
 
@@ -47,7 +47,7 @@ static PetscErrorCode CreatePoro(PetscInt dim, const char *shape, MpmModel *mode
     "%s "
     "-mpm_body_b_upper %s -mpm_time_step 0.25 -mpm_stabilization_ghost %s",
     (int)dim, dim == 2 ? "0,0" : "0,0,0", dim == 2 ? "12,12" : "8,8,8", dim == 2 ? "12,12" : "8,8,8", shape,
-    dim == 2 ? "3,3" : "2,2,2", dim == 2 ? "9,9" : "5,5,5", FACTOR));
+    dim == 2 ? "3,3" : "2,2,2", dim == 2 ? "9,9" : "5,5,5", ghost));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -146,6 +146,14 @@ START_TEST(polynomials)
 }
 END_TEST
 
+START_TEST(interior_polynomials)
+{
+  static const char *const factor[] = {"off -mpm_stabilization_interior 1", "0.1 -mpm_stabilization_interior 1"};
+
+  CheckPolynomials(factor);
+}
+END_TEST
+
 /* The same up to the grid's edges, with splines that know all these polynomials there. */
 START_TEST(polynomials_at_open_edges)
 {
@@ -201,7 +209,7 @@ START_TEST(pressure)
       MpmModel  model;
       PetscReal ratio, apart, sum;
 
-      SCENE_CALL(CreatePoro(dim, shapes[s], &model));
+      SCENE_CALL(CreatePoro(dim, shapes[s], FACTOR, &model));
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, dt));
       SCENE_CALL(LookAtPressure(model, &ratio, &apart, &sum));
@@ -211,6 +219,57 @@ START_TEST(pressure)
       ck_assert_msg(sum <= 1e-11, "%dD %s: rows sum to %g", (int)dim, shapes[s], (double)sum);
       SCENE_CALL(SceneDestroy(&model));
     }
+  }
+}
+END_TEST
+
+/* The penalty's energy of a displacement along x that alternates along y, 1 and -1, and forces on the pressure, at a node at the most. */
+static PetscErrorCode Alternate(MpmModel model, PetscReal *energy, PetscReal *water)
+{
+  const PetscInt bs = model->disc.block, dim = model->disc.dim, n = model->disc.space->local * bs;
+  PetscReal     *u, *f;
+  PetscInt       failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc2(n, &u, n, &f));
+  for (PetscInt i = 0; i < model->disc.space->local; i++) {
+    u[i * bs] = model->disc.space->node[i * dim + 1] % 2 ? -1. : 1.;
+    if (bs > dim) u[i * bs + dim] = u[i * bs];
+  }
+  PetscCall(MpmTermGhost.residual(NULL, model->disc.sum, u, f, &failed));
+  *energy = *water = 0.;
+  for (PetscInt i = 0; i < model->disc.space->local; i++) {
+    *energy += u[i * bs] * f[i * bs] / 2.;
+    if (bs > dim) *water = PetscMax(*water, PetscAbsReal(f[i * bs + dim]));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, water, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscCall(PetscFree2(u, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Where the penalty is on all faces, one of normal y between 6 x 6 cells costs (gamma/2) E h^-1 (1 + 2 + 1)^2 (per h of length, h = 1): there
+  are 5 rows of 6. The faces of edge cells alone are fewer: all but 3 x 4. Pressures feel only the latter.
+*/
+START_TEST(interior)
+{
+  static const char *const factor[] = {"0.01 -mpm_stabilization_interior 0", "off -mpm_stabilization_interior 0.01",
+                                       "0.01 -mpm_stabilization_interior 0.01"};
+  static const PetscReal   faces[]  = {18., 30., 30.};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(factor); k++) {
+    const PetscReal expected = faces[k] * 0.5 * 0.01 * 1e6 * 16.;
+    MpmModel        model;
+    PetscReal       energy, water;
+
+    SCENE_CALL(CreatePoro(2, "linear", factor[k], &model));
+    SCENE_CALL(SceneBegin(model, 0.25));
+    SCENE_CALL(Alternate(model, &energy, &water));
+    ck_assert_msg(PetscAbsReal(energy / expected - 1.) <= 1e-12, "%s: energy %g, expected %g", factor[k],
+                  (double)energy, (double)expected);
+    ck_assert_msg((k == 1) == (water == 0.), "%s: force %g on the pressure", factor[k], (double)water);
+    SCENE_CALL(SceneDestroy(&model));
   }
 }
 END_TEST
@@ -285,7 +344,8 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {polynomials, polynomials_at_open_edges, pressure, sliding};
+  const TTest *const tests[] = {polynomials, interior_polynomials, interior, polynomials_at_open_edges, pressure,
+                                sliding};
 
   return UnitRun(&argc, &argv, "ghost", sizeof(tests) / sizeof(tests[0]), tests);
 }

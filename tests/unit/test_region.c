@@ -65,6 +65,32 @@ static void CheckBounds(MpmRegion region, PetscInt dim, const PetscReal lower[],
   }
 }
 
+/* An octant of a sphere; what ends at the clipping and what at the surface itself. */
+START_TEST(clipped)
+{
+  MpmRegion region;
+
+  BLOCK("region", "sphere", "center", "1,1,1", "radius", "2", "clip_lower", "1,1,-1", "clip_upper", "3,3,1");
+  region = Create(3);
+  IN(1., 1., -1.);
+  IN(2., 2., 1.);
+  OUT(0.99, 1., 0.);
+  OUT(2., 2., 1.01);
+  OUT(2.5, 2.5, 0.);
+  CheckBounds(region, 3, (const PetscReal[]){1., 1., -1.}, (const PetscReal[]){3., 3., 1.});
+  ck_assert(MpmRegionClips(region, (const PetscReal[]){1.1, 1.1, 0.}, 0, 0));
+  ck_assert(!MpmRegionClips(region, (const PetscReal[]){1.1, 1.1, -0.9}, 2, 0));
+  Destroy(&region);
+  BLOCK("region", "polygon", "vertices", "0,0,4,0,0,4", "clip_upper", "1,3");
+  region = Create(2);
+  IN(1., 2.9);
+  OUT(1.1, 1.);
+  Destroy(&region);
+  BLOCK("region", "sphere", "center", "1,1", "radius", "2", "clip_lower", "1,1", "clip_upper", "2,0");
+  Refuse(2, "-mpm_a_clip_upper 0. on axis y: must be >= -mpm_a_clip_lower, which is 1.");
+}
+END_TEST
+
 START_TEST(everything)
 {
   MpmRegion region;
@@ -432,8 +458,8 @@ END_TEST
 int main(int argc, char **argv)
 {
   const TTest *const tests[] = {
-    everything,      box,  box_refuses,          sphere, cylinder,         polygon,      polygon_random,
-    polygon_refuses, cuts, incomplete_with_help, ramps,  ramps_integrated, ramps_refused};
+    everything,     clipped,         box,  box_refuses,          sphere, cylinder,         polygon,
+    polygon_random, polygon_refuses, cuts, incomplete_with_help, ramps,  ramps_integrated, ramps_refused};
 
   return UnitRun(&argc, &argv, "region", sizeof(tests) / sizeof(tests[0]), tests);
 }

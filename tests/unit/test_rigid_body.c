@@ -34,6 +34,8 @@ static const char *const scene_3d =
   "-mpm_boundary_lid_type plane -mpm_boundary_lid_point 1,1,0.8 -mpm_boundary_lid_normal 0,0,-1 -mpm_boundary_lid_free "
   "z,rx,ry -mpm_boundary_lid_load 0,0,-900 -mpm_boundary_lid_motion 0.03,0,0 -mpm_boundary_lid_pivot 1.1,0.9,0.8 ";
 static const char *const moments = "-mpm_boundary_lid_moment 40,-70,0 -mpm_boundary_ball_moment 10,20,30 ";
+/* About two of three axes the moment that holds the third keeps out of the rows, but not out of the columns. */
+static const char *const one_axis = "-mpm_boundary_lid_free z,rx ";
 
 static PetscErrorCode Create(PetscInt dim, const char *shape, PetscBool fbar, const char *more, MpmModel *model)
 {
@@ -100,7 +102,7 @@ static void Check(const char *name, const SceneVerdict *verdict, PetscBool symme
   ck_assert_msg(verdict->blocks <= 1e-8, "%s: inverted diagonal blocks are wrong by %g", name, (double)verdict->blocks);
   ck_assert_msg(verdict->slope >= 1.95, "%s: the Taylor remainder has order %g", name, (double)verdict->slope);
   if (symmetric) ck_assert_msg(verdict->asymmetry <= 1e-13, "%s: unsymmetric by %g", name, (double)verdict->asymmetry);
-  else ck_assert_msg(verdict->asymmetry > 1e-12, "%s: symmetric with a moment", name);
+  else ck_assert_msg(verdict->asymmetry > 1e-12, "%s: symmetric", name);
 }
 
 /* Every body touches, and its equations are in the matrix. */
@@ -120,8 +122,8 @@ static void Compare(PetscInt dim, PetscInt shape, PetscBool fbar, const char *mo
   Vec          v;
   char         name[200];
 
-  snprintf(name, sizeof(name), "%dD %s%s%s", (int)dim, MpmShapeTypes[shape], fbar ? " F-bar" : "",
-           more[0] ? " moments" : "");
+  snprintf(name, sizeof(name), "%dD %s%s %s", (int)dim, MpmShapeTypes[shape], fbar ? " F-bar" : "",
+           more[0] ? more : "");
   SCENE_CALL(Create(dim, MpmShapeTypes[shape], fbar, more, &model));
   Press(model);
   SCENE_CALL(SceneBegin(model, 0.25));
@@ -130,7 +132,7 @@ static void Compare(PetscInt dim, PetscInt shape, PetscBool fbar, const char *mo
   SCENE_CALL(Fill(model, 3, 0.01, PETSC_FALSE, model->solver.x));
   SCENE_CALL(Fill(model, 4, 0.01, PETSC_TRUE, v));
   SCENE_CALL(SceneCompare(model, model->solver.x, v, &verdict));
-  Check(name, &verdict, (PetscBool)!more[0]);
+  Check(name, &verdict, (PetscBool)(dim == 2 ? !more[0] : more == one_axis));
   ck_assert_int_eq(model->solver.symmetric, 0); /* what sticks may part, and lets go with its pressure */
   SCENE_CALL(MpmGatherSolution(&model->solver, model->solver.x));
   CheckTouch(model);
@@ -146,7 +148,8 @@ END_TEST
 
 START_TEST(space)
 {
-  for (PetscInt shape = 0; shape < MPM_SHAPE_COUNT; shape++) Compare(3, shape, (PetscBool)(shape % 2), "");
+  for (PetscInt shape = 0; shape < MPM_SHAPE_COUNT; shape++)
+    Compare(3, shape, (PetscBool)(shape % 2), shape % 2 ? "" : one_axis);
   Compare(3, MPM_SHAPE_GIMP, PETSC_FALSE, moments);
 }
 END_TEST

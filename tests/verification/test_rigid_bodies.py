@@ -76,6 +76,12 @@ def lid(test):
     near_balance(test, "lid", alone, "lid", np.array([100.0, 50.0, -1e4]), np.array([300.0, -500.0, 100.0]), "xyz", "xyz")
     test.check("lid.sinks", alone.results.column("position_lid_z")[-1], None, 1.0)
     test.check("lid.newton", np.mean(alone.newton), None, 8)  # two long steps: 5 and 7
+    # two of three rotations: the moment that holds the third is no part of their balance
+    part = test.run(scene, mpm_quiet=None, mpm_boundary_lid_free="x,z,rx,rz", mpm_boundary_lid_load="500,0,-3e4",
+                    mpm_boundary_lid_moment="3e3,0,2e3")
+    for axis, moment in (("x", 3e3), ("z", 2e3)):
+        off = part.results.column(f"moment_lid_{axis}") - moment * part.results.column("time")
+        test.check(f"lid_in_part.{axis}", np.max(np.abs(off)) / 3e4, None, BALANCE)
     for ranks in (2, 3):
         other = test.run(scene, ranks=ranks, mpm_quiet=None)
         for name in ("position_lid_z", "rotation_lid_x", "rotation_lid_z", "depth_lid"):

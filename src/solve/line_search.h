@@ -1,0 +1,28 @@
+#pragma once
+/*
+  A line search at work (newton.c), and that of a minimisation (minimise.c).
+*/
+#include "solve/solve.h"
+
+/* From X along -Y, with F at X; W and G are the step that is tried and the residual there. */
+typedef struct {
+  MpmSolver *solver;
+  Vec        X, F, Y, W, G;
+  PetscInt   it;
+  PetscReal  fnorm; /* of F */
+  PetscReal  lambda, norm;
+} MpmSearch;
+
+/* Tries X - lambda Y: the residual there, and its norm. */
+PetscErrorCode MpmSearchTry(MpmSearch *search);
+/*
+  Where the step is a minimisation: the step that has been found must not raise the objective; where it does it is cut, and where Newton's
+  direction leads uphill it is turned round. `found`: there is one that does not. `taken` keeps the objective for the next iteration.
+*/
+PetscErrorCode MpmSearchDescend(MpmSearch *search, PetscBool *found);
+PetscErrorCode MpmSearchTaken(MpmSearch *search);
+/* The objective as SNES asks for it; ctx: the solver. */
+PetscErrorCode MpmObjective(SNES snes, Vec x, PetscReal *value, void *ctx);
+/* Where a vector's values stand, and whether two places are the same. */
+PetscErrorCode MpmPlaceGet(Vec x, MpmPlace *place);
+PetscBool      MpmPlaceIsSame(const MpmPlace *a, const MpmPlace *b);
