@@ -249,6 +249,14 @@ MpmBody MpmBodyOfPoint(const MpmBodies *bodies, PetscInt id)
   return NULL;
 }
 
+PetscInt MpmBodyNumber(const MpmBodies *bodies, const MpmPoints *points, PetscInt p)
+{
+  PetscInt b = 0;
+
+  while (b < bodies->count && points->id[p] >= bodies->at[b]->id_end) b++;
+  return b;
+}
+
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other)
 {
   PetscBool same = (PetscBool)(!one->imported && !other->imported);

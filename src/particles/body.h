@@ -42,6 +42,8 @@ PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[]);
 PetscReal MpmBodyExcess(MpmBody body, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half);
 /* The body that a point is of; NULL where there is none. */
 MpmBody MpmBodyOfPoint(const MpmBodies *bodies, PetscInt id);
+/* The number of the body that the p-th of the points is of; as many as there are where it is of none. */
+PetscInt MpmBodyNumber(const MpmBodies *bodies, const MpmPoints *points, PetscInt p);
 /* Would both have a point at the same places of a cell? */
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other);
 /* Of the points' domains, in a body that is not from a file. */

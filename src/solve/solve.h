@@ -107,11 +107,13 @@ typedef struct {
   MpmFieldsplit  split;
   MpmEvaluations cache;
   MpmExcursion   excursion;
-  MpmUnstable    unstable;      /* what to do where the tangent loses definiteness */
-  PetscBool      told_unstable; /* it has, and that was said */
-  char           lost[320];     /* tells of a point that left the grid, or of what nothing holds */
-  PetscInt       newton, linear;
-  PetscInt64     newton_total, linear_total;
+  struct {
+    MpmUnstable choice; /* what to do where the tangent loses definiteness */
+    PetscBool   told;   /* it has, and that was said */
+  } unstable;
+  char       lost[320]; /* tells of a point that left the grid, or of what nothing holds */
+  PetscInt   newton, linear;
+  PetscInt64 newton_total, linear_total;
 } MpmSolver;
 
 /* The sums over points by colours, in blocks or one node a colour, or by differences (jacobian_coloring.c). */

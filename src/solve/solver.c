@@ -309,6 +309,17 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Can it be told by forces that nothing touches? Not where a boundary holds, or is a body, whose contacts are summed with its own. */
+static PetscBool ServesAtRest(const MpmSolver *solver)
+{
+  const MpmContacts *contacts = solver->disc->contacts;
+
+  for (PetscInt k = 0; k < contacts->boundary_count; k++)
+    if (contacts->boundaries[k].freedom || contacts->boundaries[k].bilateral) return PETSC_FALSE;
+  return (PetscBool)(solver->symmetric && !solver->disc->layout->saddle &&
+                     solver->jacobian_type != MPM_JACOBIAN_MATFREE);
+}
+
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
 {
   const PetscBool contacts = (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
@@ -318,7 +329,7 @@ PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
   PetscFunctionBeginUser;
   PetscCall(CheckSuits(solver));
   if (solver->at_rest.serves) {
-    solver->at_rest.serves = (PetscBool)(solver->symmetric && solver->jacobian_type != MPM_JACOBIAN_MATFREE);
+    solver->at_rest.serves = ServesAtRest(solver);
     solver->symmetric      = PETSC_FALSE;
   }
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));

@@ -40,7 +40,7 @@ PetscErrorCode MpmStabilityRead(MpmSolver *solver, const MpmOptions *options)
                    "stops where nu is above 0.45, since nothing but failed steps comes then, and follows elsewhere; "
                    "where a material has a history nobody looks",
                    words, MPM_OPTIONAL, &choice, NULL));
-  solver->unstable = (MpmUnstable)choice;
+  solver->unstable.choice = (MpmUnstable)choice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,12 +60,13 @@ static PetscBool Stops(const MpmSolver *solver)
 
   for (PetscInt m = 0; m < solver->disc->material_count; m++)
     locks = (PetscBool)(locks || solver->disc->sum->materials[m].nu > MPM_NU_LOCKS);
-  return (PetscBool)(solver->unstable == MPM_UNSTABLE_STOP || (solver->unstable == MPM_UNSTABLE_AUTO && locks));
+  return (PetscBool)(solver->unstable.choice == MPM_UNSTABLE_STOP ||
+                     (solver->unstable.choice == MPM_UNSTABLE_AUTO && locks));
 }
 
 PetscBool MpmStabilityWanted(const MpmSolver *solver)
 {
-  return (PetscBool)(Applies(solver) && !solver->told_unstable);
+  return (PetscBool)(Applies(solver) && !solver->unstable.told);
 }
 
 /* Negative eigenvalues of the matrix that was factorised last; 0 where the solver cannot tell. */
@@ -221,7 +222,7 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, const char **why)
   if (!lost) PetscFunctionReturn(PETSC_SUCCESS);
   if (Stops(solver)) *why = solver->lost;
   else PetscCall(MpmMonitorNote(solver->monitor, "%s; followed", solver->lost));
-  solver->told_unstable = PETSC_TRUE;
+  solver->unstable.told = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

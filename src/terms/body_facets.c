@@ -19,7 +19,6 @@
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
-#include "space/sum.h"
 #include "terms/body_facets.h"
 #include "terms/contact.h"
 

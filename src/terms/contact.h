@@ -203,12 +203,12 @@ PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints
 PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
                                    const MpmFacet *start);
 /*
-  Faces near an edge of the boundary (edge_facets.c), in cells of sizes h. AtEdge: is the facet single, and into how many slices is its face cut, or 0? And the
-  place of a slice.
+  Faces near an edge of the boundary (edge_facets.c), in cells of sizes h, m; `sides`: the vectors of half of a face's dim - 1 sides. AtEdge:
+  is the facet single, and into how many slices is its face cut, or 0? SlicePlace: from the face's middle to the slice's.
 */
-PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], const MpmPoints *points, PetscInt face,
-                           const MpmSurface *surface, MpmFacet *facet);
-void     MpmContactsSlicePlace(PetscInt dim, const MpmPoints *points, PetscInt face, MpmFacet *slice);
+PetscInt       MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],
+                                 const MpmSurface *surface, MpmFacet *facet);
+void           MpmContactsSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice);
 PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);
 /*
   A step whose forces balance at `part` of it: round facets of boundaries whose motion is prescribed touch where they are then, by the nodes'

@@ -364,16 +364,24 @@ static PetscReal Regard(const MpmContacts *contacts, PetscInt b, PetscReal facin
   return contacts->cut[b] ? 1. : t / (1. + t);
 }
 
-/* A face that meets an edge of the boundary, in slices; they touch where the face does. */
-static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
-                                   PetscInt count, const MpmFacet *whole)
+/* Half of the sides of a face. */
+static void FaceSides(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, PetscReal (*sides)[MPM_MAX_DIM])
 {
-  const PetscInt dim = contacts->boundaries[whole->boundary].dim, p = whole->point;
-  PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM];
+  for (PetscInt b = 0, k = 0; b < dim; b++) {
+    if (b == face / 2) continue;
+    for (PetscInt a = 0; a < dim; a++)
+      sides[k][a] = points->half_length[p * dim + b] * points->F[(p * dim + a) * dim + b];
+    k++;
+  }
+}
+
+/* A face that meets an edge of the boundary, in slices of this area; they touch where the face does. */
+static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, PetscReal (*sides)[MPM_MAX_DIM],
+                                   PetscInt count, const PetscReal area[], const MpmFacet *whole)
+{
+  const PetscInt dim = contacts->boundaries[whole->boundary].dim;
 
   PetscFunctionBeginUser;
-  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
-  for (PetscInt a = 0; a < dim; a++) area[a] /= (PetscReal)count;
   for (PetscInt k = 0; k < count; k++) {
     MpmFacet   slice  = *whole;
     PetscReal  square = 0.;
@@ -381,7 +389,7 @@ static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, cons
 
     slice.slice = 1 + k;
     slice.area  = 0.;
-    MpmContactsSlicePlace(dim, points, face, &slice);
+    MpmContactsSlicePlace(dim, sides, &slice);
     MpmContactsStartDistance(contacts, area, &slice, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       slice.normal[a] = surface.normal[a];
@@ -410,7 +418,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   PetscFunctionBeginUser;
   for (PetscInt face = 0; face < 2 * dim; face++) {
     MpmFacet  facet = *start;
-    PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM], size = 0.;
+    PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM], sides[MPM_MAX_DIM - 1][MPM_MAX_DIM], size = 0.;
     PetscBool touched;
 
     if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
@@ -426,7 +434,8 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       facet.area -= area[a] * surface.normal[a];
       size += PetscSqr(area[a]);
     }
-    slices = surface.distance > margin ? 0 : MpmContactsAtEdge(contacts, grid->h, points, face, &surface, &facet);
+    FaceSides(dim, points, p, face, sides);
+    slices = surface.distance > margin ? 0 : MpmContactsAtEdge(contacts, grid->h, sides, &surface, &facet);
     if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
       corner.count++;
@@ -442,7 +451,8 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     if (touched) facet.touches = kept[count];
     else if (boundary->bilateral) continue;
     if (slices) {
-      PetscCall(SlicesOfFace(contacts, margin, points, face, slices, &facet));
+      for (PetscInt a = 0; a < dim; a++) area[a] /= (PetscReal)slices;
+      PetscCall(SlicesOfFace(contacts, margin, sides, slices, area, &facet));
       continue;
     }
     if (!touched) facet.area *= Regard(contacts, b, facet.area, size);

@@ -12,7 +12,6 @@
   Not so where a boundary is bilateral, which holds the faces that touched at the start, or cut the lattice of points, whose faces are steps.
 */
 #include "geometry/geometry.h"
-#include "particles/points.h"
 #include "terms/contact.h"
 
 #define SHARP 0.9  /* cosine between the normals on both sides of an edge, at most */
@@ -40,29 +39,23 @@ static PetscBool EdgeIsNear(const MpmContacts *contacts, const PetscReal h[], co
   return PETSC_FALSE;
 }
 
-/* From the face's middle to the place in it with coordinates s from -1 to 1 along the domain's axes but its own. */
-static void AlongFace(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, const PetscReal s[],
-                      PetscReal way[])
+/* From the face's middle to its place with coordinates s and t from -1 to 1 along its sides. */
+static void AlongFace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], PetscReal s, PetscReal t, PetscReal way[])
 {
-  for (PetscInt a = 0; a < dim; a++) {
-    way[a] = 0.;
-    for (PetscInt b = 0; b < dim; b++)
-      if (b != face / 2) way[a] += s[b] * points->half_length[p * dim + b] * points->F[(p * dim + a) * dim + b];
-  }
+  for (PetscInt a = 0; a < dim; a++) way[a] = s * sides[0][a] + (dim > 2 ? t * sides[1][a] : 0.);
 }
 
 /* Are the distances at the face's corners not those from a plane? */
-static PetscBool MeetsEdge(const MpmContacts *contacts, const MpmPoints *points, PetscInt face, const MpmFacet *facet)
+static PetscBool MeetsEdge(const MpmContacts *contacts, PetscReal (*sides)[MPM_MAX_DIM], const MpmFacet *facet)
 {
   const PetscInt dim = contacts->boundaries[facet->boundary].dim;
   MpmSurface     middle, corner;
 
   MpmContactsDistance(contacts, facet->boundary, facet->place, &middle);
-  for (PetscInt k = 0; k < PetscPowInt(2, dim); k++) {
-    const PetscReal s[MPM_MAX_DIM] = {k % 2 ? 1. : -1., k / 2 % 2 ? 1. : -1., k / 4 ? 1. : -1.};
-    PetscReal       at[MPM_MAX_DIM], flat = middle.distance, square = 0.;
+  for (PetscInt k = 0; k < PetscPowInt(2, dim - 1); k++) {
+    PetscReal at[MPM_MAX_DIM] = {0., 0., 0.}, flat = middle.distance, square = 0.;
 
-    AlongFace(dim, points, facet->point, face, s, at);
+    AlongFace(dim, sides, k % 2 ? 1. : -1., k / 2 ? 1. : -1., at);
     for (PetscInt a = 0; a < dim; a++) {
       flat += middle.normal[a] * at[a];
       square += PetscSqr(at[a]);
@@ -74,25 +67,22 @@ static PetscBool MeetsEdge(const MpmContacts *contacts, const MpmPoints *points,
   return PETSC_FALSE;
 }
 
-PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], const MpmPoints *points, PetscInt face,
+PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],
                            const MpmSurface *surface, MpmFacet *facet)
 {
   const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
 
   if (!MpmSolidHasFaces(&boundary->solid) || boundary->bilateral || contacts->cut[facet->boundary]) return 0;
   facet->single = EdgeIsNear(contacts, h, facet, surface);
-  return facet->single && MeetsEdge(contacts, points, face, facet) ? PetscPowInt(MPM_SLICES, boundary->dim - 1) : 0;
+  return facet->single && MeetsEdge(contacts, sides, facet) ? PetscPowInt(MPM_SLICES, boundary->dim - 1) : 0;
 }
 
-void MpmContactsSlicePlace(PetscInt dim, const MpmPoints *points, PetscInt face, MpmFacet *slice)
+void MpmContactsSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice)
 {
-  PetscReal s[MPM_MAX_DIM] = {0., 0., 0.}, way[MPM_MAX_DIM];
+  const PetscInt k = slice->slice - 1;
+  PetscReal      way[MPM_MAX_DIM];
 
-  for (PetscInt b = 0, k = slice->slice - 1; b < dim; b++) {
-    if (b == face / 2) continue;
-    s[b] = (PetscReal)(2 * (k % MPM_SLICES) + 1) / MPM_SLICES - 1.;
-    k /= MPM_SLICES;
-  }
-  AlongFace(dim, points, slice->point, face, s, way);
+  AlongFace(dim, sides, (PetscReal)(2 * (k % MPM_SLICES) + 1) / MPM_SLICES - 1.,
+            (PetscReal)(2 * (k / MPM_SLICES) + 1) / MPM_SLICES - 1., way);
   for (PetscInt a = 0; a < dim; a++) slice->place[a] += way[a];
 }

@@ -4,7 +4,6 @@
 #include "point/layout.h"
 #include "point/registry.h"
 #include "particles/particles.h"
-#include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "bc/body_motion.h"
@@ -92,7 +91,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  const PetscInt count = model->disc.points->count;
+  const PetscInt count = model->disc.space->point_count;
 
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
   PetscCall(PetscMalloc3((model->disc.space->local * bs), &model->disc.u, (model->disc.space->local * bs),

@@ -12,7 +12,6 @@
 */
 #include "point/layout.h"
 #include "particles/body.h"
-#include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
@@ -355,24 +354,19 @@ static PetscErrorCode DescribeVector(const Pieces *pieces, const char head[], co
 /* The first body with points in a piece, or none; collective. */
 static PetscErrorCode FindBody(const Pieces *pieces, PetscInt piece, const char **name)
 {
-  const MpmSum    *sum    = pieces->model->disc.sum;
   const MpmSpace  *space  = pieces->model->disc.space;
   const MpmBodies *bodies = pieces->model->scene.bodies;
-  PetscInt         first  = PETSC_INT_MAX;
-  MpmBody          body;
+  PetscInt         first  = bodies->count;
 
   PetscFunctionBeginUser;
-  *name = NULL;
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
     if (group->point_end == group->point_begin || pieces->of[FirstNode(space, g)] != piece) continue;
-    first = PetscMin(first, sum->points->id[space->order[group->point_begin]]);
+    first = PetscMin(first, MpmBodyNumber(bodies, pieces->model->disc.sum->points, space->order[group->point_begin]));
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &first, 1, MPIU_INT, MPI_MIN, pieces->model->comm));
-  body = MpmBodyOfPoint(bodies, first);
-  for (PetscInt b = 0; body && b < bodies->count; b++)
-    if (bodies->at[b] == body) *name = bodies->names[b];
+  *name = first < bodies->count ? bodies->names[first] : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Newton's method with moving boundaries: few iterations a step and no cuts, with stiff contact and in plastic flow.
+"""Newton's method with moving boundaries: few iterations a step and no cuts, with stiff contact and in plastic flow. Until a block
+touches a rough floor, its Jacobian is solved as the symmetric one that it is.
 
 Quick. Coarse forms of examples.
 """
@@ -9,6 +10,23 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import EXAMPLES, Test, example  # noqa: E402
 
+FALL = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "3,2", cells: "12,8"}
+  materials: r
+  material_r: {type: hencky, E: 1e7, nu: 0.2, density: 2000}
+  bodies: b
+  body_b: {region: box, lower: "0.5,0.5", upper: "1,1", points_per_cell: "2,2", material: r, velocity: "1,-1"}
+  boundaries: floor
+  boundary_floor: {type: plane, point: "0,0.3", normal: "0,1", friction: 0.3}
+  loads: g
+  load_g: {type: gravity, value: "0,-10", ramp: "0:1"}
+  tracks: m
+  track_m: {region: all}
+  time: {end: 0.3, integrator: generalized_alpha, rho_inf: 0.8, step: 0.01}
+  output: {prefix: fall}
+"""
 SHORT = {"mpm_output_every": 0, "mpm_quiet": None}
 
 
@@ -18,7 +36,23 @@ def few(test, name, run, most):
     test.check(f"{name}.cuts", run.results.column("cuts").sum(), None, 0)
 
 
+def fall(test):
+    """The block flies, and then slides; with and without the solver of free flight it does so alike."""
+    scene = test.folder() / "fall.yaml"
+    scene.write_text(FALL, encoding="utf-8")
+    run = test.run(scene, ksp_view=None, **SHORT)
+    test.check("fall.symmetric", int("band Cholesky" in run.output), 1, 1)
+    test.check("fall.unsymmetric", int("type: lu" in run.output), 1, 1)
+    lu = test.run(scene, pc_type="lu", **SHORT)
+    multigrid = test.run(scene, ranks=2, mpm_solver="amg", ksp_rtol=1e-12, **SHORT)
+    for axis in "xy":
+        name = f"track_m_u{axis}"
+        test.near(f"lu.{name}", lu.results.column(name)[-1], run.results.column(name)[-1], relative=1e-9)
+        test.near(f"multigrid.{name}", multigrid.results.column(name)[-1], run.results.column(name)[-1], relative=1e-6)
+
+
 with Test() as check:
+    fall(check)
     stiff = check.run(example("shallow_ironing"), mpm_grid_cells="48,18", mpm_time_end=1.6, mpm_boundary_die_penalty=500,
                       mpm_boundary_die_motion_table=EXAMPLES / "shallow_ironing" / "motion.csv", **SHORT)
     few(check, "stiff", stiff, 5.0)
