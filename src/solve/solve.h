@@ -111,7 +111,7 @@ typedef struct {
     MpmUnstable choice; /* what to do where the tangent loses definiteness */
     PetscBool   told;   /* it has, and that was said */
   } unstable;
-  char       lost[320]; /* tells of a point that left the grid, or of what nothing holds */
+  char       lost[448]; /* tells of a point that left the grid, or of what nothing holds */
   PetscInt   newton, linear;
   PetscInt64 newton_total, linear_total;
 } MpmSolver;
