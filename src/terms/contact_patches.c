@@ -481,6 +481,25 @@ static PetscReal Margin(const MpmContacts *contacts, const MpmGrid *grid, PetscI
   return margin;
 }
 
+/*
+  Is all of a point's domain farther from the boundary than the margin, and what of a round region lies before its faces, less than a
+  length of the domain? No distance grows faster than the way.
+*/
+static PetscBool IsFar(const MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points, PetscInt p)
+{
+  const PetscInt dim = contacts->boundaries[b].dim;
+  MpmSurface     surface;
+
+  for (PetscInt axis = 0; axis < dim; axis++) {
+    PetscReal square = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(points->F[(p * dim + a) * dim + axis]);
+    margin += 3. * points->half_length[p * dim + axis] * PetscSqrtReal(square);
+  }
+  MpmContactsDistance(contacts, b, &points->x[p * dim], &surface);
+  return (PetscBool)(surface.distance > margin);
+}
+
 /* Have faces that a bilateral boundary holds, and that do not follow it, been drawn out or crowded? */
 static PetscErrorCode FindDrawn(MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmPoints *points)
 {
@@ -522,10 +541,13 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       const PetscInt p     = space->order[s];
       MpmFacet       facet = {.boundary = b, .point = p, .group = g};
+      PetscReal      margin;
 
       if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->origin[p * dim])) continue;
+      margin = Margin(contacts, grid, b, &points->x[p * dim]);
+      if (!contacts->boundaries[b].bilateral && IsFar(contacts, b, margin, points, p)) continue;
       facet.cell = MpmContactsCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
-      PetscCall(FacetsOfPoint(contacts, b, Margin(contacts, grid, b, &points->x[p * dim]), grid, points, &facet));
+      PetscCall(FacetsOfPoint(contacts, b, margin, grid, points, &facet));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -65,20 +65,26 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 #define TRUST 0.1 /* of the residual at rest: where bodies may slide or part, a prediction that leaves more is none */
 
 /*
-  May any body slide on another? What sticks now may slide in the next step. Or may they part where no energy tells how to close
-  them again?
+  May any body slide on another that is near? What sticks now may slide in the next step. Or may they part where no energy tells how to
+  close them again? Collective.
 */
-static PetscBool Rubs(const MpmModel model)
+static PetscErrorCode Rubs(const MpmModel model, PetscBool *rubs)
 {
-  if (model->scene.pairs->count && model->disc.layout->saddle) return PETSC_TRUE;
-  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
-    if (model->scene.pairs->at[k].tangential) return PETSC_TRUE;
-  return PETSC_FALSE;
+  const MpmPairs *pairs = model->scene.pairs;
+
+  PetscFunctionBeginUser;
+  *rubs = (PetscBool)(pairs->count && model->disc.layout->saddle);
+  for (PetscInt k = 0; k < pairs->count; k++) *rubs = (PetscBool)(*rubs || pairs->at[k].tangential);
+  if (!*rubs) PetscFunctionReturn(PETSC_SUCCESS);
+  *rubs = (PetscBool)(model->disc.pairs->patch_count > 0);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, rubs, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStepPredict(MpmModel model)
 {
   PetscReal norm;
+  PetscBool rubs;
 
   PetscFunctionBeginUser;
   model->solver.cache.reference = 0.;
@@ -87,7 +93,8 @@ PetscErrorCode MpmStepPredict(MpmModel model)
   PetscCall(MpmStepFindReference(model));
   PetscCall(MpmStepStart(model, PETSC_TRUE));
   PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
-  if (!Rubs(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Rubs(model, &rubs));
+  if (!rubs) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
   PetscCall(VecNorm(model->solver.f, NORM_2, &norm));
   if (norm <= TRUST * model->solver.cache.reference) PetscFunctionReturn(PETSC_SUCCESS);
