@@ -447,8 +447,11 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
   MpmRigidFromNodes(model->disc.contacts, dynamics->v_new, dynamics->a_new);
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){u, NULL, dynamics->loads, model->disc.residual,
-                                               model->disc.inertia->local, model->disc.inertia->owned}));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){.u        = u,
+                                               .loads    = dynamics->loads,
+                                               .supports = model->disc.residual,
+                                               .local    = model->disc.inertia->local,
+                                               .owned    = model->disc.inertia->owned}));
   PetscCall(MpmMotionToPoints(
     model->disc.sum, &MpmModelMotion(model)->transfer,
     &(MpmMotionStep){.v_old = dynamics->v_start, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));
