@@ -155,6 +155,16 @@ static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal forc
   return work;
 }
 
+/* The displacement in which forces do their work, and that at which they are. */
+static const PetscReal *Kick(const MpmStepWork *step)
+{
+  return step->kick ? step->kick : step->u;
+}
+static const PetscReal *At(const MpmStepWork *step)
+{
+  return step->at ? step->at : step->u;
+}
+
 /* What a term of the residual takes from the material. */
 static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const MpmStepWork *step, PetscReal *work)
 {
@@ -168,8 +178,8 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const M
   for (PetscInt k = 0; k < terms->count; k++) {
     if (terms->term[k] != term) continue;
     PetscCall(PetscCalloc1((local * model->disc.block), &force));
-    PetscCall(term->residual(terms->ctx[k], model->disc.sum, step->at ? step->at : step->u, force, &failed));
-    *work += Work(model, local, force, step->u);
+    PetscCall(term->residual(terms->ctx[k], model->disc.sum, At(step), force, &failed));
+    *work += Work(model, local, force, Kick(step));
     PetscCall(PetscFree(force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -179,6 +189,7 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
 {
   const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
   const PetscInt       local    = work->local;
+  const PetscReal      part     = work->kick ? work->part : 1.;
   MpmEnergy           *energy   = &model->state.scheme.energy;
   PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
 
@@ -186,18 +197,18 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
-  sum[0] = BY_DIM(Internal, model->disc.dim, model);
-  sum[1] = Work(model, local, work->loads, work->u) + Work(model, work->owned, work->supports, work->u);
+  if (!work->unstrained) sum[0] = BY_DIM(Internal, model->disc.dim, model);
+  if (work->loads) sum[1] = Work(model, local, work->loads, work->u);
+  sum[1] += part * Work(model, work->owned, work->supports, Kick(work));
   PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
-  sum[1] -= taken;
-  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, work->at ? work->at : work->u, work->u, &material,
-                            &boundary));
-  pushed = MpmRigidPushWork(model->disc.contacts, model->disc.sum, work->u);
-  sum[1] += boundary + pushed;
-  sum[2] += boundary - material + pushed;
+  sum[1] -= part * taken;
+  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, At(work), Kick(work), &material, &boundary));
+  pushed = MpmRigidPushWork(model->disc.contacts, model->disc.sum, Kick(work));
+  sum[1] += part * (boundary + pushed);
+  sum[2] += part * (work->taken + boundary - material + pushed);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
     PetscCall(TakenBy(model, takers[k], work, &taken));
-    sum[2] += taken;
+    sum[2] += part * taken;
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));
   energy->internal += sum[0];

@@ -11,15 +11,21 @@
 
   u         the step's displacement
   at        that at which contact and damping acted; NULL: u
-  loads     forces on the material, of which each rank has its part; their mean over the step
+  loads     forces on the material, of which each rank has its part; their mean over the step; NULL: none
   supports  at the owned nodes, the forces that prescribed unknowns exert; 0 at free ones
   local, owned  numbers of nodes
+  kick      that in which all but the loads do their work, `part` times; NULL: u, once
+  taken     J, what damping has taken besides, in this rank's part, `part` times
+  unstrained  there is no trial
 
   The points, the space and the terms are as the step had them; the forces of contact and of damping are evaluated anew.
 */
 typedef struct {
   const PetscReal *u, *at, *loads, *supports;
   PetscInt         local, owned;
+  const PetscReal *kick;
+  PetscReal        part, taken;
+  PetscBool        unstrained;
 } MpmStepWork;
 
 /* Adds a step, once the trial is found and before the points take it. Collective; nothing happens in scenes without inertia. */

@@ -1,13 +1,17 @@
 /*
-  Explicit dynamics: symplectic Euler, without a matrix or a solver.
+  Explicit dynamics: symplectic Euler, which is the leapfrog method, without a matrix or a solver.
 
     m_i = sum_p w_ip m_p ,   v_i = sum_p w_ip m_p (v_p + C_p (x_i - x_p)) / m_i
     f_i = f_ext,i - sum_p V_p sigma_p grad w_ip + contact
-    v*_i = v_i + dt f_i/m_i ,   x_p += dt sum_i w_ip v*_i ,   v_p by FLIP or APIC
+    v*_i = v_i + k f_i/m_i ,   x_p += dt sum_i w_ip v*_i ,   v_p by FLIP or APIC
 
-  and the stress of the velocities v**, gradient by gradient, through the same kernel of the physics as implicit steps: with
-  the displacement dt v** of the nodes. musl: v** are the points' new velocities, mapped once more; usl: v*; usf: v** = v_i,
-  and the stress that follows makes f_i.
+  The velocities of a step are those of its middle: a kick k lasts from the middle of the last step to that of this one. Where a stage
+  begins they are those of that time, and the first kick is dt/2; where it ends another half catches them up. A relaxation
+  has k = dt throughout, as it was published.
+
+  The stress is that of the velocities v**, gradient by gradient, through the same kernel of the physics as implicit steps: with
+  the displacement dt v** of the nodes. musl: v** are the points' new velocities, mapped once more; usl: v*; usf: v** = v_i of the last
+  step's middle, for as long as that was, and the stress that follows makes f_i.
 
   What pushes on a node without mass finds nothing to move. Prescribed unknowns move as they are told to.
 
@@ -186,6 +190,20 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 
 /* ---- a step ---- */
 
+#define LIGHT 1e-2 /* of the mass of the lightest material in a cell: what nodes count as at least */
+
+/* For how long forces act in the step, s. */
+static PetscReal KickLength(const MpmModel model)
+{
+  return MpmModelRelaxes(model) ? model->disc.sum->dt : model->state.behind + 0.5 * model->disc.sum->dt;
+}
+
+/* For how long they would if the step were one of many: contact stops what comes near in such a one. */
+static PetscReal WholeKick(const MpmModel model)
+{
+  return model->state.behind > 0. ? KickLength(model) : model->disc.sum->dt;
+}
+
 /* Room for the points' velocities. */
 static PetscErrorCode Resize(MpmModel model)
 {
@@ -209,7 +227,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   model->disc.inertia->active       = PETSC_FALSE;
   model->disc.damping->active       = PETSC_FALSE;
   model->disc.sum->part             = 1.;
-  model->state.scheme.load_at_start = 1.; /* velocities stand half a step behind */
+  model->state.scheme.load_at_start = 1.; /* a kick's middle is the step's start */
   PetscCall(MpmStepBegin(model, time, dt, again, why));
   if (!*why) PetscCall(Resize(model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -237,8 +255,8 @@ static void Prescribe(const MpmModel model, PetscReal velocity[])
   MpmFramesToAxes(constraints, dim, local, velocity);
 }
 
-/* Before the step they moved as they were told to half a step before its start: what carries them from there is their reaction. */
-static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
+/* They move as they are told to at a time. */
+static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velocity[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
   const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
@@ -249,12 +267,22 @@ static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
   PetscFunctionBeginUser;
   if (!constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((local * dim), &rate));
-  PetscCall(MpmStepPrescribedRate(model, model->state.time - 0.5 * model->disc.sum->span, 1, rate));
+  PetscCall(MpmStepPrescribedRate(model, time, 1, rate));
   MpmFramesToUnknowns(constraints, dim, local, velocity);
   for (PetscInt k = 0; k < local * dim; k++)
     if (!MpmConstraintsFree(constraints, k)) velocity[k] = by * rate[k];
   MpmFramesToAxes(constraints, dim, local, velocity);
   PetscCall(PetscFree(rate));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Before the step they moved as they were told to where velocities stand: what carries them from there is their reaction. */
+static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
+{
+  const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->span : model->state.behind;
+
+  PetscFunctionBeginUser;
+  PetscCall(PrescribeAt(model, model->state.time - behind, velocity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -301,6 +329,14 @@ static void Displace(const MpmModel model, const PetscReal velocity[], PetscReal
   for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = model->disc.sum->dt * velocity[k];
 }
 
+/* The same of the last step, whose velocities they are; where a stage begins there is none. */
+static void DisplaceLast(const MpmModel model, const PetscReal velocity[], PetscReal u[])
+{
+  const PetscReal dt = MpmModelRelaxes(model) ? model->disc.sum->dt : 2. * model->state.behind;
+
+  for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = dt * velocity[k];
+}
+
 /*
   Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.residual: in one pass over the
   points where their stress is known and the physics is a solid's.
@@ -317,7 +353,7 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
   if (first || !IsPlain(model)) {
     PetscCall(MpmMomentumToNodes(model->disc.sum, transfer, mass, dynamics->v_old, NULL));
     PetscCall(PrescribeStart(model, dynamics->v_old));
-    if (first) Displace(model, dynamics->v_old, model->disc.trial->u);
+    if (first) DisplaceLast(model, dynamics->v_old, model->disc.trial->u);
     else PetscCall(PetscArrayzero(model->disc.trial->u, local * dim));
     PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, why));
     for (PetscInt k = 0; k < local * dim; k++) force[k] = model->disc.force[k] - force[k];
@@ -334,30 +370,80 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
 }
 
 /*
-  What a force has to move, kg: dashpots act with the mean of the velocities before and after, m (v_new - v_old) = dt (f - c (v_old +
-  v_new)/2), of which f - c v_old is the force.
+  What a force has to move, kg: dashpots act with the mean of the velocities before and after, m (v_new - v_old) = k (f - c (v_old +
+  v_new)/2), k the kick, of which f - c v_old is the force.
 */
-static PetscReal MovedMass(const MpmModel model, PetscInt k)
+static PetscReal MovedMass(const MpmModel model, PetscReal kick, PetscInt k)
 {
   const MpmDamping *damping = model->disc.damping;
   const PetscReal   mass    = model->disc.inertia->mass[k / model->disc.dim];
 
-  return damping->active ? mass + 0.5 * model->disc.sum->dt * damping->dashpot[k] : mass;
+  return damping->active ? mass + 0.5 * kick * damping->dashpot[k] : mass;
 }
 
-/* v_new = v_old + dt f/m; where there is no mass nothing moves */
-static void Accelerate(MpmModel model, const PetscReal force[])
+/* v_new = v_old + kick f/m; where there is no mass nothing moves */
+static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.inertia->mass;
   const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
 
   for (PetscInt k = 0; k < count; k++) {
-    const PetscReal by = mass[k / dim] > 0. ? model->disc.sum->dt / MovedMass(model, k) : 0.;
+    const PetscReal by = mass[k / dim] > 0. ? kick / MovedMass(model, kick, k) : 0.;
 
     dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
   }
   Prescribe(model, dynamics->v_new);
+}
+
+/*
+  Nodes with hardly any mass. A domain that reaches by a way d into a cell gives a node there a mass that goes with d^2 and forces that
+  go with d: its velocity has no bound as d goes to 0. The points take little of that, and the node's next velocity is theirs again; but a
+  face at the domain's end has a weight of d there, and would seem to slip, step by step, by what the stress in the domain and the friction on the
+  face differ. So other terms than the points' see a free node's change since the step's start as if its mass were at least this, kg. The
+  forces, and with them momentum, are what they are.
+*/
+static PetscReal LeastMass(const MpmModel model)
+{
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    least = PetscMin(least, LIGHT * model->scene.materials->at[m].density);
+  for (PetscInt a = 0; a < model->disc.dim; a++) least *= model->disc.grid->h[a];
+  return least;
+}
+
+/* The displacement of a step as they see it. */
+static void Quieten(const MpmModel model, PetscReal u[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscReal      *mass = model->disc.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
+  const PetscInt        dim   = model->disc.dim;
+  const PetscReal       least = LeastMass(model);
+
+  for (PetscInt k = 0; k < model->disc.space->local * dim; k++) {
+    const PetscReal part = mass[k / dim] / least;
+
+    if (part < 1. && MpmConstraintsFree(constraints, k))
+      u[k] = part * u[k] + (1. - part) * model->disc.sum->dt * v_old[k];
+  }
+}
+
+/* How stiff contact may be, by the masses that it sees. */
+static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
+{
+  const PetscReal least = LeastMass(model);
+  PetscReal      *mass;
+
+  PetscFunctionBeginUser;
+  if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(model->disc.space->local, &mass));
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    mass[i] = model->disc.inertia->mass[i] > 0. ? PetscMax(model->disc.inertia->mass[i], least) : 0.;
+  MpmContactsLimit(model->disc.contacts, model->disc.sum, mass, dt);
+  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, mass, dt));
+  PetscCall(PetscFree(mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Do other terms than the points' have forces: contact, pressures on surfaces, damping? */
@@ -374,17 +460,18 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
   const PetscInt  count    = model->disc.space->local * model->disc.dim;
   PetscReal      *other    = dynamics->a_rest;
-  const PetscReal dt = PetscMax(model->disc.sum->dt, model->state.dt_wanted); /* one that is cut short kicks nobody */
-  PetscInt        failed = 0;
+  const PetscReal dt       = /* one that is cut short, or after a longer one, kicks nobody */
+    PetscMax(PetscMax(model->disc.sum->dt, model->state.dt_wanted), WholeKick(model));
+  PetscInt failed = 0;
 
   PetscFunctionBeginUser;
-  MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, dt);
-  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, model->disc.inertia->mass, dt));
+  PetscCall(LimitContact(model, dt));
   if (MpmDampingAny(model->disc.damping)) {
     PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
     model->disc.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);
+  Quieten(model, dynamics->a_start);
   PetscCall(PetscArrayzero(other, count));
   for (PetscInt k = 1; k < terms->count; k++)
     PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, dynamics->a_start, other, &failed));
@@ -395,7 +482,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
 }
 
 /* What supports bear, into disc.residual, which holds the forces; 0 where nothing is prescribed. */
-static void FindSupports(MpmModel model)
+static void FindSupports(MpmModel model, PetscReal kick)
 {
   const MpmConstraints *constraints = model->disc.constraints;
   const MpmDynamics    *dynamics    = model->state.scheme.dynamics;
@@ -408,7 +495,7 @@ static void FindSupports(MpmModel model)
     for (PetscInt a = 0; constraints->any && a < dim; a++)
       any = (PetscBool)(any || !MpmConstraintsFree(constraints, i * dim + a));
     for (PetscInt a = 0; a < dim; a++)
-      f[a] = any ? MovedMass(model, i * dim + a) / model->disc.sum->dt *
+      f[a] = any ? MovedMass(model, kick, i * dim + a) / kick *
                        (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) -
                      f[a]
                  : 0.;
@@ -439,8 +526,8 @@ static void GravityGain(const MpmModel model, PetscReal gain[])
   }
 }
 
-/* The forces at the nodes and the velocities that they make. */
-static PetscErrorCode MoveNodes(MpmModel model, const char **why)
+/* The forces at the nodes, into disc.residual. */
+static PetscErrorCode FindForces(MpmModel model, const char **why)
 {
   PetscReal *force = model->disc.residual;
 
@@ -448,18 +535,16 @@ static PetscErrorCode MoveNodes(MpmModel model, const char **why)
   PetscCall(SumNodes(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   if (HasOthers(model)) {
-    Accelerate(model, force);
+    Accelerate(model, WholeKick(model), force);
     PetscCall(AddOthers(model, force));
   }
   AddGravity(model, model->disc.sum->gravity, model->disc.force);
   if (MpmModelRelaxes(model)) PetscCall(MpmRelaxationDamp(model, model->disc.force, force));
-  Accelerate(model, force);
-  FindSupports(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points' velocities; `again` becomes those at the nodes that follow from them, or is NULL. */
-static PetscErrorCode MovePoints(MpmModel model, PetscReal *again)
+/* The points' velocities after a kick; `again` becomes those at the nodes that follow from them, or is NULL. */
+static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *again)
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.inertia->mass;
@@ -468,8 +553,7 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal *again)
 
   PetscFunctionBeginUser;
   if (model->disc.points->acceleration) {
-    for (PetscInt k = 0; k < count; k++)
-      dynamics->a_new[k] = (dynamics->v_new[k] - dynamics->v_old[k]) / model->disc.sum->dt;
+    for (PetscInt k = 0; k < count; k++) dynamics->a_new[k] = (dynamics->v_new[k] - dynamics->v_old[k]) / kick;
     step.a_new = dynamics->a_new;
   }
   if (again) PetscCall(PetscArrayzero(again, count));
@@ -504,6 +588,7 @@ static PetscErrorCode Relax(MpmModel model, PetscReal *again)
   PetscCall(MpmRelaxationObserve(model, &stopped));
   if (stopped) {
     PetscCall(PetscArrayzero(dynamics->v_new, model->disc.space->local * model->disc.dim));
+    PetscCall(PetscArrayzero(dynamics->v_old, model->disc.space->local * model->disc.dim));
     PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
     if (again) PetscCall(PetscArrayzero(again, model->disc.space->local * model->disc.dim));
     Displace(model, dynamics->v_new, model->disc.u);
@@ -514,20 +599,51 @@ static PetscErrorCode Relax(MpmModel model, PetscReal *again)
 
 static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryable)
 {
-  MpmDynamics *dynamics = model->state.scheme.dynamics;
-  PetscReal   *again    = MpmModelMotion(model)->update == MPM_UPDATE_MUSL ? dynamics->v_rest : NULL;
+  const PetscReal kick     = KickLength(model);
+  MpmDynamics    *dynamics = model->state.scheme.dynamics;
+  PetscReal      *again    = MpmModelMotion(model)->update == MPM_UPDATE_MUSL ? dynamics->v_rest : NULL;
 
   PetscFunctionBeginUser;
   *why       = NULL;
   *retryable = PETSC_FALSE;
-  PetscCall(MoveNodes(model, why));
+  PetscCall(FindForces(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  Accelerate(model, kick, model->disc.residual);
+  FindSupports(model, kick);
   Displace(model, dynamics->v_new, model->disc.u);
   PetscCall(MpmStepFindLost(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MovePoints(model, again));
+  PetscCall(MovePoints(model, kick, again));
   PetscCall(Relax(model, again));
   PetscCall(UpdateStress(model, again, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  What supports, contact and damping have done in a kick, by the mean of the velocities before and after it: with the kick times the force that is
+  just what the nodes' kinetic energy changes by. `work` has the step's parts, or none.
+*/
+static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
+{
+  const MpmDamping *damping = model->disc.damping;
+  MpmDynamics      *of      = model->state.scheme.dynamics;
+  const PetscInt    dim     = model->disc.dim;
+
+  PetscFunctionBeginUser;
+  work->at       = HasOthers(model) ? of->a_start : NULL;
+  work->supports = model->disc.residual;
+  work->local    = model->disc.space->local;
+  work->owned    = model->disc.space->owned;
+  if (!MpmModelRelaxes(model)) {
+    work->kick = of->v_start;
+    work->part = kick / model->disc.sum->dt;
+    for (PetscInt k = 0; k < work->local * dim; k++)
+      of->v_start[k] = 0.5 * model->disc.sum->dt * (of->v_old[k] + of->v_new[k]);
+    Quieten(model, of->v_start);
+    for (PetscInt k = 0; damping->active && k < work->owned * dim; k++) /* besides that of the velocities before */
+      work->taken += 0.5 * damping->dashpot[k] * (of->v_new[k] - of->v_old[k]) * of->v_start[k];
+  }
+  PetscCall(MpmEnergyAdd(model, work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -545,28 +661,30 @@ static PetscErrorCode Observe(MpmModel model)
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
-  PetscCall(
-    MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, HasOthers(model) ? dynamics->a_start : NULL, dynamics->loads,
-                                       model->disc.residual, model->disc.space->local, model->disc.space->owned}));
+  PetscCall(AddWork(model, KickLength(model), &(MpmStepWork){.u = model->disc.u, .loads = dynamics->loads}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Stress and history become the points', and the points go with the nodes' new velocities. */
 static PetscErrorCode Accept(MpmModel model)
 {
-  MpmSum          *sum = model->disc.sum;
-  const PetscReal *at =
-    HasOthers(model) ? model->state.scheme.dynamics->a_start : model->disc.u; /* where contact acted */
-  PetscLogDouble since;
+  MpmSum          *sum      = model->disc.sum;
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *at       = HasOthers(model) ? dynamics->a_start : model->disc.u; /* where contact acted */
+  PetscLogDouble   since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(Observe(model));
   sum->trial = model->disc.trial;
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
-  else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
-  sum->trial                  = NULL;
-  model->disc.contacts->moved = model->disc.pairs->moved = model->disc.u;
+  else PetscCall(MpmCommitMoves(sum, sum->dt, dynamics->moves));
+  sum->trial = NULL;
+  if (HasOthers(model)) {
+    Displace(model, dynamics->v_new, dynamics->v_start);
+    Quieten(model, dynamics->v_start);
+    model->disc.contacts->moved = model->disc.pairs->moved = dynamics->v_start;
+  }
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
   model->disc.contacts->moved = model->disc.pairs->moved = NULL;
   PetscCall(MpmStepFindReactions(model));
@@ -575,6 +693,7 @@ static PetscErrorCode Accept(MpmModel model)
   model->disc.put_back        = PETSC_FALSE;
   model->disc.damping->active = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last = 0.;
+  model->state.behind                           = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
   model->disc.committed                         = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmStepRemoveGone(model));
@@ -589,10 +708,47 @@ static PetscErrorCode RollBack(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  The half kick at the end of a stage, by the forces with which another step would begin, as long as the last one. Where there is no such step
+  the velocities stay where they are.
+*/
+static PetscErrorCode CatchUp(MpmModel model)
+{
+  const PetscReal behind = model->state.behind, dt = 2. * behind;
+  const PetscBool first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
+  const char     *why      = NULL;
+  MpmDynamics    *dynamics = model->state.scheme.dynamics;
+  MpmStepWork     work     = {.unstrained = (PetscBool)!first};
+
+  PetscFunctionBeginUser;
+  if (!(behind > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Begin(model, model->state.time + dt, dt, PETSC_FALSE, &why));
+  if (!why) PetscCall(FindForces(model, &why));
+  if (!why) {
+    Accelerate(model, behind, model->disc.residual);
+    PetscCall(PrescribeAt(model, model->state.time, dynamics->v_new));
+    FindSupports(model, behind);
+    Displace(model, dynamics->v_new, model->disc.u);
+    work.u = model->disc.u;
+    PetscCall(AddWork(model, behind, &work));
+    PetscCall(MovePoints(model, behind, NULL));
+    model->disc.sum->trial = model->disc.trial;
+    PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
+    if (first) PetscCall(MpmCommitMoves(model->disc.sum, 0., dynamics->moves));
+    model->disc.sum->trial = NULL;
+    model->state.behind    = 0.;
+  }
+  PetscCall(RollBack(model));
+  model->disc.committed = (PetscBool)!why;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 const MpmIntegrator MpmIntegratorExplicit = {.name      = "explicit",
                                              .begin     = Begin,
                                              .predict   = Predict,
                                              .solve     = Solve,
                                              .accept    = Accept,
                                              .roll_back = RollBack,
-                                             .length    = Length};
+                                             .length    = Length,
+                                             .finish    = CatchUp};

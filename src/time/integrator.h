@@ -18,6 +18,7 @@
   error      estimate of the step's error in time; NULL where there is none
   length     before `begin`: how long the step may be, into state.dt_wanted; `why` is NULL, or the reason for which there is no
              step. NULL: the step control chooses, and cuts what fails
+  finish     after a stage's last step, the points being where they belong; NULL: nothing is left to do
 */
 struct MpmIntegrator {
   const char *name;
@@ -28,6 +29,7 @@ struct MpmIntegrator {
   PetscErrorCode (*roll_back)(MpmModel model);
   PetscErrorCode (*error)(MpmModel model, PetscReal *estimate);
   PetscErrorCode (*length)(MpmModel model, const char **why);
+  PetscErrorCode (*finish)(MpmModel model);
 };
 extern const MpmIntegrator MpmIntegratorQuasistatic; /* quasistatic.c */
 extern const MpmIntegrator MpmIntegratorSdirk;       /* sdirk.c: two stages */

@@ -297,8 +297,11 @@ static PetscErrorCode AddWork(MpmModel model)
   PetscCall(PetscMalloc1(count, &loads));
   PetscCall(PetscArraycpy(loads, model->disc.force, count));
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 0., loads));
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, NULL, loads, model->disc.residual,
-                                               model->disc.space->local, model->disc.space->owned}));
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){.u        = model->disc.u,
+                                               .loads    = loads,
+                                               .supports = model->disc.residual,
+                                               .local    = model->disc.space->local,
+                                               .owned    = model->disc.space->owned}));
   PetscCall(PetscFree(loads));
   model->disc.trial->made = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);

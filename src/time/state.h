@@ -96,6 +96,7 @@ typedef struct {
   PetscReal      dt_wanted; /* of the next step */
   PetscReal      dt_last;   /* of the last step, 0 before the first; */
   PetscReal      dt_before; /* of the one before */
+  PetscReal      behind;    /* s, how far the points' velocities are behind their places: explicit steps */
   PetscBool      adaptive;
   PetscBool      predict; /* start from the last step's increment */
   PetscInt       step, cuts, cuts_total;

@@ -214,6 +214,19 @@ static PetscErrorCode Arrange(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What the integrator leaves to the end of a stage. */
+static PetscErrorCode FinishStage(MpmModel model, const char **why)
+{
+  PetscErrorCode (*finish)(MpmModel) = model->state.scheme.integrator->finish;
+
+  PetscFunctionBeginUser;
+  if (!finish || MpmModelRelaxes(model) || model->state.time < model->state.time_end)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Arrange(model, why));
+  if (!*why) PetscCall((*finish)(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A step of the motion that goes on where a quasi-static step gave up. */
 static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, const char **why)
 {
@@ -298,6 +311,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.step++;
   PetscCall(MpmReductionObserve(model));
   if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
+  else if (explicit) PetscCall(FinishStage(model, why));
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   if (dilation && !model->state.rescue.dilation) {
     MpmStepAverageDilation(model, PETSC_FALSE);

@@ -84,7 +84,7 @@ def stages(test):
     for name in ("K_F", "K_E"):
         test.check(f"stages.{name}", runs[0].results.column(name)[last], 0.0, 0.05)
     test.check("stages.resets", runs[0].results.column("resets")[last], 1)
-    test.check("stages.time", runs[0].results.column("time")[last], 2.0, 21.9)
+    test.check("stages.time", runs[0].results.column("time")[last], 2.0, 41.9)
     test.check("stages.fall", crest[last], None, -1.0)
     test.near("stages.rest", crest[-1], crest[last], relative=5e-3)
     test.check("stages.ranks", abs(crest[-1] - runs[1].results.column("track_crest_uy")[-1]) / abs(crest[-1]), None, 1e-2)

@@ -75,10 +75,13 @@ def slide(test):
     test.near("slide.way", way, 0.5 * 0.7 * side * 0.4**2, relative=0.01)
     test.near("slide.friction", column("force_ab_x").sum() / column("force_ab_y").sum(), -0.3, relative=0.01)
     test.near("slide.heat", column("energy_dissipated")[-1], 0.3 * side * 500 * way, relative=0.1)
-    column = test.run(BLOCKS, mpm_load_weight_value="2.5,-10", mpm_shape="gimp_bspline2").results.column
-    moving = column("stage") == 2
-    gone = column("track_middle_ux")[moving] - column("track_middle_ux")[~moving][-1]
-    test.check("slide.holds", np.abs(gone).max(), None, 1e-4)
+    for label, path, shape in (("gimp_bspline2", BLOCKS, "gimp_bspline2"), ("gimp", BLOCKS, "gimp"), ("plane_gimp", on_plane(test), "gimp")):
+        column = test.run(path, mpm_load_weight_value="2.5,-10", mpm_shape=shape).results.column
+        moving = column("stage") == 2
+        gone = column("track_middle_ux")[moving] - column("track_middle_ux")[~moving][-1]
+        test.check(f"slide.{label}.holds", np.abs(gone).max(), None, 1e-4)
+        missing = column("energy_balance")[moving] - column("energy_balance")[~moving][-1]
+        test.check(f"slide.{label}.balance", np.abs(missing).max() / column("energy_elastic")[~moving][-1], None, 0.15)
 
 
 def refused(test):
