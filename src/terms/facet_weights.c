@@ -3,7 +3,8 @@
   uniform stress, in every node.
 
   Shapes with a domain: those of the part of the domain about the face that is in the domain, the face's middle across, the
-  domain's mean along.
+  domain's mean along. The corner of a domain that has turned stands out of it, which is along the axes: its displacement goes on
+  from the domain's edge with the gradient at the point. Otherwise what turns would slip there by as much as the corner stands out.
 
   Shapes without one: those of the polynomials that hold in the point's own knot intervals, which go on where the face stands in the
   next ones.
@@ -40,16 +41,29 @@ static PetscInt First(const MpmSpace *space, const MpmPoints *points, const MpmF
   return axis->line.first + shift - space->groups[facet->group].first[a];
 }
 
+/* The place of a facet on an axis and, `inside` the point's domain, the nearest one; in cells. */
+static PetscReal InDomain(const MpmRules *rules, const MpmPoints *points, const MpmFacet *facet, PetscInt a,
+                          PetscReal half, PetscReal *inside)
+{
+  const MpmGrid  *grid  = rules->grid;
+  const PetscReal x     = (points->x[facet->point * grid->dim + a] - grid->lower[a]) / grid->h[a];
+  const PetscReal place = (facet->place[a] - grid->lower[a]) / grid->h[a];
+
+  *inside = PetscMin(PetscMax(place, x - half), x + half);
+  return place;
+}
+
 /* Of the domain about the face; `half`: the domain's half-length, cells. */
 static void DomainLine(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                        PetscInt a, PetscReal half, PetscReal line[])
 {
   const MpmGrid  *grid = rules->grid;
   const PetscInt  p = facet->point, last = space->groups[facet->group].count[a] - 1;
-  const PetscReal x    = (points->x[p * space->dim + a] - grid->lower[a]) / grid->h[a];
-  const PetscReal at   = PetscMin(PetscMax((facet->place[a] - grid->lower[a]) / grid->h[a], x - half), x + half);
-  const PetscReal room = PetscMax(half - PetscAbsReal(at - x), 0.);
-  Axis            axis;
+  const PetscReal x = (points->x[p * space->dim + a] - grid->lower[a]) / grid->h[a];
+  PetscReal       at, place = InDomain(rules, points, facet, a, half, &at);
+  const PetscReal room = PetscMax(half - PetscAbsReal(at - x), 0.),
+                  out  = facet->corner ? (place - at) * grid->h[a] : 0.;
+  Axis axis;
 
   SetAxis(rules, points, p, &axis);
   MpmShapeEvaluate(rules->shape, rules->edge, at, facet->slice ? PetscMin(room, half / MPM_SLICES) : room,
@@ -57,6 +71,8 @@ static void DomainLine(const MpmRules *rules, const MpmSpace *space, const MpmPo
   for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
   for (PetscInt i = 0; i < axis.line.count; i++) /* rounding may touch a node more than the domain does */
     line[PetscMin(PetscMax(First(space, points, facet, a, &axis) + i, 0), last)] += axis.weight[i];
+  for (PetscInt i = 0; out != 0. && i <= last; i++)
+    line[i] += out * space->shape[0].gradient[(p * space->dim + a) * space->width + i];
 }
 
 /* Of the point and its gradient. */

@@ -7,7 +7,8 @@
 
   with s_i a ramp across the plane, from 0 to 1 over the width of a cell: the mean over all parallel planes in that width.
   With the step's own fluxes and shape functions the sum is in equilibrium with loads and reactions beyond, to
-  Newton's tolerance; where no force acts within the width, it does not depend on where the points stand.
+  Newton's tolerance; where no force acts within the width, it does not depend on where the points stand. Where the balance
+  takes a part of the points' forces from the step's start (generalised alpha), so does the sum.
 
   The ramp stays within the material: a plane nearer to its end than half the width is moved there.
   Area and centroid are those of int grad s dv.
@@ -68,7 +69,8 @@ typedef struct {
 /* All of them, with room for one group: places of the nodes at the step's end, distances, ramp and forces there. */
 typedef struct {
   const MpmSum    *sum;
-  const PetscReal *u;
+  const PetscReal *u, *by; /* displacements that say where nodes go, and by which points have their fluxes */
+  PetscBool        areas;  /* they are summed with the forces */
   PetscInt         count;
   Plane           *planes;
   PetscReal       *place, *distance, *ramp, *force, *storage;
@@ -281,7 +283,7 @@ static void AddCut(Pass *pass, Plane *plane, PetscInt cut, const MpmGroup *group
     }
     AddMoment(dim, &pass->place[i * dim], ramp->origin, f, &sums[SUM_MOMENT]);
   }
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+  for (PetscInt s = group->point_begin; pass->areas && s < group->point_end; s++) {
     const PetscInt p = space->order[s];
 
     if (!IsChosen(plane, p)) continue;
@@ -290,7 +292,7 @@ static void AddCut(Pass *pass, Plane *plane, PetscInt cut, const MpmGroup *group
   }
 }
 
-/* A point's fluxes at u, by a physics without means. */
+/* A point's fluxes, by a physics without means. */
 static void PointFlux(Pass *pass, const PetscReal values[], PetscInt p, const MpmKnown known)
 {
   const MpmLayout *layout = pass->sum->layout;
@@ -311,7 +313,7 @@ static void FindForces(Pass *pass, const Plane *plane, const MpmGroup *group, co
   const MpmKnown known = KnownGeneral(sum->layout, group);
 
   for (PetscInt k = 0; k < known.n * known.block; k++) pass->force[k] = 0.;
-  if (!cell) MpmSumGather(known, sum, group, pass->u, values);
+  if (!cell) MpmSumGather(known, sum, group, pass->by, values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
 
@@ -342,7 +344,7 @@ static PetscErrorCode AddUnit(Pass *pass, const MpmCell *unit, MpmCellWork *cell
       for (PetscInt c = 0; c < plane->section->count; c++) {
         if (!Crosses(&plane->ramps[c], range)) continue;
         if (!forces && !AnyChosen(pass, plane, group)) break;
-        if (cell && !made) PetscCall(MpmCellResidual(pass->sum, unit, pass->u, cell, &failed));
+        if (cell && !made) PetscCall(MpmCellResidual(pass->sum, unit, pass->by, cell, &failed));
         made = PETSC_TRUE;
         if (!forces) FindForces(pass, plane, group, cell, values);
         forces = PETSC_TRUE;
@@ -370,6 +372,27 @@ static PetscErrorCode AddUnits(Pass *pass)
   }
   if (means) PetscCall(MpmCellWorkDestroy(&cell));
   PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The part of the forces that is in the stress of the step's start: nothing has moved there. */
+static PetscErrorCode AddStart(Pass *pass)
+{
+  const MpmSum *end   = pass->sum;
+  MpmSum        start = *end;
+  PetscReal    *still;
+
+  PetscFunctionBeginUser;
+  if (end->part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1((end->space->local * end->block), &still));
+  start.part  = 1. - end->part;
+  start.rest  = (PetscBool)!end->layout->means;
+  pass->sum   = &start;
+  pass->by    = still;
+  pass->areas = PETSC_FALSE;
+  PetscCall(AddUnits(pass));
+  pass->sum = end;
+  PetscCall(PetscFree(still));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -527,12 +550,13 @@ PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmSum *sum, con
 {
   const PetscInt dim   = sum->space->dim;
   MpmSum         still = *sum;
-  Pass           pass  = {.sum = &still, .u = u, .count = sections->count};
+  Pass           pass  = {.sum = &still, .u = u, .by = u, .areas = PETSC_TRUE, .count = sections->count};
 
   PetscFunctionBeginUser;
   still.trial = NULL;
   PetscCall(Begin(sections, particles, &pass));
   PetscCall(AddUnits(&pass));
+  PetscCall(AddStart(&pass));
   PetscCall(AddGhostPenalty(&pass));
   for (PetscInt k = 0; k < sections->count; k++) {
     Plane      *plane   = &pass.planes[k];

@@ -248,6 +248,21 @@ def bowl(test):
     check_vector(test, "ledge.reaction", reaction(run, "ledge"), (0.0, total), total)
 
 
+def turned_cup(test):
+    """A block that sticks to the inside of a box or a polygon turns with it as one, its corners too, which stand out of their domains then."""
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])  # by 90 degrees
+    shapes = {"box": {"type": "box", "lower": "1,1", "upper": "3,3"}, "polygon": {"type": "polygon", "vertices": "1,1,3,1,3,3,1,3"}}
+    for name, what in shapes.items():
+        for contact in ("unilateral", "bilateral"):
+            options = {"side": "inside", "friction": "stick", "contact": contact, "rotation": 90, "ramp": "0:0,1:1", **what}
+            for shape in ("gimp", "gimp_bspline2"):
+                run = test.run(BLOCK, mpm_time_step=0.01, mpm_shape=shape, mpm_boundaries="cup",
+                               **{f"mpm_boundary_cup_{key}": value for key, value in options.items()})
+                arm = run.results.initial["position0"] - 2.0
+                error = np.max(np.abs(run.table("displacement") - (arm @ turn.T - arm)))
+                test.check(f"cup.{name}_{contact}_{shape}", error, None, 1e-7)
+
+
 def closing_ring(test):
     """A disc in a ring that closes by a tenth and moves: 2 (lambda + mu) ln f / f^2, stuck or not, whatever the steps, over a
     restart; and a slab in a cylinder, between two planes."""
@@ -311,5 +326,6 @@ with Test() as test:
     free_sides(test)
     stick(test)
     bowl(test)
+    turned_cup(test)
     closing_ring(test)
     inclined_plane(test)

@@ -4,7 +4,7 @@
 A cantilever bends far: V is its load and M the load times its arm in the deformed state, at any plane, with every shape,
 with and without ghost penalty and F-bar. In 3D a plane at any angle carries what loads the end, in total and shared by
 two bodies, on any number of ranks. Along a line a linear stress comes out as it is, and the pressure under a strip adds
-up to its load. A run that goes on from a checkpoint leaves the same files; a scene pays for nothing that it does not ask for.
+up to its load. In a light bar from which a weight swings N is the reaction, with each implicit method. A run that goes on from a checkpoint leaves the same files; a scene pays for nothing that it does not ask for.
 """
 import sys
 from pathlib import Path
@@ -17,6 +17,26 @@ from talus_test import ROOT, Test, call, difference, example  # noqa: E402
 BRACKET = ROOT / "tests" / "verification" / "sections.yaml"
 LOAD, TIP_X = 10e3, 10.0 - 0.25 / 12.0  # N/m at a tenth of the run, m
 TIP = np.array([1e3, -4e3, 2e3])  # N
+SWING = """
+mpm:
+  dim: 2
+  grid: {lower: "-0.0625,0", upper: "1.5,0.0625", cells: "25,1"}
+  materials: spring,lead
+  material_spring: {type: hencky, density: 1e-6, E: 1e6, nu: 0.3}
+  material_lead: {type: hencky, density: 1000, E: 1e7, nu: 0.3}
+  bodies: bar,weight
+  body_bar: {region: box, lower: "0,0", upper: "0.5,0.0625", points_per_cell: "2,2", material: spring}
+  body_weight: {region: box, lower: "0.5,0", upper: "1,0.0625", points_per_cell: "2,2", material: lead}
+  bcs: root,roll
+  bc_root: {region: box, lower: "0,0", upper: "0,0.0625", components: "x"}
+  bc_roll: {region: box, lower: "-0.0625,0", upper: "1.5,0.0625", components: "y"}
+  loads: end
+  load_end: {type: force, region: box, lower: "0.9,0", upper: "1,0.0625", value: "1500,0", ramp: "0:0,0.02:1,0.04:-0.5"}
+  sections: root
+  section_root: {point: "0.2,0", normal: "1,0"}
+  time: {end: 0.1, step: 0.004}
+  output: {prefix: bar, every: 0}
+"""
 CUTS = {"mpm_sections": "one,row", "mpm_section_one_point": "5.07,0", "mpm_section_one_normal": "-2,0",
         "mpm_section_row_point": "0,9.5", "mpm_section_row_end": "8,9.5", "mpm_section_row_count": 9,
         "mpm_section_row_body": "beam"}
@@ -111,6 +131,17 @@ def strip(test):
     test.near("strip.mean", -load.column("profile_level_n")[-1] * 4.0, 1e5, relative=1e-2)
 
 
+def swing(test):
+    """What has no mass passes on the root's reaction, whatever the part of the step's start in the balance."""
+    scene = test.folder() / "scene.yaml"
+    scene.write_text(SWING)
+    for method, fbar in (("backward_euler", "false"), ("newmark", "false"), ("generalized_alpha", "false"), ("generalized_alpha", "true")):
+        results = test.run(scene, mpm_time_integrator=method, mpm_stabilization_fbar=fbar, mpm_quiet=None).results
+        n, reaction = results.column("section_root_n"), results.column("reaction_root_x")
+        test.check(f"swing.{method}_fbar_{fbar}", np.max(np.abs(n + reaction)) / np.max(np.abs(reaction)), None, 1e-8)
+        test.check(f"swing.{method}_fbar_{fbar}_size", np.max(np.abs(n)) / 1500.0, 0.5)
+
+
 def unused(test):
     """The points move as if nobody had looked, to the last digit."""
     plain = test.run(example("cantilever"), mpm_time_end=0.1, mpm_quiet=None, mpm_output_every=5).results
@@ -162,6 +193,7 @@ with Test() as test:
     cantilever(test, "plastic", mpm_material_beam_type="j2", mpm_material_beam_yield_stress=300e3, mpm_material_beam_nu=0.45)
     bracket(test)
     strip(test)
+    swing(test)
     unused(test)
     restart(test)
     refused(test)
