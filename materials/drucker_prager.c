@@ -175,5 +175,6 @@ static double MpmMaterialK0_drucker_prager(const double *parameter, const MpmLaw
 
 MPM_LAW_DEFINE(drucker_prager, parameters, states, MpmMaterialEvaluate_drucker_prager,
                .summary = "Drucker-Prager plasticity with cohesion, dilation and volume correction",
-               .traits = MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI, .check = MpmMaterialCheck_drucker_prager,
-               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus, .k0 = MpmMaterialK0_drucker_prager)
+               .traits  = MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI | MPM_LAW_VOLUME,
+               .check = MpmMaterialCheck_drucker_prager, .stiffness = ElasticStiffness,
+               .shear_modulus = ElasticShearModulus, .k0 = MpmMaterialK0_drucker_prager)

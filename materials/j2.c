@@ -69,6 +69,6 @@ static double ShearStrength(const double *parameter, const double *state)
 }
 
 MPM_LAW_DEFINE(j2, parameters, states, MpmMaterialEvaluate_j2,
-               .summary = "von Mises plasticity with linear isotropic hardening",
-               .traits = MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI, .stiffness = ElasticStiffness,
-               .shear_modulus = ElasticShearModulus, .shear_strength = ShearStrength)
+               .summary   = "von Mises plasticity with linear isotropic hardening",
+               .traits    = MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI | MPM_LAW_VOLUME,
+               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus, .shear_strength = ShearStrength)

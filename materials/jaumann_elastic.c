@@ -234,7 +234,7 @@ static double MpmMaterialK0_jaumann_elastic(const double *parameter, const MpmLa
 
 MPM_LAW_DEFINE(jaumann_elastic, parameters, states, MpmMaterialEvaluate_jaumann_elastic,
                .summary = "hypoelasticity with Jaumann's rate, optionally with Mohr-Coulomb plasticity",
-               .traits = MPM_LAW_PLASTIC, .check = MpmMaterialCheck_jaumann_elastic,
+               .traits = MPM_LAW_PLASTIC | MPM_LAW_VOLUME, .check = MpmMaterialCheck_jaumann_elastic,
                .stiffness     = MpmMaterialStiffness_jaumann_elastic,
                .shear_modulus = MpmMaterialShearModulus_jaumann_elastic, .history = MpmMaterialHistory_jaumann_elastic,
                .k0 = MpmMaterialK0_jaumann_elastic)

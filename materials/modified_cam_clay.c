@@ -402,7 +402,7 @@ static double MpmMaterialEnergy_modified_cam_clay(const double *parameter, const
 }
 
 MPM_LAW_DEFINE(modified_cam_clay, parameters, states, MpmMaterialEvaluate_modified_cam_clay,
-               .summary = "Modified Cam-Clay with logarithmic elasticity", .traits = MPM_LAW_PLASTIC,
+               .summary = "Modified Cam-Clay with logarithmic elasticity", .traits = MPM_LAW_PLASTIC | MPM_LAW_VOLUME,
                .check = MpmMaterialCheck_modified_cam_clay, .stiffness = MpmMaterialStiffness_modified_cam_clay,
                .shear_modulus = MpmMaterialShearModulus_modified_cam_clay,
                .history = MpmMaterialHistory_modified_cam_clay, .k0 = MpmMaterialK0_modified_cam_clay,

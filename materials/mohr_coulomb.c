@@ -410,7 +410,8 @@ static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const M
 
 MPM_LAW_DEFINE(mohr_coulomb, parameters, states, MpmMaterialEvaluate_mohr_coulomb,
                .summary = "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
-               .traits = MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI, .check = MpmMaterialCheck_mohr_coulomb,
-               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus,
-               .symmetric = MpmMaterialSymmetric_mohr_coulomb, .history = ElasticHistory,
-               .k0 = MpmMaterialK0_mohr_coulomb, .dilatancy = MpmMaterialDilatancy_mohr_coulomb)
+               .traits  = MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI | MPM_LAW_VOLUME,
+               .check = MpmMaterialCheck_mohr_coulomb, .stiffness = ElasticStiffness,
+               .shear_modulus = ElasticShearModulus, .symmetric = MpmMaterialSymmetric_mohr_coulomb,
+               .history = ElasticHistory, .k0 = MpmMaterialK0_mohr_coulomb,
+               .dilatancy = MpmMaterialDilatancy_mohr_coulomb)

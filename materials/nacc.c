@@ -214,5 +214,5 @@ static double MpmMaterialShearModulus_nacc(const double *parameter, const MpmLaw
 
 MPM_LAW_DEFINE(nacc, parameters, states, MpmMaterialEvaluate_nacc,
                .summary = "snow and brittle foam: non-associated Cam-Clay with cohesion",
-               .traits = MPM_LAW_PLASTIC | MPM_LAW_LAGGED, .stiffness = MpmMaterialStiffness_nacc,
+               .traits = MPM_LAW_PLASTIC | MPM_LAW_LAGGED | MPM_LAW_VOLUME, .stiffness = MpmMaterialStiffness_nacc,
                .shear_modulus = MpmMaterialShearModulus_nacc)

@@ -165,6 +165,7 @@ static double MpmMaterialK0_newtonian(const double *parameter, const MpmLawTable
 
 MPM_LAW_DEFINE(newtonian, parameters, states, MpmMaterialEvaluate_newtonian,
                .summary = "weakly compressible Newtonian fluid",
-               .traits = MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC | MPM_LAW_VISCOUS, .check = MpmMaterialCheck_newtonian,
-               .stiffness = MpmMaterialStiffness_newtonian, .viscosity = MpmMaterialViscosity_newtonian,
-               .history = MpmMaterialHistory_newtonian, .k0 = MpmMaterialK0_newtonian)
+               .traits  = MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC | MPM_LAW_VISCOUS | MPM_LAW_VOLUME,
+               .check = MpmMaterialCheck_newtonian, .stiffness = MpmMaterialStiffness_newtonian,
+               .viscosity = MpmMaterialViscosity_newtonian, .history = MpmMaterialHistory_newtonian,
+               .k0 = MpmMaterialK0_newtonian)

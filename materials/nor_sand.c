@@ -664,7 +664,7 @@ static double MpmMaterialEnergy_nor_sand(const double *parameter, const MpmLawTa
 }
 
 MPM_LAW_DEFINE(nor_sand, parameters, states, MpmMaterialEvaluate_nor_sand,
-               .summary = "Nor-Sand, critical state plasticity of sand", .traits = MPM_LAW_PLASTIC,
+               .summary = "Nor-Sand, critical state plasticity of sand", .traits = MPM_LAW_PLASTIC | MPM_LAW_VOLUME,
                .check = MpmMaterialCheck_nor_sand, .stiffness = MpmMaterialStiffness_nor_sand,
                .shear_modulus = MpmMaterialShearModulus_nor_sand, .history = MpmMaterialHistory_nor_sand,
                .k0 = MpmMaterialK0_nor_sand, .energy = MpmMaterialEnergy_nor_sand)

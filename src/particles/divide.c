@@ -3,7 +3,16 @@
 
   A point stands for the parallelepiped with the edges 2 l_a F e_a about x. Where the longest of them is longer than it may be, the
   point becomes two, side by side along it: each at x +- (l_a/2) F e_a with half of the volume and of l_a, and F, stress and state
-  as they were. Together they fill what it filled, so that a flow which draws points apart leaves no cells without any.
+  as they were. Together they fill what it filled, so that a flow which draws points apart leaves no cells without any. Halves that would
+  leave the grid stand nearer to one another.
+
+  What cannot be divided again, and would become a thread across many cells, keeps its edges at the length allowed: the domain alone is
+  cut, volume, mass, stress and history are whole. Where its law knows of F the determinant only (MPM_LAW_VOLUME), F is straightened before:
+
+    F' = Q diag(R),   F = Q R,   columns of F by the lengths of their edges, longest first
+
+  is a box with the longest edge, its faces and det F as they were. Slip along that edge then draws it out no more; and det F, of
+  columns that become parallel, would be a difference of ever larger numbers.
 
   Ids have room between them, 2^MPM_DIVISIONS for a point, and a half takes the middle of the room that is left: ids stay in the
   range of their body and do not depend on ranks.
@@ -11,6 +20,7 @@
   Sources: Ma, Zhang, Lian and Zhou (2009), CMES 39, 101 (particles that split where they are drawn out); Sadeghirad, Brannon and
   Burghardt (2011), doi:10.1002/nme.3110 (the parallelepiped).
 */
+#include "point/material.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -26,53 +36,49 @@ static PetscInt Divisions(const MpmPoints *points, PetscInt dim, PetscInt p)
   return sum;
 }
 
-/* Are both halves of a point in the grid? */
-static PetscBool HalvesInGrid(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis)
+/* An edge of a point's domain, in cells; 0 where it has hardly been drawn out. */
+static PetscReal DrawnEdge(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis)
 {
-  const PetscInt dim = grid->dim;
+  const PetscInt dim   = grid->dim;
+  PetscReal      cells = 0., stretch = 0.;
 
   for (PetscInt i = 0; i < dim; i++) {
-    const PetscReal x = points->x[p * dim + i];
-    const PetscReal by =
-      0.5 * PetscAbsReal(points->F[(p * dim + i) * dim + axis]) * points->half_length[p * dim + axis];
+    const PetscReal F = points->F[(p * dim + i) * dim + axis];
 
-    if (!(x - by >= grid->lower[i] && x + by <= grid->upper[i])) return PETSC_FALSE;
+    stretch += PetscSqr(F);
+    cells += PetscSqr(2. * points->half_length[p * dim + axis] * F / grid->h[i]);
   }
-  return PETSC_TRUE;
+  return stretch > PetscSqr(DRAWN) ? PetscSqrtReal(cells) : 0.;
 }
 
-/* The axis across which to divide a point, or -1. */
-static PetscInt AxisToDivide(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscReal longest)
+/* The axis of the longest of the edges that are longer than this, or -1. */
+static PetscInt LongestAxis(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscReal longest)
 {
-  const PetscInt dim  = grid->dim;
-  PetscInt       axis = -1;
+  PetscInt axis = -1;
 
-  if (Divisions(points, dim, p) >= MPM_DIVISIONS) return -1;
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscReal cells = 0., stretch = 0.;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal cells = DrawnEdge(grid, points, p, a);
 
-    for (PetscInt i = 0; i < dim; i++) {
-      const PetscReal F = points->F[(p * dim + i) * dim + a];
-
-      stretch += PetscSqr(F);
-      cells += PetscSqr(2. * points->half_length[p * dim + a] * F / grid->h[i]);
-    }
-    if (!(cells > PetscSqr(longest) && stretch > PetscSqr(DRAWN))) continue;
-    longest = PetscSqrtReal(cells);
+    if (!(cells > longest)) continue;
+    longest = cells;
     axis    = a;
   }
-  return axis >= 0 && HalvesInGrid(grid, points, p, axis) ? axis : -1;
+  return axis;
 }
 
 /* Of a point, which has half of what it had: the half on this side. */
-static void MakeHalf(const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt axis, PetscReal side)
+static void MakeHalf(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis, PetscReal side)
 {
-  const PetscReal by = 0.5 * side * points->half_length[p * dim + axis];
+  const PetscInt  dim = grid->dim;
+  const PetscReal by  = 0.5 * side * points->half_length[p * dim + axis];
   PetscReal       way[MPM_MAX_DIM];
 
   for (PetscInt i = 0; i < dim; i++) {
+    const PetscReal x = points->x[p * dim + i], room = PetscMin(x - grid->lower[i], grid->upper[i] - x);
+
     way[i] = by * points->F[(p * dim + i) * dim + axis];
-    points->x[p * dim + i] += way[i];
+    if (PetscAbsReal(way[i]) > room) way[i] = way[i] > 0. ? room : -room;
+    points->x[p * dim + i] = PetscMin(PetscMax(x + way[i], grid->lower[i]), grid->upper[i]);
   }
   points->x0[p * dim + axis] += by;
   if (points->origin != points->x0) points->origin[p * dim + axis] += by;
@@ -88,7 +94,58 @@ static void MakeHalf(const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt
   }
 }
 
-PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, PetscReal longest, PetscInt *divided)
+/* Axes by the lengths of their edges, longest first. */
+static void SortAxes(PetscInt dim, const PetscReal F[], const PetscReal half[], PetscInt axes[])
+{
+  PetscReal length[MPM_MAX_DIM] = {0.};
+
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscInt k = a;
+
+    for (PetscInt i = 0; i < dim; i++) length[a] += PetscSqr(half[a] * F[i * dim + a]);
+    for (; k > 0 && length[axes[k - 1]] < length[a]; k--) axes[k] = axes[k - 1];
+    axes[k] = a;
+  }
+}
+
+/* Takes out of each column of F what it has along the columns of longer edges: det F stays. */
+static void Straighten(PetscInt dim, const PetscReal half[], PetscReal F[])
+{
+  PetscInt axes[MPM_MAX_DIM] = {0};
+
+  SortAxes(dim, F, half, axes);
+  for (PetscInt k = 1; k < dim; k++)
+    for (PetscInt l = 0; l < k; l++) {
+      const PetscInt a = axes[k], b = axes[l];
+      PetscReal      along = 0., square = 0.;
+
+      for (PetscInt i = 0; i < dim; i++) {
+        along += F[i * dim + a] * F[i * dim + b];
+        square += PetscSqr(F[i * dim + b]);
+      }
+      for (PetscInt i = 0; i < dim; i++) F[i * dim + a] -= along / square * F[i * dim + b];
+    }
+}
+
+/* What has been divided as often as it may be keeps its edges at this length. */
+static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const MpmPoints *points, PetscReal longest)
+{
+  const PetscInt dim = grid->dim;
+
+  for (PetscInt p = 0; p < points->count; p++) {
+    if (Divisions(points, dim, p) < MPM_DIVISIONS || LongestAxis(grid, points, p, longest) < 0) continue;
+    if (materials[points->material[p]].info.traits & MPM_LAW_VOLUME)
+      Straighten(dim, &points->half_length[p * dim], &points->F[p * dim * dim]);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal cells = DrawnEdge(grid, points, p, a);
+
+      if (cells > longest) points->half_length[p * dim + a] *= longest / cells;
+    }
+  }
+}
+
+PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, const MpmMaterial *materials,
+                                  PetscReal longest, PetscInt *divided)
 {
   MpmPoints points;
   PetscInt *axis, *index, first;
@@ -99,7 +156,8 @@ PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, 
   first = points.count;
   PetscCall(PetscMalloc2(first, &axis, first, &index));
   for (PetscInt p = 0; p < first; p++) {
-    axis[*divided] = AxisToDivide(grid, &points, p, longest);
+    if (Divisions(&points, grid->dim, p) >= MPM_DIVISIONS) continue;
+    axis[*divided] = LongestAxis(grid, &points, p, longest);
     if (axis[*divided] >= 0) index[(*divided)++] = p;
   }
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
@@ -107,9 +165,10 @@ PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, 
   PetscCall(MpmParticlesGetArrays(particles, &points));
   for (PetscInt k = 0; k < *divided; k++) {
     points.id[first + k] += 1 << (MPM_DIVISIONS - 1 - Divisions(&points, grid->dim, index[k]));
-    MakeHalf(&points, grid->dim, index[k], axis[k], -1.);
-    MakeHalf(&points, grid->dim, first + k, axis[k], 1.);
+    MakeHalf(grid, &points, index[k], axis[k], -1.);
+    MakeHalf(grid, &points, first + k, axis[k], 1.);
   }
+  CutThreads(grid, materials, &points, longest);
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(PetscFree2(axis, index));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, divided, 1, MPIU_INT, MPI_SUM, grid->comm));

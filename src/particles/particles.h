@@ -64,8 +64,12 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const PetscInt index[]);
 /* So often a point is divided at most; room for its halves in the ids (divide.c). */
 #define MPM_DIVISIONS 5
-/* Divides points whose domains have been drawn out over so many cells, once each; `divided`, over all ranks. Collective. */
-PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, PetscReal longest, PetscInt *divided);
+/*
+  Divides points whose domains have been drawn out over so many cells, once each, and cuts the domains of those that were divided as often
+  as they may be; `divided`, over all ranks. Collective.
+*/
+PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, const MpmMaterial *materials,
+                                  PetscReal longest, PetscInt *divided);
 /* Places that DMSwarm keeps free: with none, it reallocates all fields for each point that leaves; it clears them, too. */
 #define MPM_PARTICLES_SPARE 16
 /*

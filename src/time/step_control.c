@@ -1,6 +1,7 @@
 /*
   How steps follow one another: their lengths, cuts after a failure, and the last resort before a run gives up.
 */
+#include "point/material.h"
 #include "particles/particles.h"
 #include "space/rules.h"
 #include "time/integrator.h"
@@ -194,7 +195,8 @@ static PetscErrorCode DividePoints(MpmModel model)
   PetscInt divided;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesDivide(model->state.particles, model->disc.grid, model->scene.divide, &divided));
+  PetscCall(MpmParticlesDivide(model->state.particles, model->disc.grid, model->scene.materials->at,
+                               model->scene.divide, &divided));
   if (divided) PetscCall(PetscInfo(model->state.particles->swarm, "%" PetscInt_FMT " points are divided\n", divided));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

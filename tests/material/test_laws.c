@@ -75,6 +75,27 @@ START_TEST(test_fixed_moduli)
 }
 END_TEST
 
+/* Laws that claim to know of F_n its determinant only answer the same with another one. */
+START_TEST(test_volume_alone)
+{
+  const Law *law = LawGet(_i);
+
+  RandomSeed(17);
+  for (int sample = 0; sample < SAMPLES && law->info[PLAIN].traits & MPM_LAW_VOLUME; ++sample) {
+    double dF[DIM2], tau[SYM], other[SYM];
+    Point  point;
+
+    Sample(law, sample, &point);
+    RandomMatrix(1e-3, dF);
+    if (PointEvaluate(&point, PLAIN, dF, tau, NULL)) continue;
+    for (int i = 0; i < DIM; ++i)
+      point.F[i * DIM + 1] += 0.7 * point.F[i * DIM]; /* sheared before all that it has been through */
+    ck_assert_int_eq(PointEvaluate(&point, PLAIN, dF, other, NULL), 0);
+    CHECK_SMALL(MaxDifference(SYM, tau, other), 1e-12 * PointStiffnessAround(&point, dF), "stress depends on F_n by");
+  }
+}
+END_TEST
+
 /* Central difference of tau by component c of dF, step h */
 static void Difference(const Point *point, const double *dF, int c, double h, double *derivative)
 {
@@ -749,6 +770,7 @@ static Suite *LawsSuite(void)
                                 test_stiffness,
                                 test_shear_modulus,
                                 test_fixed_moduli,
+                                test_volume_alone,
                                 test_large_increments,
                                 test_history_from_stress};
 

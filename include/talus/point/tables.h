@@ -72,6 +72,8 @@ typedef struct {
   MPM_LAW_LAGGED        strength is that of the step's start: a point may go on flowing though nothing moves
   MPM_LAW_VISCOUS       stress depends on how fast the step deforms; the viscous part is gone once nothing moves
   MPM_LAW_FIXED_MODULI  stiffness and shear modulus are those at rest at every state: nobody asks for them again
+  MPM_LAW_VOLUME        of F_n the law knows the determinant only, its shape is in the history: a point that has flowed far
+                        may be given another F with the same determinant
 */
 typedef enum {
   MPM_LAW_SYMMETRIC    = 1,
@@ -80,7 +82,8 @@ typedef enum {
   MPM_LAW_PLASTIC      = 8,
   MPM_LAW_LAGGED       = 16,
   MPM_LAW_VISCOUS      = 32,
-  MPM_LAW_FIXED_MODULI = 64
+  MPM_LAW_FIXED_MODULI = 64,
+  MPM_LAW_VOLUME       = 128
 } MpmLawTrait;
 
 /*
