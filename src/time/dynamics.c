@@ -108,6 +108,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
       model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesRest(model->state.particles));
+  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) model->state.dt_before = -1.;
   MpmRigidRest(model->disc.contacts);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

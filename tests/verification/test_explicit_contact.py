@@ -84,6 +84,17 @@ def slide(test):
         test.check(f"slide.{label}.balance", np.abs(missing).max() / column("energy_elastic")[~moving][-1], None, 0.15)
 
 
+def stops(test):
+    """What an explicit stage leaves in motion a quasi-static step stops; the next one does not go on from that."""
+    path = on_plane(test)
+    text = path.read_text(encoding="utf-8").replace("still,moving", "moving,stop")
+    path.write_text(text.replace("stage_still: {time: {end: 1, step: 0.5}}", "stage_stop: {time: {end: 0.4, step: 0.1}}"), encoding="utf-8")
+    for shape, weight in (("gimp", "2.5,-10"), ("gimp_bspline2", "0,-10")):
+        column = test.run(path, mpm_shape=shape, mpm_load_weight_value=weight, mpm_stage_moving_time_end=0.03).results.column
+        test.check(f"stops.{shape}.second", column("newton")[column("stage") == 2][1], None, 8)
+        test.near(f"stops.{shape}.force", column("reaction_ab_y")[-1], 5000, relative=1e-6)
+
+
 def refused(test):
     """A barrier has no answer where explicit steps would ask it."""
     run = test.run(BALLS, status=2, mpm_contact_lr_method="barrier")
@@ -95,4 +106,5 @@ with Test() as test:
     collision(test)
     rest(test)
     slide(test)
+    stops(test)
     refused(test)
