@@ -109,10 +109,7 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
 /* That whose place is solved for, or NULL. */
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 
-/*
-  Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u, at boundaries whose motion is
-  prescribed.
-*/
+/* Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u. */
 PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                      PetscReal *squares);
 /*

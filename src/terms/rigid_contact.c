@@ -34,7 +34,7 @@
 
 /* ---- sums ---- */
 
-/* The forces of this rank's facets at boundaries whose motion is prescribed: into the residual or, without one, their squares. */
+/* The forces of this rank's facets: at boundaries whose motion is prescribed into the residual or, without one, the squares of all. */
 static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                 PetscReal residual[], PetscReal *squares)
 {
@@ -47,8 +47,9 @@ static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, 
     const MpmPatch *patch = &contacts->patch[k];
     MpmPatchAnswer  answer;
 
-    if (MpmContactsBody(contacts, patch->boundary)) continue;
-    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    if (!MpmContactsBody(contacts, patch->boundary)) MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    else if (residual) continue;
+    else MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer); /* forces as the body sees them */
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
