@@ -402,7 +402,8 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
           if (answers[k].active)
-            Keep(&contacts->facet[f], answers[k].slip[a], slip); /* a corner may not touch as its faces do */
+            Keep(&contacts->facet[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
+                 slip); /* a corner may not touch as its faces do */
       PetscCall(
         DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
     }
