@@ -34,6 +34,22 @@ static PetscErrorCode ReadPair(const MpmOptions *block, const MpmBodies *bodies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Two contacts of the same bodies would both push. */
+static PetscErrorCode CheckOnce(const MpmPairs *pairs, PetscInt pair, const MpmBodies *bodies)
+{
+  const PetscInt *body = pairs->at[pair].body;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < pair; k++) {
+    const PetscInt *other = pairs->at[k].body;
+
+    MpmCheckInput(!(other[0] == body[0] && other[1] == body[1]) && !(other[0] == body[1] && other[1] == body[0]),
+                  "-mpm_contact_%s_bodies %s,%s: contact %s is that of the same bodies", pairs->names[pair],
+                  bodies->names[body[0]], bodies->names[body[1]], pairs->names[k]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool stick)
 {
   PetscBool bounds = (PetscBool)(friction > 0.);
@@ -63,6 +79,7 @@ PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions
     PetscCall(PetscStrallocpy(pairs->names[k], &pair->name));
     PetscCall(MpmOptionsHeading(&block, "Contact of bodies"));
     PetscCall(ReadPair(&block, bodies, pair->body));
+    if (!MpmOptionsHelp()) PetscCall(CheckOnce(pairs, k, bodies));
     PetscCall(MpmPairRead(&block, model->disc.dim, (PetscBool)(water || MpmOptionsHelp()), pair));
     if (MpmPressureBounds(model, pair->friction, pair->stick)) model->solver.at_rest.serves = PETSC_TRUE;
     /* the first body of each has a part of its own, so the two differ */

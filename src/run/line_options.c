@@ -10,6 +10,42 @@
 #include "run/lines.h"
 #include "run/run.h"
 
+/* The grid's extent along n, between its corners. */
+static void ExtentAlong(const MpmGrid *grid, const PetscReal n[], PetscReal *lower, PetscReal *upper)
+{
+  *lower = *upper = 0.;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal room = MPM_TOLERANCE * grid->h[a];
+
+    *lower += PetscMin(n[a] * (grid->lower[a] - room), n[a] * (grid->upper[a] + room));
+    *upper += PetscMax(n[a] * (grid->lower[a] - room), n[a] * (grid->upper[a] + room));
+  }
+}
+
+/* Are all places, `count` from first to last, beyond the grid; or, with their normal `across`, the planes there? */
+static PetscBool IsOutside(const MpmGrid *grid, const PetscReal first[], const PetscReal last[], PetscInt count,
+                           const PetscReal *across)
+{
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal part    = count > 1 ? (PetscReal)k / (PetscReal)(count - 1) : 0.;
+    PetscBool       outside = PETSC_FALSE;
+    PetscReal       d       = 0., lower, upper;
+
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      const PetscReal x = (1. - part) * first[a] + part * last[a], room = MPM_TOLERANCE * grid->h[a];
+
+      if (x < grid->lower[a] - room || x > grid->upper[a] + room) outside = PETSC_TRUE;
+      if (across) d += across[a] * x;
+    }
+    if (across) {
+      ExtentAlong(grid, across, &lower, &upper);
+      outside = (PetscBool)(d < lower || d > upper);
+    }
+    if (!outside) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
 static PetscErrorCode ReadPlanes(const MpmOptions *block, PetscInt dim, MpmSection *section)
 {
   const PetscBool help = MpmOptionsHelp();
@@ -40,7 +76,8 @@ static PetscErrorCode ReadPlanes(const MpmOptions *block, PetscInt dim, MpmSecti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CreateSection(const MpmOptions *options, const char *name, const MpmGrid *grid,
+/* `moves`: the grid does. */
+static PetscErrorCode CreateSection(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscBool moves,
                                     const MpmBodies *bodies, MpmSection *section)
 {
   char       prefix[256], field[256];
@@ -55,6 +92,9 @@ static PetscErrorCode CreateSection(const MpmOptions *options, const char *name,
   PetscCall(PetscStrallocpy(name, &section->name));
   PetscCall(MpmOptionsHeading(&block, "Section"));
   PetscCall(ReadPlanes(&block, grid->dim, section));
+  MpmCheckInput(moves || MpmOptionsHelp() ||
+                  !IsOutside(grid, section->first, section->last, section->count, section->axis[0]),
+                "-%spoint: no plane of it meets the grid", prefix);
   PetscCall(MpmBodyNameRead(&block, "the body that is cut; default: all", bodies, &section->body));
   PetscCall(MpmOptionsHas(&block, "region", &has_region));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
@@ -71,7 +111,8 @@ static PetscErrorCode CreateSection(const MpmOptions *options, const char *name,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CreateProfile(const MpmOptions *options, const char *name, const MpmGrid *grid,
+/* `moves`: the grid does. */
+static PetscErrorCode CreateProfile(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscBool moves,
                                     const MpmBodies *bodies, MpmProfile *profile)
 {
   const PetscInt  dim  = grid->dim;
@@ -104,6 +145,8 @@ static PetscErrorCode CreateProfile(const MpmOptions *options, const char *name,
     profile->axis[0][1] = profile->last[0] - profile->first[0];
   }
   MpmCheckInput(MpmAxesComplete(dim, profile->axis) || help, "-%snormal: must not be zero", prefix);
+  MpmCheckInput(moves || help || !IsOutside(grid, profile->first, profile->last, profile->count, NULL),
+                "-%sfrom: no place of the line is in the grid", prefix);
   PetscCall(MpmBodyNameRead(&block, "the body whose stress it is; default: all", bodies, &profile->body));
   if (profile->body >= 0) PetscCall(PetscStrallocpy(field, &profile->chosen_field));
   profile->size = MpmSymSize(dim);
@@ -113,9 +156,10 @@ static PetscErrorCode CreateProfile(const MpmOptions *options, const char *name,
 
 PetscErrorCode MpmLinesRead(MpmModel model, const MpmOptions *options)
 {
-  MpmLines *lines = &model->results->lines;
-  PetscInt  count;
-  char    **names;
+  const PetscBool moves = (PetscBool)(model->scene.follow.what != MPM_FOLLOW_NOTHING);
+  MpmLines       *lines = &model->results->lines;
+  PetscInt        count;
+  char          **names;
 
   PetscFunctionBeginUser;
   PetscCall(
@@ -128,14 +172,14 @@ PetscErrorCode MpmLinesRead(MpmModel model, const MpmOptions *options)
     sections->names      = names;
     PetscCall(PetscCalloc1(count, &sections->at));
     for (sections->count = 0; sections->count < count; sections->count++)
-      PetscCall(CreateSection(options, names[sections->count], model->disc.grid, model->scene.bodies,
+      PetscCall(CreateSection(options, names[sections->count], model->disc.grid, moves, model->scene.bodies,
                               &sections->at[sections->count]));
   } else PetscCall(MpmNamesDestroy(count, &names));
   PetscCall(MpmOptionsBlocks(options, "profiles", "names of the lines along which stress is wanted", MPM_OPTIONAL,
                              &count, &lines->profile_names));
   PetscCall(PetscCalloc1(count, &lines->profiles));
   for (lines->profile_count = 0; lines->profile_count < count; lines->profile_count++)
-    PetscCall(CreateProfile(options, lines->profile_names[lines->profile_count], model->disc.grid, model->scene.bodies,
-                            &lines->profiles[lines->profile_count]));
+    PetscCall(CreateProfile(options, lines->profile_names[lines->profile_count], model->disc.grid, moves,
+                            model->scene.bodies, &lines->profiles[lines->profile_count]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,6 +10,7 @@
 #include "terms/discretization.h"
 #include "terms/body_contact.h"
 #include "terms/contact.h"
+#include "terms/inertia.h"
 #include "terms/rigid_body.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
@@ -332,24 +333,41 @@ static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
 /* With contact a prediction is an answer only where it is so much better than an iteration has to be: forces balance. */
 #define PREDICTION 1e-3
 
-/* They do so to this part of the contacts' forces, but for that no more than so many iterations are taken. */
+/* They do so to this part of what pushes, but for that no more than so many iterations are taken. */
 #define BALANCE      1e-6
 #define BALANCE_MOST 12
 
 /*
-  Are the contacts' forces in balance? What moves makes the residual at rest large, and with it the tolerance, however little
-  it presses.
+  Squares of the reactions, N2, of the owned unknowns that are prescribed to move, in a step without inertia whose only unknown is the
+  displacement. The residual is that of the last iterate.
+*/
+static PetscReal ReactionSquares(const MpmDiscretization *disc)
+{
+  const MpmConstraints *constraints = disc->constraints;
+  PetscReal             squares     = 0.;
+
+  if (!constraints->any || disc->inertia->active || disc->layout->field_count > 1) return 0.;
+  for (PetscInt k = 0; k < disc->space->owned * disc->block; k++)
+    if (!MpmConstraintsFree(constraints, k) && constraints->value[k] != 0.) squares += PetscSqr(disc->residual[k]);
+  return squares;
+}
+
+/*
+  Are the forces of contacts, and of what is prescribed to move, in balance? What moves makes the residual at rest large, and with it the
+  tolerance, however little it presses.
 */
 static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *balanced)
 {
   const MpmDiscretization *disc    = solver->disc;
-  PetscReal                squares = 0.;
+  PetscReal                squares = ReactionSquares(disc);
 
   PetscFunctionBeginUser;
-  *balanced = (PetscBool)(!MpmSolverHasContact(solver) || solver->cache.balances == BALANCE_MOST);
+  *balanced = (PetscBool)(solver->cache.balances == BALANCE_MOST);
   if (*balanced) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmContactsAddSquares(disc->contacts, disc->sum, disc->u, &squares));
-  MpmPairsAddSquares(disc->pairs, disc->sum, disc->u, &squares);
+  if (MpmSolverHasContact(solver)) {
+    PetscCall(MpmContactsAddSquares(disc->contacts, disc->sum, disc->u, &squares));
+    MpmPairsAddSquares(disc->pairs, disc->sum, disc->u, &squares);
+  }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, disc->comm));
   *balanced = (PetscBool)(!(squares > 0.) || fnorm <= BALANCE * PetscSqrtReal(squares));
   if (!*balanced) solver->cache.balances++;

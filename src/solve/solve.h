@@ -47,7 +47,7 @@ typedef struct {
   PetscBool         hasty;    /* Newton's method is given up when it gets nowhere: it will be tried in another way */
   PetscReal         least;    /* the least residual so far, or 10 % more, */
   PetscInt          least_at; /* and after how many iterations */
-  PetscInt          balances; /* iterations that only the contacts' forces asked for */
+  PetscInt          balances; /* iterations that only the balance of what pushes asked for */
   MpmFieldNormsKept fields;
   MpmMinimisation   minimisation;
   PetscReal         imbalance;       /* of free bodies, at the last iterate */

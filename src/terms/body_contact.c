@@ -78,12 +78,18 @@ static void Friction(const MpmPairPatch *patch, const MpmContactLaw *law, PetscI
   }
 }
 
+/* By how much a patch gives. */
+static PetscReal Giving(const MpmPairContacts *contacts, const MpmPairPatch *patch)
+{
+  return contacts->pairs->at[patch->pair].stick ? 1. : contacts->give;
+}
+
 static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, const PetscReal w[],
                      Answer *answer)
 {
   const MpmPair      *pair = &contacts->pairs->at[patch->pair];
   const MpmContactLaw law  = {.stiffness = patch->stiffness,
-                              .along     = patch->direct ? 1. : SLIDING,
+                              .along     = (patch->direct ? 1. : SLIDING) / Giving(contacts, patch),
                               .friction  = pair->friction,
                               .adhesion  = pair->adhesion,
                               .strength  = patch->strength,
@@ -453,6 +459,14 @@ PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPairsGive(MpmPairContacts *contacts, PetscReal give)
+{
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->pairs->at[contacts->patch[k].pair].stick; a++)
+      contacts->patch[k].slip[a] *= give / contacts->give;
+  contacts->give = give;
+}
+
 void MpmPairsRelease(MpmPairContacts *contacts)
 {
   contacts->holds = PETSC_FALSE;
@@ -497,7 +511,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
     if (contacts->moved && answer.active) KeepSlip(contacts, &contacts->patch[k], sum, answer.slip);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-      slip[k][a] = answer.slip[a];
+      slip[k][a] = answer.slip[a] / Giving(contacts, &contacts->patch[k]);
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];
     }
     contacts->patch[k].closed = 0.;

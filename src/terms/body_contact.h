@@ -65,6 +65,7 @@ struct MpmPairContacts {
   PetscReal        cell, touch;    /* the smallest size of a cell; a patch no further away touches */
   PetscBool        starts;         /* the step is the run's first: what overlaps now touches */
   PetscBool        holds;          /* patches of some rank are held */
+  PetscReal        give;           /* as at boundaries (MpmContactsGive) */
   const PetscReal *moved;          /* explicit steps: displacements, contact having acted at others; or NULL */
   MPI_Comm         comm;
   PetscInt         state_size;                                 /* of a point's history */
@@ -97,6 +98,7 @@ PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
 */
 PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 void           MpmPairsRelease(MpmPairContacts *contacts);
+void           MpmPairsGive(MpmPairContacts *contacts, PetscReal give);
 /* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
 void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
 /*

@@ -528,6 +528,7 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
 
   PetscFunctionBeginUser;
   if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->give = 1.;
   PetscCall(PetscMalloc1(contacts->patch_count, &mean));
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair = &contacts->pairs->at[p];

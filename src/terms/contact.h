@@ -71,6 +71,7 @@ typedef struct {
 typedef struct {
   PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
   PetscBool holds;           /* and it holds patches, of any rank */
+  PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
 } MpmContactNewton;
 
 /* Those of this rank's points, and what they do. */
@@ -109,10 +110,7 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
 /* That whose place is solved for, or NULL. */
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 
-/*
-  Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u, at boundaries whose motion is
-  prescribed.
-*/
+/* Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u. */
 PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                      PetscReal *squares);
 /*
@@ -152,8 +150,19 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
 PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 void           MpmContactsEnd(MpmContacts *contacts);
 
+/*
+  For another try at a step: what may slide gives by `give` times as much until it does, from the tractions with which the step starts; the
+  next `prepare` ends it (contact_states.c).
+*/
+void MpmContactsGive(MpmContacts *contacts, PetscReal give);
+/* By how much a boundary gives. */
+static inline PetscReal MpmContactsGiving(const MpmContacts *contacts, PetscInt boundary)
+{
+  return contacts->boundaries[boundary].stick ? 1. : contacts->newton.give;
+}
+
 /* One patch (contact_patch.c): k' of what may slide, over the stiffness across. */
-PetscReal      MpmPatchAlong(const MpmPatch *patch);
+PetscReal      MpmPatchAlong(const MpmContacts *contacts, const MpmPatch *patch);
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);
 PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work);
 /* At work->value. */

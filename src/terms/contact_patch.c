@@ -55,9 +55,9 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
 #define SLIDING 0.1
 #define EQUAL   1.
 
-PetscReal MpmPatchAlong(const MpmPatch *patch)
+PetscReal MpmPatchAlong(const MpmContacts *contacts, const MpmPatch *patch)
 {
-  return patch->round || patch->direct ? EQUAL : SLIDING;
+  return (patch->round || patch->direct ? EQUAL : SLIDING) / MpmContactsGiving(contacts, patch->boundary);
 }
 
 /* The traction of a patch that is held and glides: no more than its pressure changes it. */
@@ -77,7 +77,7 @@ static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatc
   const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
   const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
   const MpmContactLaw law      = {.stiffness = patch->stiffness,
-                                  .along     = MpmPatchAlong(patch),
+                                  .along     = MpmPatchAlong(contacts, patch),
                                   .friction  = boundary->friction,
                                   .adhesion  = adhesion,
                                   .strength  = strength,

@@ -76,7 +76,7 @@ static void Hold(const MpmContacts *contacts, MpmPatch *patch, const MpmSum *sum
   (void)StateOf(contacts, patch, sum, u, work, &answer); /* sticks: the whole slip */
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) size += PetscSqr(answer.slip[a]);
   size          = PetscSqrtReal(size);
-  patch->glides = (PetscBool)(MpmPatchAlong(patch) * patch->stiffness * size > FAR * limit);
+  patch->glides = (PetscBool)(MpmPatchAlong(contacts, patch) * patch->stiffness * size > FAR * limit);
   for (PetscInt a = 0; patch->glides && a < MPM_MAX_DIM; a++) patch->way[a] = answer.slip[a] / size;
 }
 
@@ -132,6 +132,14 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
   changed = (PetscBool)(changed && contacts->newton.careful);
   PetscCall(MPIU_Allreduce(&changed, &contacts->newton.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmContactsGive(MpmContacts *contacts, PetscReal give)
+{
+  for (PetscInt k = 0; k < contacts->facet_count; k++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->boundaries[contacts->facet[k].boundary].stick; a++)
+      contacts->facet[k].slip[a] *= give / contacts->newton.give;
+  contacts->newton.give = give;
 }
 
 void MpmContactsEnd(MpmContacts *contacts)

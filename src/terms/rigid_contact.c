@@ -34,7 +34,7 @@
 
 /* ---- sums ---- */
 
-/* The forces of this rank's facets at boundaries whose motion is prescribed: into the residual or, without one, their squares. */
+/* The forces of this rank's facets: at boundaries whose motion is prescribed into the residual or, without one, the squares of all. */
 static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                 PetscReal residual[], PetscReal *squares)
 {
@@ -47,8 +47,9 @@ static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, 
     const MpmPatch *patch = &contacts->patch[k];
     MpmPatchAnswer  answer;
 
-    if (MpmContactsBody(contacts, patch->boundary)) continue;
-    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    if (!MpmContactsBody(contacts, patch->boundary)) MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    else if (residual) continue;
+    else MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer); /* forces as the body sees them */
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
@@ -401,7 +402,8 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
           if (answers[k].active)
-            Keep(&contacts->facet[f], answers[k].slip[a], slip); /* a corner may not touch as its faces do */
+            Keep(&contacts->facet[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
+                 slip); /* a corner may not touch as its faces do */
       PetscCall(
         DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
     }

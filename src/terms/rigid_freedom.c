@@ -83,7 +83,8 @@ static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, con
 /* What is solved for follows no motion. */
 static PetscErrorCode CheckMotion(const MpmOptions *block, const MpmBoundary *boundary, const MpmFreedom *freedom)
 {
-  const PetscInt dim = boundary->dim;
+  const MpmMotion *motion = &boundary->motion;
+  const PetscInt   dim    = boundary->dim;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < dim; a++)
@@ -94,6 +95,13 @@ static PetscErrorCode CheckMotion(const MpmOptions *block, const MpmBoundary *bo
     MpmCheckInput(boundary->motion.rotation[dim == 2 ? 2 : a] == 0. || !(freedom->free[1] >> a & 1),
                   "-%srotation: must be 0 about axis %c, which is among -%sfree", block->prefix,
                   dim == 2 ? 'z' : "xyz"[a], block -> prefix);
+  for (PetscInt k = 0; k < 6 * motion->rows; k++) {
+    const PetscInt a = k % 3, turns = k % 6 / 3;
+
+    MpmCheckInput(motion->value[k] == 0. || !(freedom->free[turns] >> (turns && dim == 2 ? 0 : a) & 1),
+                  "-%smotion_table: column %s%c must be 0, for %s%c is among -%sfree", block->prefix, turns ? "r" : "u",
+                  "xyz"[a], turns ? "r" : "", "xyz"[a], block -> prefix);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

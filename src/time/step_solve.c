@@ -4,6 +4,7 @@
 #include "base/newton_reason.h"
 #include "point/layout.h"
 #include "terms/body_contact.h"
+#include "terms/contact.h"
 #include "terms/rigid_body.h"
 #include "time/model.h"
 #include "time/step.h"
@@ -27,7 +28,7 @@ static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedRea
   each, but not where loads push along what nothing resists; and all but the last of these are given up when they get nowhere. What
   succeeded is how the next step starts.
 */
-static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
 {
   MpmSolver      *solver    = &model->solver;
   const PetscBool predicted = solver->cache.predicted, contact = MpmSolverHasContact(solver);
@@ -35,7 +36,6 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   Vec             start = NULL;
 
   PetscFunctionBeginUser;
-  solver->newton = solver->linear = 0;
   if (predicted && contact) {
     PetscCall(VecDuplicate(solver->x, &start));
     PetscCall(VecCopy(solver->x, start));
@@ -59,6 +59,39 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   }
   solver->cache.hasty = PETSC_FALSE;
   PetscCall(VecDestroy(&start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define GIVE 64. /* what may slide gives by so many times as much, in the last attempts at a step that was cut */
+
+/* May anything slide? */
+static PetscBool MaySlide(const MpmModel model)
+{
+  const MpmBoundaries *boundaries = model->scene.boundaries;
+  const MpmPairs      *pairs      = model->scene.pairs;
+
+  for (PetscInt k = 0; k < boundaries->count; k++)
+    if (boundaries->at[k].tangential && !boundaries->at[k].stick) return PETSC_TRUE;
+  for (PetscInt k = 0; k < pairs->count; k++)
+    if (pairs->at[k].tangential && !pairs->at[k].stick) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+  All attempts. Where friction is low, what sticks is stiff over a slip so small that Newton's method throws it from sliding one way to sliding
+  the other, however short the step: one that was cut is tried once more with contacts that give before they slide.
+*/
+static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+{
+  PetscFunctionBeginUser;
+  model->solver.newton = model->solver.linear = 0;
+  PetscCall(TryAll(model, reason));
+  if (*reason >= 0 || !model->state.cuts || !MaySlide(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmContactsGive(model->disc.contacts, GIVE);
+  MpmPairsGive(model->disc.pairs, GIVE);
+  model->solver.cache.predicted = PETSC_FALSE;
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
+  PetscCall(TryAll(model, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -368,6 +368,9 @@ CASES = [
     ("boundary for no points", WALL_POINTS, "-mpm_boundary_wall_points_region"),
     ("boundary that holds no points", {**PLANE, "mpm_boundary_wall_point": "3,0",
                                        "mpm_boundary_wall_contact": "bilateral"}, "-mpm_boundary_wall_contact"),
+    # contacts of bodies
+    ("two contacts of the same bodies", {**TOP, "mpm_contacts": "a,b", "mpm_contact_a_bodies": "block,top", "mpm_contact_b_bodies": "top,block"},
+     "-mpm_contact_b_bodies top,block: contact a is that of the same bodies"),
     # surfaces of bodies
     ("surface without a body", {**SURFACE, "mpm_surface_top_body": None}, "-mpm_surface_top_body"),
     ("surface of an unknown body", {**SURFACE, "mpm_surface_top_body": "clay"}, "-mpm_surface_top_body clay"),

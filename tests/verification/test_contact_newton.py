@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Newton's method with moving boundaries: few iterations a step and no cuts, with stiff contact and in plastic flow. Until a block
-touches a rough floor, its Jacobian is solved as the symmetric one that it is.
+touches a rough floor, its Jacobian is solved as the symmetric one that it is. A block that nothing but little friction holds comes to rest.
 
 Quick. Coarse forms of examples.
 """
@@ -27,6 +27,29 @@ mpm:
   time: {end: 0.3, integrator: generalized_alpha, rho_inf: 0.8, step: 0.01}
   output: {prefix: fall}
 """
+LEVEL = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "8,4", cells: "32,16"}
+  materials: r
+  material_r: {type: hencky, E: 50e6, nu: 0.3, density: 2000}
+  bodies: block%s
+  body_block: {region: box, lower: "1,0.5", upper: "3,1.5", points_per_cell: "2,2", material: r}
+%s
+  loads: weight,side
+  load_weight: {type: gravity, value: "0,-10", ramp: "0:0,0.2:1"}
+  load_side: {type: gravity, value: "1,0", ramp: "0:0,0.2:0,1.2:1"}
+  tracks: block
+  track_block: {region: box, lower: "1,0.5", upper: "3,1.5"}
+  time: {end: %g, step: 0.05, step_min: 0.0005}
+  output: {prefix: level}
+"""
+FLOOR = '  boundaries: floor\n  boundary_floor: {type: plane, point: "0,0.5", normal: "0,1", friction: %g}'
+BASE = """  body_base: {region: box, lower: "0,0", upper: "8,0.5", points_per_cell: "2,2", material: r}
+  bcs: base
+  bc_base: {region: box, lower: "0,0", upper: "8,0", components: "x,y"}
+  contacts: ab
+  contact_ab: {bodies: "block,base", friction: %g}"""
 SHORT = {"mpm_output_every": 0, "mpm_quiet": None}
 
 
@@ -51,8 +74,19 @@ def fall(test):
         test.near(f"multigrid.{name}", multigrid.results.column(name)[-1], run.results.column(name)[-1], relative=1e-6)
 
 
+def level(test):
+    """A block that its weight spreads is held up to nearly its friction; nothing else holds it."""
+    for name, more, holds in (("floor", "", FLOOR), ("base", ",base", BASE)):
+        for friction in (0.04, 0.05):
+            scene = test.folder() / "level.yaml"
+            scene.write_text(LEVEL % (more, holds % friction, 0.2 + 9.6 * friction), encoding="utf-8")
+            results = test.run(scene, **SHORT).results
+            test.check(f"level.{name}_{friction}", results.column("track_block_ux")[-1], 0.0, 1e-4)
+
+
 with Test() as check:
     fall(check)
+    level(check)
     stiff = check.run(example("shallow_ironing"), mpm_grid_cells="48,18", mpm_time_end=1.6, mpm_boundary_die_penalty=500,
                       mpm_boundary_die_motion_table=EXAMPLES / "shallow_ironing" / "motion.csv", **SHORT)
     few(check, "stiff", stiff, 5.0)

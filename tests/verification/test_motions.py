@@ -115,6 +115,13 @@ def pile(test):
     test.check("part.rest", np.max(np.abs(down[(~top) & (run.table("material") == 1)] + 0.3)), 1e-4, 0.2)
 
 
+def stiff(test):
+    """A pile of steel that is pushed at its head: the force is that of the clay, not the part of the steel's stiffness that a step may leave."""
+    part = MOTION % ("y", "-0.1", ', region: box, lower: "0,3", upper: "0.5,3.5"')
+    run = run_text(test, GROUND % ("", "") + part, mpm_material_steel_type="hencky", mpm_material_steel_E=2e11)
+    balanced(test, "stiff", run)
+
+
 def ranks_and_restart(test):
     alone = run_text(test, PILE, snes_rtol=1e-12)
     half = run_text(test, PILE, snes_rtol=1e-12, mpm_time_end=0.6, mpm_checkpoint_every=1)
@@ -178,6 +185,7 @@ def lost(test):
 
 with Test() as test:
     pile(test)
+    stiff(test)
     ranks_and_restart(test)
     solid(test)
     stages(test)

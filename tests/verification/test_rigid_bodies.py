@@ -176,6 +176,8 @@ def mass(test):
 def refusals(test):
     """Exit status 2 and one line that names the option; 3 where the run gives up."""
     path = example("two_supports")
+    table = test.folder() / "table.csv"
+    table.write_text("time,ux,uy,rz\n0,0,0,0\n1,0,0.1,5\n")
     for label, status, words, options in (
             ("component", 2, "free q", {"mpm_boundary_disc_free": "x,q"}),
             ("not_free", 2, "disc_load", {"mpm_boundary_disc_free": "x"}),
@@ -183,6 +185,9 @@ def refusals(test):
             ("inside", 2, "behind it", {"mpm_boundary_disc_center": "1.2,1.5"}),
             ("no_inertia", 2, "disc_inertia: is missing", {"mpm_boundary_disc_free": "x,y,rz", "mpm_boundary_disc_mass": 2}),
             ("negative_mass", 2, "disc_mass -2", {"mpm_boundary_disc_mass": -2}),
+            ("table_uy", 2, "disc_motion_table: column uy must be 0, for y is among", {"mpm_boundary_disc_motion_table": table}),
+            ("table_rz", 2, "disc_motion_table: column rz must be 0, for rz is among",
+             {"mpm_boundary_disc_free": "x,rz", "mpm_boundary_disc_load": "0,0", "mpm_boundary_disc_motion_table": table}),
             ("velocity", 2, "disc_velocity", {"mpm_boundary_disc_velocity": "1,0"}),
             ("adrift", 3, "nothing holds boundary disc", {"mpm_boundary_disc_center": "5.5,2.5"})):
         run = test.run(path, status=status, mpm_quiet=None, mpm_output_every=0, **options)
