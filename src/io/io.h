@@ -117,6 +117,8 @@ PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, P
                               PetscInt dataset_count, const MpmDataset datasets[]);
 PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal time, const MpmTable *nodes,
                                   const MpmTable *cells);
+/* Further states get the attribute velocities_behind, s, unless it is 0. */
+PetscErrorCode MpmOutputSetBehind(MpmOutput output, PetscReal behind);
 /* Reals in single precision. */
 PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single);
 /* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */

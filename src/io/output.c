@@ -15,6 +15,7 @@ struct _p_MpmOutput {
   MpmTextFile lattices;   /* and of the background grid */
   PetscBool   started;    /* do the files exist? */
   PetscBool   single;     /* reals in single precision? */
+  PetscReal   behind;     /* s, how far the next state's velocities are behind its places */
   PetscInt64  collective; /* bytes from which on all ranks write */
   PetscInt64  slab;       /* most bytes that go to HDF5 at once */
 };
@@ -65,6 +66,13 @@ PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOutputSetBehind(MpmOutput output, PetscReal behind)
+{
+  PetscFunctionBeginUser;
+  output->behind = behind;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOutputDestroy(MpmOutput *output)
 {
   PetscFunctionBeginUser;
@@ -103,15 +111,16 @@ static PetscErrorCode WriteTable(MpmOutput output, const char *group, PetscInt s
                                  const MpmTable *table, MpmStateView *view)
 {
   const PetscInt64   number       = step;
-  const MpmAttribute attributes[] = {{"time", &time, NULL}, {"step", NULL, &number}};
-  const MpmStateFile state        = {.path            = output->h5_path,
-                                     .group           = group,
-                                     .append          = output->started,
-                                     .collective      = output->collective,
-                                     .attribute_count = 2,
-                                     .attributes      = attributes,
-                                     .single          = output->single,
-                                     .slab            = output->slab};
+  const MpmAttribute attributes[] = {
+    {"time", &time, NULL}, {"step", NULL, &number}, {"velocities_behind", &output->behind, NULL}};
+  const MpmStateFile state = {.path            = output->h5_path,
+                              .group           = group,
+                              .append          = output->started,
+                              .collective      = output->collective,
+                              .attribute_count = output->behind > 0. ? 3 : 2,
+                              .attributes      = attributes,
+                              .single          = output->single,
+                              .slab            = output->slab};
 
   PetscFunctionBeginUser;
   PetscCall(MpmStateWrite(output->comm, &state, table, view));

@@ -279,6 +279,7 @@ PetscErrorCode MpmFieldsWrite(MpmModel model)
   model->state.reference_output = PETSC_FALSE;
   for (PetscInt i = 0; i < fields.count; i++)
     if (IsChosen(model, fields.set[i].name)) sets[count++] = fields.set[i];
+  PetscCall(MpmOutputSetBehind(model->results->output, model->state.scheme.behind));
   PetscCall(
     MpmOutputWrite(model->results->output, model->state.step, model->state.time, points.count, points.id, count, sets));
   PetscCall(PetscFree(sets));

@@ -34,7 +34,7 @@ static const struct {
   MODEL("step_wanted", REAL, state.dt_wanted),
   MODEL("step_last", REAL, state.dt_last),
   MODEL("step_before_last", REAL, state.dt_before),
-  MODEL("velocities_behind", REAL, state.behind),
+  MODEL("velocities_behind", REAL, state.scheme.behind),
   MODEL("largest_change", REAL, state.scheme.largest),
   MODEL("newton_iterations", INT64, solver.newton_total),
   MODEL("linear_iterations", INT64, solver.linear_total),

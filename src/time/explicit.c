@@ -195,13 +195,13 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 /* For how long forces act in the step, s. */
 static PetscReal KickLength(const MpmModel model)
 {
-  return MpmModelRelaxes(model) ? model->disc.sum->dt : model->state.behind + 0.5 * model->disc.sum->dt;
+  return MpmModelRelaxes(model) ? model->disc.sum->dt : model->state.scheme.behind + 0.5 * model->disc.sum->dt;
 }
 
 /* For how long they would if the step were one of many: contact stops what comes near in such a one. */
 static PetscReal WholeKick(const MpmModel model)
 {
-  return model->state.behind > 0. ? KickLength(model) : model->disc.sum->dt;
+  return model->state.scheme.behind > 0. ? KickLength(model) : model->disc.sum->dt;
 }
 
 /* Room for the points' velocities. */
@@ -279,7 +279,7 @@ static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velo
 /* Before the step they moved as they were told to where velocities stand: what carries them from there is their reaction. */
 static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
 {
-  const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->span : model->state.behind;
+  const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->span : model->state.scheme.behind;
 
   PetscFunctionBeginUser;
   PetscCall(PrescribeAt(model, model->state.time - behind, velocity));
@@ -332,7 +332,7 @@ static void Displace(const MpmModel model, const PetscReal velocity[], PetscReal
 /* The same of the last step, whose velocities they are; where a stage begins there is none. */
 static void DisplaceLast(const MpmModel model, const PetscReal velocity[], PetscReal u[])
 {
-  const PetscReal dt = MpmModelRelaxes(model) ? model->disc.sum->dt : 2. * model->state.behind;
+  const PetscReal dt = MpmModelRelaxes(model) ? model->disc.sum->dt : 2. * model->state.scheme.behind;
 
   for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = dt * velocity[k];
 }
@@ -693,7 +693,7 @@ static PetscErrorCode Accept(MpmModel model)
   model->disc.put_back        = PETSC_FALSE;
   model->disc.damping->active = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last = 0.;
-  model->state.behind                           = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
+  model->state.scheme.behind                    = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
   model->disc.committed                         = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmStepRemoveGone(model));
@@ -714,7 +714,7 @@ static PetscErrorCode RollBack(MpmModel model)
 */
 static PetscErrorCode CatchUp(MpmModel model)
 {
-  const PetscReal behind = model->state.behind, dt = 2. * behind;
+  const PetscReal behind = model->state.scheme.behind, dt = 2. * behind;
   const PetscBool first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
   const char     *why      = NULL;
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
@@ -735,8 +735,8 @@ static PetscErrorCode CatchUp(MpmModel model)
     model->disc.sum->trial = model->disc.trial;
     PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
     if (first) PetscCall(MpmCommitMoves(model->disc.sum, 0., dynamics->moves));
-    model->disc.sum->trial = NULL;
-    model->state.behind    = 0.;
+    model->disc.sum->trial     = NULL;
+    model->state.scheme.behind = 0.;
   }
   PetscCall(RollBack(model));
   model->disc.committed = (PetscBool)!why;

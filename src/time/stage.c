@@ -691,7 +691,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   PetscCall(MpmEnergyMark(model));
   SetTime(model, k);
   model->state.dt_wanted = model->state.dt_nominal;
-  model->state.dt_last = model->state.behind = 0.; /* nothing goes on as before */
+  model->state.dt_last = model->state.scheme.behind = 0.; /* nothing goes on as before */
   MpmReductionApply(model, model->state.time);
   if (stage->name) {
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));

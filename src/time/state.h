@@ -79,6 +79,7 @@ typedef struct {
   PetscReal            estimate; /* of the last step that has converged */
   PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
   PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
+  PetscReal behind;              /* s, how far the points' velocities are behind their places: explicit steps */
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
   MpmEnergy energy;
   MpmRescuing rescuing;
@@ -96,7 +97,6 @@ typedef struct {
   PetscReal      dt_wanted; /* of the next step */
   PetscReal      dt_last;   /* of the last step, 0 before the first; */
   PetscReal      dt_before; /* of the one before; below 0: the next step stops what moved, which no step goes on from */
-  PetscReal      behind;    /* s, how far the points' velocities are behind their places: explicit steps */
   PetscBool      adaptive;
   PetscBool      predict; /* start from the last step's increment */
   PetscInt       step, cuts, cuts_total;

@@ -109,7 +109,7 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
   if (model->solver.newton <= EASY) {
     const PetscReal factor = PetscMin(model->state.growth, MpmTimeErrorFactor(model));
 
-    return PetscMax(PetscMin(wanted * factor, model->state.dt_max), model->state.dt_min);
+    return PetscMax(PetscMin(MpmTimeErrorLength(model, wanted * factor), model->state.dt_max), model->state.dt_min);
   }
   return wanted;
 }
@@ -283,7 +283,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
     if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
     if (model->state.scheme.refused > 0.) {
       again = PETSC_TRUE;
-      PetscCall(Cut(model, *why, MpmTimeErrorFactor(model) * *dt));
+      PetscCall(Cut(model, *why, MpmTimeErrorLength(model, MpmTimeErrorFactor(model) * *dt)));
       continue;
     }
     again = (PetscBool)(0.5 * *dt >= model->state.dt_min);

@@ -80,6 +80,8 @@ PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscR
 PetscBool      MpmStagesControlError(const MpmModel model);
 PetscErrorCode MpmTimeErrorBegin(MpmModel model);
 PetscReal      MpmTimeErrorFactor(const MpmModel model);
+/* A step's length that was chosen by it, rounded down by a thousandth at most, the same on any number of ranks. */
+PetscReal MpmTimeErrorLength(const MpmModel model, PetscReal dt);
 /* The points' field for it. */
 extern const char *const MpmTimeErrorField;
 /* What the integrator of two stages keeps (sdirk.c). */

@@ -35,6 +35,8 @@
 /* A step is chosen for this part of the error that is allowed, for its own will differ; it shrinks by no more at once. */
 #define SAFETY   0.5
 #define SHORTEST 0.2
+/* So many lengths of steps between a power of two and the next: an estimate's last digits, which depend on the ranks, do not count. */
+#define PARTS 1024.
 
 const char *const MpmTimeErrorField = "value_start";
 
@@ -172,4 +174,14 @@ PetscReal MpmTimeErrorFactor(const MpmModel model)
   if (!(scheme->error > 0.)) return PETSC_INFINITY;
   return PetscMax(SHORTEST,
                   PetscPowReal(SAFETY * scheme->error / PetscMax(scheme->estimate, 1e-30), 1. / scheme->order));
+}
+
+PetscReal MpmTimeErrorLength(const MpmModel model, PetscReal dt)
+{
+  PetscReal part;
+  int       power;
+
+  if (!(model->state.scheme.error > 0.)) return dt;
+  part = frexp(dt, &power);
+  return ldexp(PetscFloorReal(2. * PARTS * part) / (2. * PARTS), power);
 }
