@@ -73,6 +73,8 @@ typedef struct {
   PetscBool holds;           /* and it holds patches, of any rank */
 } MpmContactNewton;
 
+typedef struct MpmFaceBoxes MpmFaceBoxes; /* contact_search.h */
+
 /* Those of this rank's points, and what they do. */
 typedef struct MpmContacts {
   PetscInt           boundary_count;
@@ -98,6 +100,7 @@ typedef struct MpmContacts {
   PetscInt         piece_own, piece_count; /* this rank's, and with the neighbours' */
   MpmPiece        *piece;
   PetscReal       *weight;
+  MpmFaceBoxes    *boxes; /* of the step's points */
   PetscBool        weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 

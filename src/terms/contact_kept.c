@@ -128,6 +128,7 @@ static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particl
 PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step)
 {
   PetscFunctionBeginUser;
+  if (!contacts->facet_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(LoadSlips(contacts, step->particles, contacts->boundaries[0].dim));
   PetscCall(LoadPressures(contacts, step->particles));
   PetscCall(LoadGaps(contacts, step->particles));
