@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 
-/* A box of nodes with one integer each. */
+/* A box of nodes with one integer each: those of one part of the material, or there would be one around them all. */
 typedef struct {
   PetscInt  dim, lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* upper is exclusive */
   PetscInt *value;
@@ -28,15 +28,29 @@ static void MapInclude(NodeMap *map, const PetscInt node[])
   }
 }
 
-static PetscErrorCode MapAllocate(NodeMap *map, PetscInt64 *size)
+/* The map, among those of all parts, that a node belongs to. */
+static inline NodeMap *MapOf(const MpmSpace *space, NodeMap maps[], const PetscInt node[])
 {
+  return &maps[MpmSpacePart(space, node)];
+}
+
+static PetscInt64 MapSize(const NodeMap *map)
+{
+  PetscInt64 size = 1;
+
+  for (PetscInt a = 0; a < map->dim; a++) size *= PetscMax(map->upper[a] - map->lower[a], 0);
+  return size;
+}
+
+static PetscErrorCode MapAllocate(NodeMap *map)
+{
+  const PetscInt64 size = MapSize(map);
+
   PetscFunctionBeginUser;
-  *size = 1;
-  for (PetscInt a = 0; a < map->dim; a++) *size *= PetscMax(map->upper[a] - map->lower[a], 0);
-  PetscCheck(*size < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
-             "the points of one rank span %" PetscInt64_FMT " nodes", *size);
-  PetscCall(PetscMalloc1(*size, &map->value));
-  for (PetscInt64 i = 0; i < *size; i++) map->value[i] = -1;
+  PetscCheck(size < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "the points of one rank span %" PetscInt64_FMT " nodes", size);
+  PetscCall(PetscMalloc1(size, &map->value));
+  for (PetscInt64 i = 0; i < size; i++) map->value[i] = -1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,28 +61,30 @@ static PetscErrorCode MapAllocate(NodeMap *map, PetscInt64 *size)
     for (PetscInt j_ = ((row) = MapAt(map, (group)->first) + k_ * y_ * x_, 0); j_ < (group)->count[1]; \
          j_++, (row) += x_)
 
-/* Marks the nodes that this rank's points touch. */
-static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap *map)
+/* Marks the nodes that this rank's points touch, in a map for each part. */
+static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap maps[])
 {
-  PetscInt64 size;
-
   PetscFunctionBeginUser;
-  map->dim = space->dim;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    map->lower[a] = PETSC_INT_MAX;
-    map->upper[a] = 0;
+  for (PetscInt k = 0; k < space->parts.count; k++) {
+    maps[k].dim = space->dim;
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+      maps[k].lower[a] = PETSC_INT_MAX;
+      maps[k].upper[a] = 0;
+    }
   }
   for (PetscInt g = 0; g < space->box_count; g++) {
     const MpmGroup *group = &space->groups[g];
+    NodeMap        *map   = MapOf(space, maps, group->first);
     PetscInt        last[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) last[a] = group->first[a] + group->count[a] - 1;
     MapInclude(map, group->first);
     MapInclude(map, last);
   }
-  PetscCall(MapAllocate(map, &size));
+  for (PetscInt k = 0; k < space->parts.count; k++) PetscCall(MapAllocate(&maps[k]));
   for (PetscInt g = 0; g < space->box_count; g++) {
     const MpmGroup *group = &space->groups[g];
+    const NodeMap  *map   = MapOf(space, maps, group->first);
     PetscInt       *row;
 
     if (group->holes) continue;
@@ -92,16 +108,14 @@ static PetscMPIInt Owner(const MpmSpace *space, const MpmGrid *grid, const Petsc
 }
 
 /* The touched nodes of other ranks, as lists of lattice indices, `dim` integers a node. */
-static PetscErrorCode ListForeign(const MpmSpace *space, const MpmGrid *grid, const NodeMap *map, MpmLists *lists)
+static PetscErrorCode ListForeign(const MpmSpace *space, const MpmGrid *grid, const NodeMap maps[], MpmLists *lists)
 {
   PetscInt *slot, node[MPM_MAX_DIM], *fill;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(grid->size, &slot));
-  FOR_MAP_NODES(map, node)
-  {
-    if (*MapAt(map, node) >= 0) slot[Owner(space, grid, node)]++;
-  }
+  for (PetscInt part = 0; part < space->parts.count; part++) FOR_MAP_NODES(&maps[part], node)
+  if (*MapAt(&maps[part], node) >= 0) slot[Owner(space, grid, node)]++;
   slot[grid->rank] = 0;
   for (PetscMPIInt r = 0; r < grid->size; r++) lists->count += slot[r] > 0;
   PetscCall(PetscMalloc1(lists->count, &lists->rank));
@@ -119,13 +133,15 @@ static PetscErrorCode ListForeign(const MpmSpace *space, const MpmGrid *grid, co
     slot[r]              = k++;
   }
   PetscCall(PetscMalloc1(lists->offset[lists->count], &lists->data));
-  FOR_MAP_NODES(map, node)
-  {
-    PetscInt k;
+  for (PetscInt part = 0; part < space->parts.count; part++) {
+    FOR_MAP_NODES(&maps[part], node)
+    {
+      PetscInt k;
 
-    if (*MapAt(map, node) < 0) continue;
-    k = slot[Owner(space, grid, node)];
-    for (PetscInt a = 0; k >= 0 && a < grid->dim; a++) lists->data[fill[k]++] = node[a];
+      if (*MapAt(&maps[part], node) < 0) continue;
+      k = slot[Owner(space, grid, node)];
+      for (PetscInt a = 0; k >= 0 && a < grid->dim; a++) lists->data[fill[k]++] = node[a];
+    }
   }
   PetscCall(PetscFree(fill));
   PetscCall(PetscFree(slot));
@@ -142,30 +158,50 @@ static void NumberExtra(MpmSpace *space, PetscInt begin)
   }
 }
 
+/* Leaves in the maps what this rank owns of what it or another touches. On one rank that is all that there is. */
+static PetscErrorCode KeepOwned(const MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, NodeMap maps[])
+{
+  const PetscInt dim = space->dim, end = wanted->offset[wanted->count];
+  PetscInt       node[MPM_MAX_DIM] = {0, 0, 0};
+  NodeMap       *old;
+
+  PetscFunctionBeginUser;
+  if (grid->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(space->parts.count, &old));
+  PetscCall(PetscArraycpy(old, maps, space->parts.count));
+  for (PetscInt k = 0; k < end; k += dim) MapInclude(MapOf(space, maps, &wanted->data[k]), &wanted->data[k]);
+  for (PetscInt part = 0; part < space->parts.count; part++) PetscCall(MapAllocate(&maps[part]));
+  for (PetscInt k = 0; k < end; k += dim) *MapAt(MapOf(space, maps, &wanted->data[k]), &wanted->data[k]) = 0;
+  for (PetscInt part = 0; part < space->parts.count; part++) {
+    FOR_MAP_NODES(&old[part], node)
+    {
+      if (*MapAt(&old[part], node) >= 0 && Owner(space, grid, node) == grid->rank) *MapAt(&maps[part], node) = 0;
+    }
+    PetscCall(PetscFree(old[part].value));
+  }
+  PetscCall(PetscFree(old));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Lists the owned nodes, which this rank or another touches, in lattice order, and gives them their local numbers in the
-  map.
+  maps.
 */
 static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, PetscInt ghosts,
-                                  NodeMap *map)
+                                  NodeMap maps[])
 {
-  const PetscInt  dim  = space->dim;
-  const PetscBool last = (PetscBool)(grid->rank == grid->size - 1);
-  NodeMap         old  = *map;
-  PetscInt64      size;
+  const PetscInt  dim               = space->dim;
+  const PetscBool last              = (PetscBool)(grid->rank == grid->size - 1);
   PetscInt        node[MPM_MAX_DIM] = {0, 0, 0};
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < wanted->offset[wanted->count]; k += dim) MapInclude(map, &wanted->data[k]);
-  PetscCall(MapAllocate(map, &size));
+  PetscCall(KeepOwned(space, grid, wanted, maps));
   space->owned = 0;
-  for (PetscInt k = 0; k < wanted->offset[wanted->count]; k += dim) *MapAt(map, &wanted->data[k]) = 0;
-  FOR_MAP_NODES(&old, node)
-  {
-    if (*MapAt(&old, node) >= 0 && Owner(space, grid, node) == grid->rank) *MapAt(map, node) = 0;
+  for (PetscInt part = 0; part < space->parts.count; part++) {
+    const PetscInt64 size = MapSize(&maps[part]);
+
+    for (PetscInt64 i = 0; i < size; i++) space->owned += maps[part].value[i] == 0;
   }
-  PetscCall(PetscFree(old.value));
-  for (PetscInt64 i = 0; i < size; i++) space->owned += map->value[i] == 0;
   space->local = space->owned + ghosts + space->extra.count;
   if (last) space->owned += space->extra.count;
   PetscCall(PetscMalloc2((space->local * dim), &space->node, space->local, &space->global));
@@ -173,14 +209,18 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
   space->global_begin -= space->owned;
   PetscCall(MPIU_Allreduce(&space->owned, &space->global_count, 1, MPIU_INT, MPI_SUM, grid->comm));
   space->owned = 0;
-  FOR_MAP_NODES(map, node)
-  {
-    PetscInt *number = MapAt(map, node);
+  for (PetscInt part = 0; part < space->parts.count; part++) {
+    PetscInt *number = maps[part].value;
 
-    if (*number < 0) continue;
-    *number = space->owned++;
-    PetscCall(PetscArraycpy(&space->node[*number * dim], node, dim));
-    space->global[*number] = space->global_begin + *number;
+    FOR_MAP_NODES(&maps[part], node)
+    {
+      PetscInt *at = number++;
+
+      if (*at < 0) continue;
+      *at = space->owned++;
+      for (PetscInt a = 0; a < dim; a++) space->node[*at * dim + a] = node[a];
+      space->global[*at] = space->global_begin + *at;
+    }
   }
   NumberExtra(space, last ? space->owned : space->local - space->extra.count);
   if (last) space->owned += space->extra.count;
@@ -189,7 +229,7 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
 
 /* Numbers the ghosts after the owned nodes, learns their owners' numbers, and builds the scatter. */
 static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const MpmLists *foreign,
-                                   const MpmLists *wanted, NodeMap *map)
+                                   const MpmLists *wanted, NodeMap maps[])
 {
   const PetscInt dim = space->dim, ghosts = space->local - space->owned;
   MpmLists       answer = {0}, numbers = {0};
@@ -210,7 +250,7 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
     answer.rank[k]      = wanted->rank[k];
     answer.data[fill++] = space->global_begin;
     for (PetscInt i = wanted->offset[k]; i < wanted->offset[k + 1]; i += dim)
-      answer.data[fill++] = *MapAt(map, &wanted->data[i]);
+      answer.data[fill++] = *MapAt(MapOf(space, maps, &wanted->data[i]), &wanted->data[i]);
     answer.offset[k + 1] = fill;
   }
   PetscCall(MpmListsExchange(grid->comm, &answer, &numbers));
@@ -224,7 +264,7 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
          i += dim, j++, ghost++) {
       const PetscInt local = space->owned + ghost;
 
-      *MapAt(map, &foreign->data[i]) = local;
+      *MapAt(MapOf(space, maps, &foreign->data[i]), &foreign->data[i]) = local;
       PetscCall(PetscArraycpy(&space->node[local * dim], &foreign->data[i], dim));
       space->global[local] = numbers.data[numbers.offset[from]] + numbers.data[j];
       leaf[ghost]          = local;
@@ -251,29 +291,32 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
 
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
 {
-  NodeMap  map;
+  NodeMap *maps;
   MpmLists foreign = {0}, wanted = {0};
   PetscInt total = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(MarkTouched(space, &map));
+  PetscCall(PetscMalloc1(space->parts.count, &maps));
+  PetscCall(MarkTouched(space, maps));
   if (grid->size > 1) {
-    PetscCall(ListForeign(space, grid, &map, &foreign));
+    PetscCall(ListForeign(space, grid, maps, &foreign));
     PetscCall(MpmListsExchange(grid->comm, &foreign, &wanted));
   } else PetscCall(PetscCalloc1(1, &wanted.offset));
-  PetscCall(NumberOwned(space, grid, &wanted, foreign.count ? foreign.offset[foreign.count] / grid->dim : 0, &map));
-  PetscCall(NumberGhosts(space, grid, &foreign, &wanted, &map));
+  PetscCall(NumberOwned(space, grid, &wanted, foreign.count ? foreign.offset[foreign.count] / grid->dim : 0, maps));
+  PetscCall(NumberGhosts(space, grid, &foreign, &wanted, maps));
   for (PetscInt g = 0; g < space->box_count; g++) total += space->groups[g].node_count;
   PetscCall(PetscMalloc1(total, &space->group_nodes));
   for (PetscInt g = 0, fill = 0; g < space->box_count; g++) {
     const MpmGroup *group = &space->groups[g];
+    const NodeMap  *map   = MapOf(space, maps, group->first);
     PetscInt       *row;
 
-    FOR_GROUP_ROWS(&map, group, row) for (PetscInt i = 0; i < group->count[0]; i++) space->group_nodes[fill++] = row[i];
+    FOR_GROUP_ROWS(map, group, row) for (PetscInt i = 0; i < group->count[0]; i++) space->group_nodes[fill++] = row[i];
   }
   PetscCall(MpmListsDestroy(&foreign));
   PetscCall(MpmListsDestroy(&wanted));
-  PetscCall(PetscFree(map.value));
+  for (PetscInt k = 0; k < space->parts.count; k++) PetscCall(PetscFree(maps[k].value));
+  PetscCall(PetscFree(maps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

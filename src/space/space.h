@@ -58,7 +58,7 @@ typedef struct {
   PetscInt box[2]; /* whose nodes are coupled, beside those of each box with one another */
 } MpmCouple;
 typedef struct {
-  PetscInt   stride; /* 0: there is one part */
+  PetscInt   count, stride; /* 0: there is one part */
   PetscInt   couple_count, couple_capacity;
   MpmCouple *couple;
 } MpmParts;

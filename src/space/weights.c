@@ -321,6 +321,7 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
   space->dim          = dim;
   space->point_count  = points->count;
   space->shape_count  = rules->layout->shape_count;
+  space->parts.count  = PetscMax(rules->parts, 1);
   space->parts.stride = rules->parts > 1 ? rules->grid->nodes[dim - 1] + MPM_PART_GAP : 0;
   if (MpmShapeHasDomain(rules->shape)) {
     PetscCall(PetscMalloc1((points->count * dim), &half));

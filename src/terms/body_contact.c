@@ -527,7 +527,13 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmPairContacts *)ctx)->patch_count;
+}
+
 const MpmTerm MpmTermBodyContact = {.name     = "body contact",
+                                    .idle     = Idle,
                                     .boxes    = MpmPairPatchesFind,
                                     .prepare  = MpmPairPatchesPrepare,
                                     .link     = MpmPairPatchesLink,

@@ -76,6 +76,7 @@ struct MpmPairContacts {
   MpmPairPatch    *patch;
   PetscInt         weight_count;
   PetscReal       *weight;
+  PetscLogEvent    search;
 };
 
 /* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */

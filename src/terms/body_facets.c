@@ -21,6 +21,7 @@
 #include "space/space.h"
 #include "terms/body_facets.h"
 #include "terms/contact.h"
+#include "terms/contact_search.h"
 
 #define SLACK 1.01 /* of the distance between points: domains may have been stretched */
 
@@ -256,12 +257,56 @@ void MpmPairFacetsOfCell(const MpmPairContacts *contacts, const PetscInt cell[],
       if (contacts->facet[*end].cell[a] != (PetscReal)cell[a]) return;
 }
 
+/* Boxes around each part's points with outer faces, with room for what FindExtents() allows a face: do those of any pair meet? Collective. */
+static PetscErrorCode AnyNear(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
+                              PetscBool *near)
+{
+  const PetscInt dim = grid->dim, parts = contacts->bodies->parts, stride = 2 * dim + 1;
+  MpmFaceBox    *box;
+  PetscReal     *least, h = 0.;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(parts, &box, (parts * stride), &least));
+  for (PetscInt k = 0; k < parts; k++) box[k] = MpmFaceBoxNone();
+  for (PetscInt p = 0; p < points->count; p++)
+    if (points->faces[p]) MpmFaceBoxInclude(&box[points->part[p]], dim, points, p);
+  for (PetscInt k = 0; k < parts; k++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      least[k * stride + a]       = box[k].lower[a];
+      least[k * stride + dim + a] = -box[k].upper[a];
+    }
+    least[k * stride + 2 * dim] = -box[k].edges;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, least, (PetscMPIInt)(parts * stride), MPIU_REAL, MPIU_MIN, contacts->comm));
+  for (PetscInt a = 0; a < dim; a++) h = PetscMax(h, grid->h[a]);
+  *near = PETSC_FALSE;
+  for (PetscInt k = 0; k < contacts->pairs->count; k++) {
+    const PetscReal *one   = &least[contacts->pairs->at[k].part[0] * stride],
+                    *other = &least[contacts->pairs->at[k].part[1] * stride];
+    const PetscReal reach  = MPM_PAIR_SEARCH * contacts->cell + h - 6. * PetscMin(one[2 * dim], other[2 * dim]);
+    PetscBool       meet   = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < dim; a++)
+      if (!(one[a] <= reach - other[dim + a] && other[a] <= reach - one[dim + a])) meet = PETSC_FALSE;
+    *near = (PetscBool)(*near || meet);
+  }
+  PetscCall(PetscFree2(box, least));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPairFacetsFind(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                  const MpmSpace *space)
 {
+  PetscBool near;
+
   PetscFunctionBeginUser;
+  contacts->facet_count = 0;
+  PetscCall(AnyNear(contacts, rules->grid, points, &near));
+  if (!near) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(contacts->search, 0, 0, 0, 0));
   PetscCall(OwnFacets(contacts, rules, points, space));
   PetscCall(ShareFacets(contacts, rules->grid));
   qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmPairFacet), CompareFacets);
+  PetscCall(PetscLogEventEnd(contacts->search, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

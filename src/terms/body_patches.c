@@ -22,6 +22,7 @@
 #include "space/sum.h"
 #include "terms/body_facets.h"
 #include "terms/contact.h"
+#include "terms/contact_search.h"
 #include "terms/terms.h"
 
 #define TOUCH   1e-12 /* of a cell: rounding */
@@ -102,6 +103,7 @@ PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const
   contacts->state_size = state_size;
   contacts->water      = water;
   PetscCall(PetscCalloc1(pairs->count, &contacts->force));
+  if (pairs->count) PetscCall(MpmContactSearchRegister(&contacts->search));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -435,6 +437,7 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   contacts->touch  = TOUCH * contacts->cell;
   contacts->starts = (PetscBool)(rules->time_n == 0. && !rules->put_back);
   PetscCall(MpmPairFacetsFind(contacts, rules, points, space));
+  if (!contacts->facet_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(contacts->list));
   PetscCall(PetscMalloc1((2 * contacts->facet_count * contacts->pairs->count), &contacts->list));
   for (PetscInt k = 0; k < contacts->pairs->count; k++) PetscCall(PatchesOfPair(contacts, rules->grid, k));
@@ -527,8 +530,8 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
   PetscReal       *mean;
 
   PetscFunctionBeginUser;
-  if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->give = 1.;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(contacts->patch_count, &mean));
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair = &contacts->pairs->at[p];

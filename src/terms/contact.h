@@ -74,6 +74,8 @@ typedef struct {
   PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
 } MpmContactNewton;
 
+typedef struct MpmFaceBoxes MpmFaceBoxes; /* contact_search.h */
+
 /* Those of this rank's points, and what they do. */
 typedef struct MpmContacts {
   PetscInt           boundary_count;
@@ -99,6 +101,7 @@ typedef struct MpmContacts {
   PetscInt         piece_own, piece_count; /* this rank's, and with the neighbours' */
   MpmPiece        *piece;
   PetscReal       *weight;
+  MpmFaceBoxes    *boxes; /* of the step's points */
   PetscBool        weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 

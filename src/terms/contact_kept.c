@@ -129,6 +129,7 @@ PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step)
 {
   PetscFunctionBeginUser;
   contacts->newton.give = 1.;
+  if (!contacts->facet_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(LoadSlips(contacts, step->particles, contacts->boundaries[0].dim));
   PetscCall(LoadPressures(contacts, step->particles));
   PetscCall(LoadGaps(contacts, step->particles));

@@ -27,6 +27,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/contact.h"
+#include "terms/contact_search.h"
 #include "terms/rigid_body.h"
 #include "terms/terms.h"
 
@@ -53,6 +54,7 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
   PetscCall(PetscCalloc1(count, &contacts->depth));
   PetscCall(PetscCalloc1(count, &contacts->moment));
   PetscCall(PetscCalloc1(count, &contacts->drawn));
+  if (count) PetscCall(MpmFaceBoxesCreate(&contacts->boxes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,6 +73,7 @@ PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
   PetscCall(PetscFree(contacts->patch));
   PetscCall(PetscFree(contacts->piece));
   PetscCall(PetscFree(contacts->weight));
+  PetscCall(MpmFaceBoxesDestroy(&contacts->boxes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -468,38 +471,6 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far from a place a boundary is looked for: what the material and the surface may come nearer in the step. */
-static PetscReal Margin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt b, const PetscReal x[])
-{
-  const MpmPose *before = &contacts->before[b], *after = &contacts->after[b];
-  PetscReal      margin = PetscAbsReal(after->growth - before->growth), y[MPM_MAX_DIM];
-
-  MpmPoseCarry(grid->dim, after, before, x, y);
-  for (PetscInt a = 0; a < grid->dim; a++) margin += 2. * grid->h[a] + PetscAbsReal(y[a] - x[a]);
-  if (MpmContactsBody(contacts, b))
-    for (PetscInt k = 0; k < 6; k++) margin += 2. * PetscAbsReal(contacts->bodies[b].guess[k]);
-  return margin;
-}
-
-/*
-  Is all of a point's domain farther from the boundary than the margin, and what of a round region lies before its faces, less than a
-  length of the domain? No distance grows faster than the way.
-*/
-static PetscBool IsFar(const MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points, PetscInt p)
-{
-  const PetscInt dim = contacts->boundaries[b].dim;
-  MpmSurface     surface;
-
-  for (PetscInt axis = 0; axis < dim; axis++) {
-    PetscReal square = 0.;
-
-    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(points->F[(p * dim + a) * dim + axis]);
-    margin += 3. * points->half_length[p * dim + axis] * PetscSqrtReal(square);
-  }
-  MpmContactsDistance(contacts, b, &points->x[p * dim], &surface);
-  return (PetscBool)(surface.distance > margin);
-}
-
 /* Have faces that a bilateral boundary holds, and that do not follow it, been drawn out or crowded? */
 static PetscErrorCode FindDrawn(MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmPoints *points)
 {
@@ -537,19 +508,24 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
     PetscCall(MpmSurfaceShares(contacts, b, grid, space, points));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (MpmFaceBoxesAreFar(contacts, b, grid)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(contacts->boxes->search, 0, 0, 0, 0));
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       const PetscInt p     = space->order[s];
       MpmFacet       facet = {.boundary = b, .point = p, .group = g};
       PetscReal      margin;
 
-      if (!points->faces[p] || !MpmRegionContains(contacts->boundaries[b].region, &points->origin[p * dim])) continue;
-      margin = Margin(contacts, grid, b, &points->x[p * dim]);
-      if (!contacts->boundaries[b].bilateral && IsFar(contacts, b, margin, points, p)) continue;
+      if (!points->faces[p] || MpmFaceBoxIsFar(contacts, b, p) ||
+          !MpmRegionContains(contacts->boundaries[b].region, &points->origin[p * dim]))
+        continue;
+      margin = MpmContactsMargin(contacts, grid, b, &points->x[p * dim]);
+      if (!contacts->boundaries[b].bilateral && MpmContactsIsFar(contacts, b, margin, points, p)) continue;
       facet.cell = MpmContactsCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
       PetscCall(FacetsOfPoint(contacts, b, margin, grid, points, &facet));
     }
   }
+  PetscCall(PetscLogEventEnd(contacts->boxes->search, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -700,6 +676,7 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
   if (!contacts->cut) PetscCall(FindCuts(contacts, rules->grid, points));
   SetPoses(contacts, rules->time_n, rules->time);
   MpmRigidBegin(contacts, rules->time, rules->dynamic ? rules->time - rules->time_n : 0., rules->gravity);
+  PetscCall(MpmFaceBoxesMake(contacts, points));
   do {
     PetscCall(FindPatches(contacts, rules, points, space));
     if (contacts->bodies) PetscCall(MpmRigidSettle(contacts, rules->grid, &moved));

@@ -356,7 +356,13 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmDamping *)ctx)->active;
+}
+
 const MpmTerm MpmTermDamping = {.name     = "damping",
+                                .idle     = Idle,
                                 .prepare  = Prepare,
                                 .residual = Residual,
                                 .tangent  = Tangent,

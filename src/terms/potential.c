@@ -86,9 +86,9 @@ static PetscErrorCode AddLinear(const MpmDiscretization *disc, PetscReal *value)
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(count, &force, count, &zero));
   for (PetscInt k = 1; k < terms->count; k++)
-    PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, disc->u, force, &failed));
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, disc->u, force, &failed));
   for (PetscInt k = 1; disc->inertia->active && k < terms->count; k++)
-    PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, zero, force, &failed));
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, zero, force, &failed));
   for (PetscInt k = 0; k < count; k++) *value += 0.5 * disc->u[k] * force[k];
   PetscCall(PetscFree2(force, zero));
   PetscFunctionReturn(PETSC_SUCCESS);

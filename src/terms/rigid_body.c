@@ -726,7 +726,13 @@ PetscErrorCode MpmRigidImbalance(const MpmContacts *contacts, const MpmSpace *sp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmContacts *)ctx)->bodies;
+}
+
 const MpmTerm MpmTermRigidBodies = {.name     = "rigid bodies",
+                                    .idle     = Idle,
                                     .boxes    = Boxes,
                                     .link     = Link,
                                     .residual = Residual,

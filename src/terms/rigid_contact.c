@@ -579,7 +579,13 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmContacts *)ctx)->patch_count;
+}
+
 const MpmTerm MpmTermContact = {.name     = "rigid contact",
+                                .idle     = Idle,
                                 .boxes    = MpmContactsFind,
                                 .prepare  = MpmContactsPrepare,
                                 .residual = Residual,

@@ -242,7 +242,13 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmSurfaceFaces *)ctx)->face_count;
+}
+
 const MpmTerm MpmTermSurfaces = {.name     = "surfaces of bodies",
+                                 .idle     = Idle,
                                  .boxes    = MpmSurfaceFacesFind,
                                  .residual = Residual,
                                  .tangent  = Tangent,

@@ -279,6 +279,7 @@ PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal
   for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
     PetscCall(MpmActionApplyUnit(action, unit, du, y, failed));
   for (PetscInt k = 1; k < action->terms->count; k++)
-    PetscCall(action->terms->term[k]->apply(action->terms->ctx[k], action->sum, action->u, du, y));
+    if (!MpmTermsIdle(action->terms, k))
+      PetscCall(action->terms->term[k]->apply(action->terms->ctx[k], action->sum, action->u, du, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -74,13 +74,18 @@ PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k)
+{
+  return (PetscBool)(terms->term[k]->idle && terms->term[k]->idle(terms->ctx[k]));
+}
+
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed)
 {
   PetscFunctionBeginUser;
   *failed = 0;
   for (PetscInt k = 0; k < terms->count; k++)
-    PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,7 +95,7 @@ PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const P
   PetscFunctionBeginUser;
   *failed = 0;
   for (PetscInt k = 0; k < terms->count; k++)
-    PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, residual, failed));
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,7 +104,7 @@ PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, con
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 1; k < terms->count; k++)
-    PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,6 +115,6 @@ PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const 
   *failed = 0;
   PetscCall(PetscArrayzero(blocks, sum->space->local * sum->block * sum->block));
   for (PetscInt k = 0; k < terms->count; k++)
-    PetscCall(terms->term[k]->diagonal(terms->ctx[k], sum, u, blocks, failed));
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->diagonal(terms->ctx[k], sum, u, blocks, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,6 +16,7 @@ struct MpmTermStep {
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
   later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then has no such part.
 
+  idle      has it nothing to add in this step, on this rank? Then residual, tangent, apply and diagonal need not be asked
   boxes     boxes of nodes that the term couples, and extra nodes, added to a space that is not numbered yet
   prepare   what the term needs of the step, once the space is there
   residual  residual += term(u)
@@ -28,6 +29,7 @@ struct MpmTermStep {
 */
 struct MpmTerm {
   const char *name;
+  PetscBool (*idle)(const void *ctx);
   PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
   PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
   PetscErrorCode (*link)(void *ctx, MpmSpace *space);
@@ -68,6 +70,8 @@ PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
 PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space);
 PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta);
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+/* Has term k nothing to add on this rank? */
+PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k);
 /* Sums over all terms; `blocks` starts from zero. */
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed);

@@ -176,7 +176,7 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const M
   PetscFunctionBeginUser;
   *work = 0.;
   for (PetscInt k = 0; k < terms->count; k++) {
-    if (terms->term[k] != term) continue;
+    if (terms->term[k] != term || MpmTermsIdle(terms, k)) continue;
     PetscCall(PetscCalloc1((local * model->disc.block), &force));
     PetscCall(term->residual(terms->ctx[k], model->disc.sum, At(step), force, &failed));
     *work += Work(model, local, force, Kick(step));

@@ -1,0 +1,175 @@
+/*
+  Is contact near? Boxes around the points with outer faces answer for many points at once, so that far contact costs a look.
+
+  No distance from a surface grows faster than the way: what is farther from the middle of a box than half its diagonal and the margin is
+  too far from all points in it. So the answers differ in nothing from those that the points give one by one.
+*/
+#include "geometry/geometry.h"
+#include "grid/grid.h"
+#include "particles/points.h"
+#include "terms/contact_search.h"
+#include "terms/rigid_body.h"
+
+#define SIDE_BY_SIDE 256  /* points of a box */
+#define ROUNDING     1e-9 /* of the lengths that are compared */
+#define REACH        3.   /* times half the edges: so far a facet may stand from its point */
+
+MpmFaceBox MpmFaceBoxNone(void)
+{
+  MpmFaceBox box = {.edges = 0.};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    box.lower[a] = PETSC_INFINITY;
+    box.upper[a] = PETSC_NINFINITY;
+  }
+  return box;
+}
+
+/* Half the edges of a point's domain, their sum, m. */
+static PetscReal Edges(PetscInt dim, const MpmPoints *points, PetscInt p)
+{
+  PetscReal sum = 0.;
+
+  for (PetscInt axis = 0; axis < dim; axis++) {
+    PetscReal square = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(points->F[(p * dim + a) * dim + axis]);
+    sum += points->half_length[p * dim + axis] * PetscSqrtReal(square);
+  }
+  return sum;
+}
+
+void MpmFaceBoxInclude(MpmFaceBox *box, PetscInt dim, const MpmPoints *points, PetscInt p)
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    box->lower[a] = PetscMin(box->lower[a], points->x[p * dim + a]);
+    box->upper[a] = PetscMax(box->upper[a], points->x[p * dim + a]);
+  }
+  box->edges = PetscMax(box->edges, Edges(dim, points, p));
+}
+
+PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(boxes));
+  PetscCall(MpmContactSearchRegister(&(*boxes)->search));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFaceBoxesMake(MpmContacts *contacts, const MpmPoints *points)
+{
+  const PetscInt count = (points->count + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE, dim = contacts->boundaries[0].dim;
+  PetscBool      any   = PETSC_FALSE;
+  MpmFaceBoxes  *boxes = contacts->boxes;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || !contacts->boundaries[b].bilateral);
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (count > boxes->capacity) {
+    PetscCall(PetscFree2(boxes->box, boxes->far));
+    PetscCall(PetscMalloc2(count, &boxes->box, count, &boxes->far));
+    boxes->capacity = count;
+  }
+  boxes->count = count;
+  boxes->all   = MpmFaceBoxNone();
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscInt end = PetscMin(points->count, (k + 1) * SIDE_BY_SIDE);
+    MpmFaceBox     box = MpmFaceBoxNone();
+
+    for (PetscInt p = k * SIDE_BY_SIDE; p < end; p++)
+      if (points->faces[p]) MpmFaceBoxInclude(&box, dim, points, p);
+    for (PetscInt a = 0; a < dim; a++) {
+      boxes->all.lower[a] = PetscMin(boxes->all.lower[a], box.lower[a]);
+      boxes->all.upper[a] = PetscMax(boxes->all.upper[a], box.upper[a]);
+    }
+    boxes->all.edges = PetscMax(boxes->all.edges, box.edges);
+    boxes->box[k]    = box;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFaceBoxesDestroy(MpmFaceBoxes **boxes)
+{
+  PetscFunctionBeginUser;
+  if (*boxes) PetscCall(PetscFree2((*boxes)->box, (*boxes)->far));
+  PetscCall(PetscFree(*boxes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmContactsMargin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt b, const PetscReal x[])
+{
+  const MpmPose *before = &contacts->before[b], *after = &contacts->after[b];
+  PetscReal      margin = PetscAbsReal(after->growth - before->growth), y[MPM_MAX_DIM];
+
+  MpmPoseCarry(grid->dim, after, before, x, y);
+  for (PetscInt a = 0; a < grid->dim; a++) margin += 2. * grid->h[a] + PetscAbsReal(y[a] - x[a]);
+  if (MpmContactsBody(contacts, b))
+    for (PetscInt k = 0; k < 6; k++) margin += 2. * PetscAbsReal(contacts->bodies[b].guess[k]);
+  return margin;
+}
+
+PetscBool MpmContactsIsFar(const MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points,
+                           PetscInt p)
+{
+  const PetscInt dim = contacts->boundaries[b].dim;
+  MpmSurface     surface;
+
+  MpmContactsDistance(contacts, b, &points->x[p * dim], &surface);
+  return (PetscBool)(surface.distance > margin + REACH * Edges(dim, points, p));
+}
+
+/* The same for all points in a box. The way that a surface goes at a place is largest in a corner. */
+static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box)
+{
+  const PetscInt  dim                 = grid->dim;
+  const PetscBool turns               = (PetscBool)(contacts->before[b].turned || contacts->after[b].turned);
+  const PetscInt  corners             = turns ? PetscPowInt(2, dim) : 1;
+  PetscReal       middle[MPM_MAX_DIM] = {0., 0., 0.}, square = 0., margin = 0.;
+  MpmSurface      surface;
+
+  if (box->lower[0] > box->upper[0]) return PETSC_TRUE;
+  for (PetscInt a = 0; a < dim; a++) {
+    middle[a] = 0.5 * (box->lower[a] + box->upper[a]);
+    square += PetscSqr(box->upper[a] - box->lower[a]);
+  }
+  for (PetscInt k = 0; k < corners; k++) {
+    PetscReal at[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) at[a] = k >> a & 1 ? box->upper[a] : box->lower[a];
+    margin = PetscMax(margin, MpmContactsMargin(contacts, grid, b, at));
+  }
+  MpmContactsDistance(contacts, b, middle, &surface);
+  margin += 0.5 * PetscSqrtReal(square) + REACH * box->edges;
+  return (PetscBool)(surface.distance * (1. - ROUNDING) > margin * (1. + ROUNDING));
+}
+
+PetscBool MpmFaceBoxesAreFar(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid)
+{
+  const MpmFaceBoxes *boxes = contacts->boxes;
+  PetscBool           far   = PETSC_TRUE;
+
+  if (contacts->boundaries[b].bilateral) return PETSC_FALSE;
+  if (BoxIsFar(contacts, b, grid, &boxes->all)) return PETSC_TRUE;
+  for (PetscInt k = 0; k < boxes->count; k++) {
+    boxes->far[k] = BoxIsFar(contacts, b, grid, &boxes->box[k]);
+    far           = (PetscBool)(far && boxes->far[k]);
+  }
+  return far;
+}
+
+PetscBool MpmFaceBoxIsFar(const MpmContacts *contacts, PetscInt b, PetscInt p)
+{
+  return (PetscBool)(!contacts->boundaries[b].bilateral && contacts->boxes->far[p / SIDE_BY_SIDE]);
+}
+
+PetscErrorCode MpmContactSearchRegister(PetscLogEvent *event)
+{
+  PetscClassId class;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogEventGetId("MpmContactSearch", event));
+  if (*event >= 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscClassIdRegister("Talus contact", &class));
+  PetscCall(PetscLogEventRegister("MpmContactSearch", class, event));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,42 @@
+#pragma once
+/*
+  Boxes around the points whose faces bound the material: asked before any facet is made, whether contact may be near at all
+  (contact_search.c).
+*/
+#include "terms/contact.h"
+
+/* Points with an outer face: where they are, m, and the most that the sum of half the edges of a domain is; none: lower is above upper. */
+typedef struct {
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], edges;
+} MpmFaceBox;
+
+/* Boxes of points that stand side by side in storage, and the one around them all. */
+struct MpmFaceBoxes {
+  PetscInt      count, capacity;
+  MpmFaceBox   *box, all;
+  PetscBool    *far; /* of the boundary that was asked for last */
+  PetscLogEvent search;
+};
+
+MpmFaceBox MpmFaceBoxNone(void);
+/* Widens a box to hold point p, whatever its faces. */
+void MpmFaceBoxInclude(MpmFaceBox *box, PetscInt dim, const MpmPoints *points, PetscInt p);
+
+PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes);
+/* The boxes of a step's points; none where all boundaries are bilateral. */
+PetscErrorCode MpmFaceBoxesMake(MpmContacts *contacts, const MpmPoints *points);
+PetscErrorCode MpmFaceBoxesDestroy(MpmFaceBoxes **boxes);
+/* Are all points too far from a boundary that is not bilateral? If not, MpmFaceBoxIsFar() tells of which this is known. */
+PetscBool MpmFaceBoxesAreFar(const MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid);
+PetscBool MpmFaceBoxIsFar(const MpmContacts *contacts, PetscInt boundary, PetscInt p);
+
+/*
+  How far from a place a boundary is looked for, m: what the material and the surface may come nearer in the step. And is all of a
+  point's domain farther from it than this margin, and what of a round region lies before its faces, less than a length of the domain?
+*/
+PetscReal MpmContactsMargin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt boundary, const PetscReal x[]);
+PetscBool MpmContactsIsFar(const MpmContacts *contacts, PetscInt boundary, PetscReal margin, const MpmPoints *points,
+                           PetscInt p);
+
+/* Counted in -log_view as MpmContactSearch: a look at faces, which boxes could not spare. */
+PetscErrorCode MpmContactSearchRegister(PetscLogEvent *event);
