@@ -9,7 +9,8 @@
 
     M ((1 - alpha_m) a_new + alpha_m a) + (1 - alpha_f) f(u) + alpha_f f(0) = (1 - alpha_f) f_ext + alpha_f f_ext,n
 
-  where f(0) are the points' forces in the stress of the step's start. Newmark has alpha_m = alpha_f = 0; generalised alpha
+  where f(0) are the points' forces in the stress of the step's start. Newmark has alpha_m = alpha_f = 0, or 1 - gamma where scenes have
+  contact, see below; generalised alpha
 
     alpha_m = (2 rho - 1)/(rho + 1) ,   alpha_f = rho/(rho + 1) ,   gamma = 1/2 - alpha_m + alpha_f ,
     beta = (1 - alpha_m + alpha_f)^2/4 ;
@@ -17,12 +18,18 @@
   backward Euler v_new = u/dt, a_new = (v_new - v)/dt. Boundaries and bodies in contact, whose forces a step begins anew, take part
   as they are at its end; surfaces of bodies, too, by the mean of the load's factors.
 
+  Newmark's balance with alpha_m = alpha_f = 1 - gamma is that of two times, weighted as accelerations are for the velocity: where
+  nothing touches steps are the same. With contact as at the end the change of momentum is dt times the contact's force there, the work
+  of a step that of a force which the penalty has reached, never less than what the penalty then stores: no energy comes from contact.
+  In the balance at the end half the force of a contact that has opened would still push in the step after.
+
   Velocities and accelerations at the step's start are the points', weighted by mass. At the end the points take them by the
   weights of the step's start, and then move with u.
 
   Sources: Newmark (1959), J. Eng. Mech. Div. ASCE 85, 67-94; Chung, Hulbert (1993), J. Appl. Mech. 60, 371-375,
-  doi:10.1115/1.2900803; Guilkey, Weiss (2003), Int. J. Numer. Meth. Eng. 57, 1323-1338, doi:10.1002/nme.729 (implicit
-  dynamics with material points).
+  doi:10.1115/1.2900803; Kane, Repetto, Ortiz, Marsden (1999), Comput. Meth. Appl. Mech. Eng. 180, 1-26,
+  doi:10.1016/S0045-7825(99)00034-1 (contact's forces as at a step's end in Newmark's method); Guilkey, Weiss
+  (2003), Int. J. Numer. Meth. Eng. 57, 1323-1338, doi:10.1002/nme.729 (implicit dynamics with material points).
 */
 #include "particles/particles.h"
 #include "point/layout.h"
@@ -30,6 +37,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/damping.h"
 #include "terms/inertia.h"
@@ -101,6 +109,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
       model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesRest(model->state.particles));
+  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) model->state.dt_before = -1.;
   MpmRigidRest(model->disc.contacts);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -213,10 +222,13 @@ typedef struct {
   PetscReal beta, gamma, alpha_m, alpha_f;
 } Method;
 
-static Method MethodOf(const MpmMotionControl *motion)
+static Method MethodOf(const MpmModel model)
 {
-  Method method = {.beta = motion->beta, .gamma = motion->gamma};
+  const MpmMotionControl *motion   = MpmModelMotion(model);
+  const PetscBool         contacts = (PetscBool)(model->scene.boundaries->count || model->scene.pairs->count);
+  Method                  method   = {.beta = motion->beta, .gamma = motion->gamma};
 
+  if (motion->type == MPM_NEWMARK && contacts) method.alpha_m = method.alpha_f = 1. - motion->gamma;
   if (motion->type == MPM_GENERALIZED_ALPHA) {
     const PetscReal rho = motion->rho_inf;
 
@@ -337,7 +349,7 @@ static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_
 
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
-  const Method    method = MethodOf(MpmModelMotion(model));
+  const Method    method = MethodOf(model);
   const PetscBool first  = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
 
   PetscFunctionBeginUser;
@@ -432,7 +444,7 @@ static PetscErrorCode Error(MpmModel model, PetscReal *estimate)
 {
   const MpmDynamics *dynamics = model->state.scheme.dynamics;
   const PetscBool    euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
-  const PetscReal    by = euler ? 0.5 : MethodOf(MpmModelMotion(model)).beta - 1. / 6., dt = model->disc.sum->dt;
+  const PetscReal    by = euler ? 0.5 : MethodOf(model).beta - 1. / 6., dt = model->disc.sum->dt;
   const PetscInt     dim     = model->disc.dim;
   PetscReal          sums[2] = {0., 0.}, *largest = &model->state.scheme.trial;
   PetscReal         *change;

@@ -190,6 +190,8 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 
 /* ---- a step ---- */
 
+#define LIGHT 1e-2 /* of the mass of the lightest material in a cell: what nodes count as at least */
+
 /* For how long forces act in the step, s. */
 static PetscReal KickLength(const MpmModel model)
 {
@@ -394,6 +396,56 @@ static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
   Prescribe(model, dynamics->v_new);
 }
 
+/*
+  Nodes with hardly any mass. A domain that reaches by a way d into a cell gives a node there a mass that goes with d^2 and forces that
+  go with d: its velocity has no bound as d goes to 0. The points take little of that, and the node's next velocity is theirs again; but a
+  face at the domain's end has a weight of d there, and would seem to slip, step by step, by what the stress in the domain and the friction on the
+  face differ. So other terms than the points' see a free node's change since the step's start as if its mass were at least this, kg. The
+  forces, and with them momentum, are what they are.
+*/
+static PetscReal LeastMass(const MpmModel model)
+{
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    least = PetscMin(least, LIGHT * model->scene.materials->at[m].density);
+  for (PetscInt a = 0; a < model->disc.dim; a++) least *= model->disc.grid->h[a];
+  return least;
+}
+
+/* The displacement of a step as they see it. */
+static void Quieten(const MpmModel model, PetscReal u[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscReal      *mass = model->disc.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
+  const PetscInt        dim   = model->disc.dim;
+  const PetscReal       least = LeastMass(model);
+
+  for (PetscInt k = 0; k < model->disc.space->local * dim; k++) {
+    const PetscReal part = mass[k / dim] / least;
+
+    if (part < 1. && MpmConstraintsFree(constraints, k))
+      u[k] = part * u[k] + (1. - part) * model->disc.sum->dt * v_old[k];
+  }
+}
+
+/* How stiff contact may be, by the masses that it sees. */
+static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
+{
+  const PetscReal least = LeastMass(model);
+  PetscReal      *mass;
+
+  PetscFunctionBeginUser;
+  if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(model->disc.space->local, &mass));
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    mass[i] = model->disc.inertia->mass[i] > 0. ? PetscMax(model->disc.inertia->mass[i], least) : 0.;
+  MpmContactsLimit(model->disc.contacts, model->disc.sum, mass, dt);
+  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, mass, dt));
+  PetscCall(PetscFree(mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Do other terms than the points' have forces: contact, pressures on surfaces, damping? */
 static PetscBool HasOthers(const MpmModel model)
 {
@@ -413,13 +465,13 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   PetscInt failed = 0;
 
   PetscFunctionBeginUser;
-  MpmContactsLimit(model->disc.contacts, model->disc.sum, model->disc.inertia->mass, dt);
-  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, model->disc.inertia->mass, dt));
+  PetscCall(LimitContact(model, dt));
   if (MpmDampingAny(model->disc.damping)) {
     PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
     model->disc.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);
+  Quieten(model, dynamics->a_start);
   PetscCall(PetscArrayzero(other, count));
   for (PetscInt k = 1; k < terms->count; k++)
     PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, dynamics->a_start, other, &failed));
@@ -536,6 +588,7 @@ static PetscErrorCode Relax(MpmModel model, PetscReal *again)
   PetscCall(MpmRelaxationObserve(model, &stopped));
   if (stopped) {
     PetscCall(PetscArrayzero(dynamics->v_new, model->disc.space->local * model->disc.dim));
+    PetscCall(PetscArrayzero(dynamics->v_old, model->disc.space->local * model->disc.dim));
     PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
     if (again) PetscCall(PetscArrayzero(again, model->disc.space->local * model->disc.dim));
     Displace(model, dynamics->v_new, model->disc.u);
@@ -586,6 +639,7 @@ static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
     work->part = kick / model->disc.sum->dt;
     for (PetscInt k = 0; k < work->local * dim; k++)
       of->v_start[k] = 0.5 * model->disc.sum->dt * (of->v_old[k] + of->v_new[k]);
+    Quieten(model, of->v_start);
     for (PetscInt k = 0; damping->active && k < work->owned * dim; k++) /* besides that of the velocities before */
       work->taken += 0.5 * damping->dashpot[k] * (of->v_new[k] - of->v_old[k]) * of->v_start[k];
   }
@@ -614,19 +668,23 @@ static PetscErrorCode Observe(MpmModel model)
 /* Stress and history become the points', and the points go with the nodes' new velocities. */
 static PetscErrorCode Accept(MpmModel model)
 {
-  MpmSum          *sum = model->disc.sum;
-  const PetscReal *at =
-    HasOthers(model) ? model->state.scheme.dynamics->a_start : model->disc.u; /* where contact acted */
-  PetscLogDouble since;
+  MpmSum          *sum      = model->disc.sum;
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *at       = HasOthers(model) ? dynamics->a_start : model->disc.u; /* where contact acted */
+  PetscLogDouble   since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(Observe(model));
   sum->trial = model->disc.trial;
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
-  else PetscCall(MpmCommitMoves(sum, sum->dt, model->state.scheme.dynamics->moves));
-  sum->trial                  = NULL;
-  model->disc.contacts->moved = model->disc.pairs->moved = model->disc.u;
+  else PetscCall(MpmCommitMoves(sum, sum->dt, dynamics->moves));
+  sum->trial = NULL;
+  if (HasOthers(model)) {
+    Displace(model, dynamics->v_new, dynamics->v_start);
+    Quieten(model, dynamics->v_start);
+    model->disc.contacts->moved = model->disc.pairs->moved = dynamics->v_start;
+  }
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
   model->disc.contacts->moved = model->disc.pairs->moved = NULL;
   PetscCall(MpmStepFindReactions(model));

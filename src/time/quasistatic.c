@@ -337,13 +337,15 @@ static void CorrectSupports(MpmModel model)
 
 static PetscErrorCode AcceptStep(MpmModel model)
 {
+  const PetscReal last = model->state.dt_last;
+
   PetscFunctionBeginUser;
   PetscCall(AddWork(model));
   PetscCall(Commit(model));
   CorrectSupports(model);
   model->disc.put_back   = PETSC_FALSE;
-  model->state.dt_before = model->state.dt_last;
-  model->state.dt_last   = model->disc.sum->span;
+  model->state.dt_last   = model->state.dt_before < 0. ? 0. : model->disc.sum->span;
+  model->state.dt_before = last;
   model->disc.committed  = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);

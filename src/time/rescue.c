@@ -111,6 +111,7 @@ static PetscErrorCode Finish(MpmModel model)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesRest(model->state.particles));
   model->state.dt_wanted = model->state.dt_nominal;
+  model->state.dt_before = -1.;
   model->state.step++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

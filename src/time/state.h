@@ -96,7 +96,7 @@ typedef struct {
   PetscReal      time, time_end, dt_nominal, dt_min, dt_max, growth;
   PetscReal      dt_wanted; /* of the next step */
   PetscReal      dt_last;   /* of the last step, 0 before the first; */
-  PetscReal      dt_before; /* of the one before */
+  PetscReal      dt_before; /* of the one before; below 0: the next step stops what moved, which no step goes on from */
   PetscBool      adaptive;
   PetscBool      predict; /* start from the last step's increment */
   PetscInt       step, cuts, cuts_total;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Implicit dynamics: orders in time, what transfers keep, free flight, a block that slides, restart and ranks.
+"""Implicit dynamics: orders in time, what transfers keep, free flight, blocks that slide and fall, restart and ranks.
 
 Quick.
 """
@@ -92,6 +92,50 @@ def block(test):
         test.check_example(f"block.{name}", test.run(path, mpm_output_every=50, mpm_quiet=None), "incline_slide")
 
 
+def impacts(test):
+    """Contact gives no energy: a block that falls between planes, and one onto another."""
+    path = test.folder() / "falls.yaml"
+    for label, ground, options in (("planes", FLOOR, {}), ("planes_flip", FLOOR, {"mpm_time_transfer": "flip"}),
+                                   ("planes_damped", FLOOR, {"mpm_time_beta": 0.3025, "mpm_time_gamma": 0.6}), ("bodies", GROUND, {})):
+        path.write_text(FALLS + ground, encoding="utf-8")
+        run = test.run(path, mpm_quiet=None, **options)
+        column = run.results.column
+        had = column("energy_kinetic") + column("energy_elastic") - column("energy_external")
+        test.check(f"impacts.{label}.gained", had.max() / column("energy_kinetic").max(), None, 1e-6)
+        test.check(f"impacts.{label}.balance", column("energy_balance").max() / column("energy_kinetic").max(), None, 0.02)
+        test.check(f"impacts.{label}.rests", column("energy_kinetic")[-1] / column("energy_kinetic").max(), None, 0.3)
+
+
+FALLS = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "3,3", cells: "12,12"}
+  materials: stone
+  material_stone: {type: neo_hookean, E: 1e7, nu: 0.3, density: 2000}
+  body_block: {region: box, lower: "0.5,0.6", upper: "2.5,2.1", points_per_cell: "2,2", material: stone}
+  boundary_west: {type: plane, point: "0.5,0", normal: "1,0"}
+  boundary_east: {type: plane, point: "2.5,0", normal: "-1,0"}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-10", ramp: "0:1"}
+  time: {integrator: newmark, end: 1, step: 0.02}
+  output: {prefix: falls, every: 0}
+"""
+FLOOR = """
+  bodies: block
+  boundaries: floor,west,east
+  boundary_floor: {type: plane, point: "0,0.5", normal: "0,1"}
+"""
+GROUND = """
+  bodies: block,low
+  body_low: {region: box, lower: "0.5,0", upper: "2.5,0.5", points_per_cell: "3,3", material: stone}
+  contacts: both
+  contact_both: {bodies: "block,low"}
+  boundaries: west,east
+  bcs: base
+  bc_base: {region: box, lower: "0,0", upper: "3,0", components: "x,y"}
+"""
+
+
 def supports(test):
     """What inclined conditions bear of a body that comes to rest: its weight, each along its own normal."""
     path = test.folder() / "supports.yaml"
@@ -128,4 +172,5 @@ with Test() as check:
     fall(check)
     discs(check)
     block(check)
+    impacts(check)
     supports(check)

@@ -75,10 +75,24 @@ def slide(test):
     test.near("slide.way", way, 0.5 * 0.7 * side * 0.4**2, relative=0.01)
     test.near("slide.friction", column("force_ab_x").sum() / column("force_ab_y").sum(), -0.3, relative=0.01)
     test.near("slide.heat", column("energy_dissipated")[-1], 0.3 * side * 500 * way, relative=0.1)
-    column = test.run(BLOCKS, mpm_load_weight_value="2.5,-10", mpm_shape="gimp_bspline2").results.column
-    moving = column("stage") == 2
-    gone = column("track_middle_ux")[moving] - column("track_middle_ux")[~moving][-1]
-    test.check("slide.holds", np.abs(gone).max(), None, 1e-4)
+    for label, path, shape in (("gimp_bspline2", BLOCKS, "gimp_bspline2"), ("gimp", BLOCKS, "gimp"), ("plane_gimp", on_plane(test), "gimp")):
+        column = test.run(path, mpm_load_weight_value="2.5,-10", mpm_shape=shape).results.column
+        moving = column("stage") == 2
+        gone = column("track_middle_ux")[moving] - column("track_middle_ux")[~moving][-1]
+        test.check(f"slide.{label}.holds", np.abs(gone).max(), None, 1e-4)
+        missing = column("energy_balance")[moving] - column("energy_balance")[~moving][-1]
+        test.check(f"slide.{label}.balance", np.abs(missing).max() / column("energy_elastic")[~moving][-1], None, 0.15)
+
+
+def stops(test):
+    """What an explicit stage leaves in motion a quasi-static step stops; the next one does not go on from that."""
+    path = on_plane(test)
+    text = path.read_text(encoding="utf-8").replace("still,moving", "moving,stop")
+    path.write_text(text.replace("stage_still: {time: {end: 1, step: 0.5}}", "stage_stop: {time: {end: 0.4, step: 0.1}}"), encoding="utf-8")
+    for shape, weight in (("gimp", "2.5,-10"), ("gimp_bspline2", "0,-10")):
+        column = test.run(path, mpm_shape=shape, mpm_load_weight_value=weight, mpm_stage_moving_time_end=0.03).results.column
+        test.check(f"stops.{shape}.second", column("newton")[column("stage") == 2][1], None, 8)
+        test.near(f"stops.{shape}.force", column("reaction_ab_y")[-1], 5000, relative=1e-6)
 
 
 def refused(test):
@@ -92,4 +106,5 @@ with Test() as test:
     collision(test)
     rest(test)
     slide(test)
+    stops(test)
     refused(test)
