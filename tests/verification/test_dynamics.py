@@ -44,6 +44,25 @@ def bar(test):
     test.check_example("bar", run, "vibrating_bar")
 
 
+def chosen(test):
+    """Steps by their error: as many as it takes on any number of ranks and after a restart, and no more for what points do not feel."""
+    text = scene(test, False).read_text(encoding="utf-8").replace("step: 0.01", "step: 0.01, step_max: 0.5, error: 1e-4")
+    path = test.folder() / "chosen.yaml"
+    path.write_text(text, encoding="utf-8")
+    options = {**BAR, "mpm_load_weight_ramp": "0:1", "mpm_time_end": 4}
+    exact = test.run(scene(test, False), mpm_time_step=0.004, **options).results
+    run = test.run(path, mpm_checkpoint_every=100, mpm_checkpoint_keep=9, **options)
+    time, tip, length = (run.results.column(name) for name in ("time", "track_tip_ux", "dt"))
+    reference = np.interp(time, exact.column("time"), exact.column("track_tip_ux"))
+    test.check("chosen.steps", time.size, 100, 800)
+    test.check("chosen.error", np.abs(tip - reference).max() / np.abs(reference).max(), None, 2e-3)
+    begun = f"{run.prefix}_checkpoint_000100.h5"
+    for name, ranks, more in (("ranks", 3, {}), ("restart", 1, {"mpm_restart": begun}), ("restart_2", 2, {"mpm_restart": begun})):
+        other = test.run(path, ranks=ranks, **options, **more).results
+        test.check(f"chosen.{name}.lengths", difference(other.column("dt"), length[-other.column("dt").size:]), None, 0.0)
+        test.check(f"chosen.{name}.tip", abs(other.column("track_tip_ux")[-1] - tip[-1]) / np.abs(tip).max(), None, 1e-9)
+
+
 def beam(test):
     """On any number of ranks, and with a stop on the way, the same."""
     options = {"mpm_grid_cells": "12,16", "mpm_time_end": 1.4, "mpm_time_step": 0.02, "mpm_output_every": 70,
@@ -168,6 +187,7 @@ mpm:
 with Test() as check:
     orders(check)
     bar(check)
+    chosen(check)
     beam(check)
     fall(check)
     discs(check)

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
 from talus_test import Test, difference  # noqa: E402
 
 BAR = """
@@ -142,6 +143,15 @@ def check_friction(test):
     test.check("carried.missing", np.abs(energy["balance"][-1]) / energy["external"][-1], None, 0.01)
 
 
+def check_contact(test):
+    """In explicit steps contact does its work by the mean of the velocities before and after a kick."""
+    run = test.run(HERE / "explicit_balls.yaml", mpm_time_transfer="flip")
+    test.check("balls.missing", missing(run), None, 0.06)
+    scene = write(test, (BLOCK % "").replace("generalized_alpha, rho_inf: 0.5", "explicit").replace(", step: 0.01", ""))
+    run = test.run(scene, mpm_quiet=None)
+    test.check("friction.explicit.missing", missing(run), None, 6e-3)
+
+
 def check_impact(test):
     """Plastic flow in a bar that strikes a wall, on 1 to 3 ranks; nothing of it depends on them."""
     scene, first = write(test, IMPACT), None
@@ -178,5 +188,5 @@ def check_quasistatic(test):
 
 
 with Test() as test:
-    for check in (check_order, check_elastic, check_base, check_friction, check_impact, check_restart, check_quasistatic):
+    for check in (check_order, check_elastic, check_base, check_friction, check_contact, check_impact, check_restart, check_quasistatic):
         check(test)

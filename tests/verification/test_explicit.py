@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Explicit steps: a bar's period, stable near the limit, no matrix, restarts, ranks, what is refused, points that leave; a heap that
-goes through stages of all kinds.
+"""Explicit steps: a bar's period, orders in time, stable near the limit, no matrix, restarts, ranks, what is refused, points that leave;
+a heap that goes through stages of all kinds.
 
 Quick.
 """
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
@@ -26,6 +27,28 @@ def vibration(test):
         test.near(f"{update}.time", run.results.column("time")[tip.argmax()], 0.5 * PERIOD, relative=0.03)
         test.check(f"{update}.back", abs(tip[-1]), None, 0.03 * STATIC)
         test.check(f"{update}.newton", run.results.column("newton").max(), 0, 0)
+
+
+def orders(test):
+    """A stage's end has places and velocities of one time, of second order in the step, whether a weight comes at once or grows; a block falls
+    as it should."""
+    for update in ("musl", "usf"):
+        for name, ramp, bounds in (("sudden", "0:1", (1.5e-4, 5e-4)), ("growing", "0:0,1:1", (1.5e-4, 1.5e-4))):
+            ends = [test.run(BAR, mpm_quiet=None, mpm_time_update=update, mpm_time_step=1 / steps, mpm_time_end=1, mpm_load_weight_value="1e-4,0",
+                             mpm_load_weight_ramp=ramp, mpm_output_every=1000).results.state("last") for steps in (40, 80, 160)]
+            for field, bound in zip(("displacement", "velocity"), bounds):
+                scale = np.sqrt((ends[2][field] ** 2).mean())
+                change = [np.sqrt(((a[field] - b[field]) ** 2).mean()) / scale for a, b in zip(ends, ends[1:])]
+                test.check(f"{update}.{name}.{field}", change[1], None, bound)
+                if field == "velocity":
+                    test.check(f"{update}.{name}.{field}_ratio", change[0] / change[1], 3.5)
+    text = (HERE / "free_fall.yaml").read_text(encoding="utf-8")
+    path = test.folder() / "fall.yaml"
+    path.write_text(text.replace("integrator: newmark, step: 0.02", "integrator: explicit"), encoding="utf-8")
+    run = test.run(path, mpm_quiet=None, mpm_output_every=1000)
+    fall = run.results.state("last")
+    test.check("fall.way", np.abs(fall["displacement"][:, 1] / (-0.5 * 9.81 * fall.time**2) - 1.0).max(), None, 1e-12)
+    test.check("fall.speed", np.abs(fall["velocity"][:, 1] / (-9.81 * fall.time) - 1.0).max(), None, 1e-12)
 
 
 def stability(test):
@@ -51,6 +74,10 @@ def going_on(test):
     whole = test.run(BAR, mpm_quiet=None, mpm_checkpoint_every=50, mpm_checkpoint_keep=5)
     rest = test.run(BAR, ranks=2, mpm_quiet=None, mpm_restart=whole.folder / "explicit_bar_checkpoint_000050.h5")
     several = test.run(BAR, ranks=3, mpm_quiet=None)
+    states = test.run(BAR, mpm_quiet=None, mpm_time_step=0.02, mpm_time_end=0.1, mpm_output_every=1)
+    with h5py.File(f"{states.prefix}.h5") as file:
+        behind = [group.attrs.get("velocities_behind", 0.0) for group in file["points"].values()]
+    test.check("behind", max(abs(a - b) for a, b in zip(behind, (0, 0.01, 0.01, 0.01, 0.01, 0), strict=True)), None, 1e-15)
     for name in ("track_tip_ux", "track_tip_vx", "reaction_wall_x", "energy_kinetic"):
         one = whole.results.column(name)
         after = rest.results.column(name)
@@ -142,6 +169,7 @@ def offered(test):
 
 with Test() as test:
     vibration(test)
+    orders(test)
     stability(test)
     no_matrix(test)
     going_on(test)
