@@ -110,6 +110,7 @@ static PetscErrorCode CheckMethods(const MpmOptions *block, PetscInt type)
   PetscCall(CheckMethod(block, "gamma", newmark, "integrator newmark"));
   PetscCall(CheckMethod(block, "cfl", moves, "integrator explicit"));
   PetscCall(CheckMethod(block, "update", moves, "integrator explicit"));
+  PetscCall(CheckMethod(block, "error", (PetscBool)!moves, "steps that are not explicit"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

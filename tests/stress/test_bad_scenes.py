@@ -99,6 +99,7 @@ CASES = [
     ("absorbing block", {"mpm_bc_base_absorbing": "true", "mpm_bc_base_upper": "4,2", **MOVES}, "-mpm_bc_base_absorbing ... plane"),
     ("table that is not there", {"mpm_bc_base_table": "nothing.csv", **MOVES}, "-mpm_bc_base_table nothing.csv: cannot be read"),
     ("option of another integrator", {"mpm_time_rho_inf": "0.9", **MOVES}, "-mpm_time_rho_inf ... generalized_alpha"),
+    ("error of explicit steps", {"mpm_time_integrator": "explicit", "mpm_time_step": None, "mpm_time_error": "1e-3"}, "-mpm_time_error ... explicit"),
     ("negative damping", {"mpm_time_damping_mass": "-1", **MOVES}, "-mpm_time_damping_mass -1"),
     ("damping in a quasi-static scene", {"mpm_time_damping_mass": "1"}, "-mpm_time_damping_mass"),
     # names and words
@@ -674,6 +675,7 @@ SURFACES = [
 # name, text of table.csv, quantity, what the line must contain besides option and file
 TABLES = [
     ("record with a hole", "time,value\n0,0\n0.1,1\n0.2,0\n0.5,1\n0.6,0\n", "acceleration", "a hole in time: nothing between 0.2 s and 0.5 s"),
+    ("record of one row", "time,value\n0,0\n", "acceleration", "has a single row"),
     ("record that lacks one row", "time,value\n0,0\n0.1,1\n0.3,0\n0.4,1\n", "velocity", "a hole in time"),
     ("record that goes back", "time,value\n0,0\n0.2,1\n0.1,0\n", "acceleration", "time must grow from row to row"),
     ("table that stands still", "time,value\n0,0\n0.2,1\n0.2,0\n", "displacement", "time must grow from row to row"),
