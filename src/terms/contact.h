@@ -101,7 +101,7 @@ typedef struct MpmContacts {
   PetscInt         piece_own, piece_count; /* this rank's, and with the neighbours' */
   MpmPiece        *piece;
   PetscReal       *weight;
-  MpmFaceBoxes    *boxes; /* of the step's points */
+  MpmFaceBoxes    *boxes;   /* of the step's points */
   PetscBool        weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 
