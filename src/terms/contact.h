@@ -71,6 +71,7 @@ typedef struct {
 typedef struct {
   PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
   PetscBool holds;           /* and it holds patches, of any rank */
+  PetscBool near;            /* in this step there are patches, of any rank and any contact, or bodies that are free */
 } MpmContactNewton;
 
 typedef struct MpmFaceBoxes MpmFaceBoxes; /* contact_search.h */
@@ -100,7 +101,7 @@ typedef struct MpmContacts {
   PetscInt         piece_own, piece_count; /* this rank's, and with the neighbours' */
   MpmPiece        *piece;
   PetscReal       *weight;
-  MpmFaceBoxes    *boxes; /* of the step's points */
+  MpmFaceBoxes    *boxes;   /* of the step's points */
   PetscBool        weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 

@@ -203,19 +203,11 @@ static PetscErrorCode Resize(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Do other terms than the points' have forces in this step: contact that is near, pressures on surfaces, damping? Collective. */
-static PetscErrorCode FindOthers(MpmModel model, PetscBool *others)
+/* Do other terms than the points' have forces in this step: contact that is near, pressures on surfaces, damping? */
+static PetscBool HasOthers(const MpmModel model)
 {
-  const MpmContacts *contacts = model->disc.contacts;
-  PetscMPIInt        size;
-
-  PetscFunctionBeginUser;
-  *others = (PetscBool)(contacts->bodies || model->scene.surfaces->count || MpmDampingAny(model->disc.damping));
-  if (*others || !(model->scene.boundaries->count || model->scene.pairs->count)) PetscFunctionReturn(PETSC_SUCCESS);
-  *others = (PetscBool)(contacts->patch_count || model->disc.pairs->patch_count);
-  PetscCallMPI(MPI_Comm_size(model->comm, &size));
-  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, others, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return (PetscBool)(model->disc.contacts->newton.near || model->scene.surfaces->count ||
+                     MpmDampingAny(model->disc.damping));
 }
 
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
@@ -227,7 +219,6 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   model->state.scheme.load_at_start = 1.; /* velocities stand half a step behind */
   PetscCall(MpmStepBegin(model, time, dt, again, why));
   if (!*why) PetscCall(Resize(model));
-  if (!*why) PetscCall(FindOthers(model, &model->state.scheme.dynamics->others));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -456,7 +447,7 @@ static PetscErrorCode MoveNodes(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   PetscCall(SumNodes(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->state.scheme.dynamics->others) {
+  if (HasOthers(model)) {
     Accelerate(model, force);
     PetscCall(AddOthers(model, force));
   }
@@ -554,9 +545,9 @@ static PetscErrorCode Observe(MpmModel model)
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
-  PetscCall(MpmEnergyAdd(
-    model, &(MpmStepWork){model->disc.u, model->state.scheme.dynamics->others ? dynamics->a_start : NULL,
-                          dynamics->loads, model->disc.residual, model->disc.space->local, model->disc.space->owned}));
+  PetscCall(
+    MpmEnergyAdd(model, &(MpmStepWork){model->disc.u, HasOthers(model) ? dynamics->a_start : NULL, dynamics->loads,
+                                       model->disc.residual, model->disc.space->local, model->disc.space->owned}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -564,9 +555,9 @@ static PetscErrorCode Observe(MpmModel model)
 static PetscErrorCode Accept(MpmModel model)
 {
   MpmSum          *sum = model->disc.sum;
-  const PetscReal *at  = model->state.scheme.dynamics->others ? model->state.scheme.dynamics->a_start
-                                                              : model->disc.u; /* where contact acted */
-  PetscLogDouble   since;
+  const PetscReal *at =
+    HasOthers(model) ? model->state.scheme.dynamics->a_start : model->disc.u; /* where contact acted */
+  PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
