@@ -231,7 +231,8 @@ static PetscReal Contact(const MpmSolver *solver)
   const MpmContacts       *contacts = disc->contacts;
   PetscReal                penalty = 0., modulus = 0.;
 
-  for (PetscInt k = 0; k < contacts->boundary_count; k++) penalty = PetscMax(penalty, contacts->boundaries[k].penalty);
+  for (PetscInt k = 0; contacts->newton.near && k < contacts->boundary_count; k++)
+    penalty = PetscMax(penalty, contacts->boundaries[k].penalty);
   for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum->materials[m].penalty);
   return penalty * modulus * PetscPowRealInt(solver->disc->h[0], solver->disc->dim - 2);
 }
@@ -474,7 +475,7 @@ PetscErrorCode MpmSearchTry(MpmSearch *search)
 
 PetscBool MpmSolverHasContact(const MpmSolver *solver)
 {
-  return (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
+  return solver->disc->contacts->newton.near;
 }
 
 /* Is there contact, and has a step gone well beyond the zero of the slope? */

@@ -129,7 +129,7 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
 PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
 PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion);
-/* May bodies touch boundaries or one another? */
+/* Is any contact near enough to act in this step? The same on all ranks. */
 PetscBool MpmSolverHasContact(const MpmSolver *solver);
 /* Sums the residual of disc->u over the points, force included, and leaves it with the nodes' owners, along the axes. */
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);

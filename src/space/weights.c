@@ -245,8 +245,12 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
     for (PetscInt i = 0; to.slope && i < here * width; i++) to.slope[i] /= h[i];
     if (lines->mean) AverageBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to, &values->mean[k * width]);
   }
-  for (PetscInt p = 0; space->parts.stride && p < points->count; p++)
-    lines->first[p * dim + dim - 1] += MpmSpaceShift(space, points->part, p);
+  if (space->parts.stride) {
+    const PetscInt stride = space->parts.stride, *part = points->part;
+    PetscInt      *first = &lines->first[dim - 1];
+
+    for (PetscInt p = 0; p < points->count; p++, first += dim) *first += stride * part[p];
+  }
   PetscCall(PetscFree(h));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

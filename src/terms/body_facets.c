@@ -267,15 +267,15 @@ static PetscErrorCode AnyNear(const MpmPairContacts *contacts, const MpmGrid *gr
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(parts, &box, (parts * stride), &least));
-  for (PetscInt k = 0; k < parts; k++) box[k] = MpmFaceBoxNone();
-  for (PetscInt p = 0; p < points->count; p++)
-    if (points->faces[p]) MpmFaceBoxInclude(&box[points->part[p]], dim, points, p);
+  MpmFaceBoxesOfParts(dim, parts, points, box);
   for (PetscInt k = 0; k < parts; k++) {
     for (PetscInt a = 0; a < dim; a++) {
       least[k * stride + a]       = box[k].lower[a];
       least[k * stride + dim + a] = -box[k].upper[a];
     }
-    least[k * stride + 2 * dim] = -box[k].edges;
+    least[k * stride + 2 * dim] = 0.; /* the longest arm of a face, times -1 */
+    for (PetscInt a = 0; a < dim; a++)
+      least[k * stride + 2 * dim] = PetscMin(least[k * stride + 2 * dim], -PetscSqrtReal(box[k].square[a]));
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, least, (PetscMPIInt)(parts * stride), MPIU_REAL, MPIU_MIN, contacts->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMax(h, grid->h[a]);

@@ -72,6 +72,7 @@ typedef struct {
   PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
   PetscBool holds;           /* and it holds patches, of any rank */
   PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
+  PetscBool near; /* in this step there are patches, of any rank and any contact, or bodies that are free */
 } MpmContactNewton;
 
 typedef struct MpmFaceBoxes MpmFaceBoxes; /* contact_search.h */

@@ -10,13 +10,13 @@
 #include "terms/contact_search.h"
 #include "terms/rigid_body.h"
 
-#define SIDE_BY_SIDE 256  /* points of a box */
+#define SIDE_BY_SIDE 64   /* points of a box */
 #define ROUNDING     1e-9 /* of the lengths that are compared */
 #define REACH        3.   /* times half the edges: so far a facet may stand from its point */
 
 MpmFaceBox MpmFaceBoxNone(void)
 {
-  MpmFaceBox box = {.edges = 0.};
+  MpmFaceBox box = {.square = {0., 0., 0.}};
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     box.lower[a] = PETSC_INFINITY;
@@ -39,13 +39,27 @@ static PetscReal Edges(PetscInt dim, const MpmPoints *points, PetscInt p)
   return sum;
 }
 
-void MpmFaceBoxInclude(MpmFaceBox *box, PetscInt dim, const MpmPoints *points, PetscInt p)
+/* The box of points [begin, end) that have outer faces. */
+MPM_INLINE MpmFaceBox BoxOf(const PetscInt dim, const MpmPoints *points, PetscInt begin, PetscInt end)
 {
-  for (PetscInt a = 0; a < dim; a++) {
-    box->lower[a] = PetscMin(box->lower[a], points->x[p * dim + a]);
-    box->upper[a] = PetscMax(box->upper[a], points->x[p * dim + a]);
-  }
-  box->edges = PetscMax(box->edges, Edges(dim, points, p));
+  MpmFaceBox box = MpmFaceBoxNone();
+
+  for (PetscInt p = begin; p < end; p++)
+    if (points->faces[p]) MpmFaceBoxInclude(dim, points, p, &box);
+  return box;
+}
+
+MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFaceBox boxes[])
+{
+  for (PetscInt p = 0; p < points->count; p++)
+    if (points->faces[p]) MpmFaceBoxInclude(dim, points, p, &boxes[points->part[p]]);
+}
+
+void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[])
+{
+  for (PetscInt k = 0; k < parts; k++) boxes[k] = MpmFaceBoxNone();
+  if (dim == 2) BoxesOfParts(2, points, boxes);
+  else BoxesOfParts(3, points, boxes);
 }
 
 PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes)
@@ -73,17 +87,15 @@ PetscErrorCode MpmFaceBoxesMake(MpmContacts *contacts, const MpmPoints *points)
   boxes->count = count;
   boxes->all   = MpmFaceBoxNone();
   for (PetscInt k = 0; k < count; k++) {
-    const PetscInt end = PetscMin(points->count, (k + 1) * SIDE_BY_SIDE);
-    MpmFaceBox     box = MpmFaceBoxNone();
+    const PetscInt begin = k * SIDE_BY_SIDE, end = PetscMin(points->count, begin + SIDE_BY_SIDE);
+    MpmFaceBox    *box = &boxes->box[k];
 
-    for (PetscInt p = k * SIDE_BY_SIDE; p < end; p++)
-      if (points->faces[p]) MpmFaceBoxInclude(&box, dim, points, p);
+    *box = dim == 2 ? BoxOf(2, points, begin, end) : BoxOf(3, points, begin, end);
     for (PetscInt a = 0; a < dim; a++) {
-      boxes->all.lower[a] = PetscMin(boxes->all.lower[a], box.lower[a]);
-      boxes->all.upper[a] = PetscMax(boxes->all.upper[a], box.upper[a]);
+      boxes->all.lower[a]  = PetscMin(boxes->all.lower[a], box->lower[a]);
+      boxes->all.upper[a]  = PetscMax(boxes->all.upper[a], box->upper[a]);
+      boxes->all.square[a] = PetscMax(boxes->all.square[a], box->square[a]);
     }
-    boxes->all.edges = PetscMax(boxes->all.edges, box.edges);
-    boxes->box[k]    = box;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -124,13 +136,14 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
   const PetscInt  dim                 = grid->dim;
   const PetscBool turns               = (PetscBool)(contacts->before[b].turned || contacts->after[b].turned);
   const PetscInt  corners             = turns ? PetscPowInt(2, dim) : 1;
-  PetscReal       middle[MPM_MAX_DIM] = {0., 0., 0.}, square = 0., margin = 0.;
+  PetscReal       middle[MPM_MAX_DIM] = {0., 0., 0.}, square = 0., edges = 0., margin = 0.;
   MpmSurface      surface;
 
   if (box->lower[0] > box->upper[0]) return PETSC_TRUE;
   for (PetscInt a = 0; a < dim; a++) {
     middle[a] = 0.5 * (box->lower[a] + box->upper[a]);
     square += PetscSqr(box->upper[a] - box->lower[a]);
+    edges += PetscSqrtReal(box->square[a]);
   }
   for (PetscInt k = 0; k < corners; k++) {
     PetscReal at[MPM_MAX_DIM];
@@ -139,7 +152,7 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
     margin = PetscMax(margin, MpmContactsMargin(contacts, grid, b, at));
   }
   MpmContactsDistance(contacts, b, middle, &surface);
-  margin += 0.5 * PetscSqrtReal(square) + REACH * box->edges;
+  margin += 0.5 * PetscSqrtReal(square) + REACH * edges;
   return (PetscBool)(surface.distance * (1. - ROUNDING) > margin * (1. + ROUNDING));
 }
 

@@ -3,11 +3,12 @@
   Boxes around the points whose faces bound the material: asked before any facet is made, whether contact may be near at all
   (contact_search.c).
 */
+#include "particles/points.h"
 #include "terms/contact.h"
 
-/* Points with an outer face: where they are, m, and the most that the sum of half the edges of a domain is; none: lower is above upper. */
+/* Points with an outer face: where they are, m; by axis the longest half edge of a domain, squared, m2. None: lower is above upper. */
 typedef struct {
-  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], edges;
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], square[MPM_MAX_DIM];
 } MpmFaceBox;
 
 /* Boxes of points that stand side by side in storage, and the one around them all. */
@@ -20,7 +21,20 @@ struct MpmFaceBoxes {
 
 MpmFaceBox MpmFaceBoxNone(void);
 /* Widens a box to hold point p, whatever its faces. */
-void MpmFaceBoxInclude(MpmFaceBox *box, PetscInt dim, const MpmPoints *points, PetscInt p);
+MPM_INLINE void MpmFaceBoxInclude(const PetscInt dim, const MpmPoints *points, PetscInt p, MpmFaceBox *box)
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal x      = points->x[p * dim + a];
+    PetscReal       square = 0.;
+
+    for (PetscInt b = 0; b < dim; b++) square += PetscSqr(points->F[(p * dim + b) * dim + a]);
+    box->lower[a]  = PetscMin(box->lower[a], x);
+    box->upper[a]  = PetscMax(box->upper[a], x);
+    box->square[a] = PetscMax(box->square[a], square * PetscSqr(points->half_length[p * dim + a]));
+  }
+}
+/* The boxes by part of all points with outer faces. */
+void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[]);
 
 PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes);
 /* The boxes of a step's points; none where all boundaries are bilateral. */

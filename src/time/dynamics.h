@@ -20,8 +20,7 @@ struct MpmDynamics {
   PetscReal  a_factor, v_factor;
   PetscReal  alpha_f; /* what of the points' forces and the loads is the step's start's */
   PetscReal *v_old, *v_start, *a_start, *a_rest, *v_rest, *v_new, *a_new;
-  PetscReal *loads;  /* the mean of the loads over the step, N */
-  PetscBool  others; /* explicit: terms beside the points' have forces in this step */
+  PetscReal *loads; /* the mean of the loads over the step, N */
   PetscInt   moves_room;
   PetscReal *moves; /* of explicit steps: the points' velocities, m/s */
 };

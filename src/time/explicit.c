@@ -221,19 +221,11 @@ static PetscErrorCode Resize(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Do other terms than the points' have forces in this step: contact that is near, pressures on surfaces, damping? Collective. */
-static PetscErrorCode FindOthers(MpmModel model, PetscBool *others)
+/* Do other terms than the points' have forces in this step: contact that is near, pressures on surfaces, damping? */
+static PetscBool HasOthers(const MpmModel model)
 {
-  const MpmContacts *contacts = model->disc.contacts;
-  PetscMPIInt        size;
-
-  PetscFunctionBeginUser;
-  *others = (PetscBool)(contacts->bodies || model->scene.surfaces->count || MpmDampingAny(model->disc.damping));
-  if (*others || !(model->scene.boundaries->count || model->scene.pairs->count)) PetscFunctionReturn(PETSC_SUCCESS);
-  *others = (PetscBool)(contacts->patch_count || model->disc.pairs->patch_count);
-  PetscCallMPI(MPI_Comm_size(model->comm, &size));
-  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, others, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return (PetscBool)(model->disc.contacts->newton.near || model->scene.surfaces->count ||
+                     MpmDampingAny(model->disc.damping));
 }
 
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
@@ -245,7 +237,6 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   model->state.scheme.load_at_start = 1.; /* a kick's middle is the step's start */
   PetscCall(MpmStepBegin(model, time, dt, again, why));
   if (!*why) PetscCall(Resize(model));
-  if (!*why) PetscCall(FindOthers(model, &model->state.scheme.dynamics->others));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -543,7 +534,7 @@ static PetscErrorCode FindForces(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   PetscCall(SumNodes(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->state.scheme.dynamics->others) {
+  if (HasOthers(model)) {
     Accelerate(model, WholeKick(model), force);
     PetscCall(AddOthers(model, force));
   }
@@ -639,7 +630,7 @@ static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
   const PetscInt    dim     = model->disc.dim;
 
   PetscFunctionBeginUser;
-  work->at       = of->others ? of->a_start : NULL;
+  work->at       = HasOthers(model) ? of->a_start : NULL;
   work->supports = model->disc.residual;
   work->local    = model->disc.space->local;
   work->owned    = model->disc.space->owned;
@@ -679,7 +670,7 @@ static PetscErrorCode Accept(MpmModel model)
 {
   MpmSum          *sum      = model->disc.sum;
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
-  const PetscReal *at       = dynamics->others ? dynamics->a_start : model->disc.u; /* where contact acted */
+  const PetscReal *at       = HasOthers(model) ? dynamics->a_start : model->disc.u; /* where contact acted */
   PetscLogDouble   since;
 
   PetscFunctionBeginUser;
@@ -689,7 +680,7 @@ static PetscErrorCode Accept(MpmModel model)
   if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, dynamics->moves));
   sum->trial = NULL;
-  if (dynamics->others) {
+  if (HasOthers(model)) {
     Displace(model, dynamics->v_new, dynamics->v_start);
     Quieten(model, dynamics->v_start);
     model->disc.contacts->moved = model->disc.pairs->moved = dynamics->v_start;

@@ -7,7 +7,9 @@
 #include "space/rules.h"
 #include "space/space.h"
 #include "bc/body_motion.h"
+#include "terms/body_contact.h"
 #include "terms/body_surface.h"
+#include "terms/contact.h"
 #include "terms/damping.h"
 #include "terms/load.h"
 #include "terms/terms.h"
@@ -78,6 +80,21 @@ static MpmRules Rules(MpmModel model, PetscReal time)
   return rules;
 }
 
+/* Is any contact near enough to act in this step, on any rank? Collective. */
+static PetscErrorCode FindNear(MpmModel model)
+{
+  MpmContacts *contacts = model->disc.contacts;
+  PetscBool   *near     = &contacts->newton.near;
+  PetscMPIInt  size;
+
+  PetscFunctionBeginUser;
+  *near = (PetscBool)(contacts->bodies || contacts->patch_count || model->disc.pairs->patch_count);
+  if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_size(model->comm, &size));
+  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, near, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
 {
@@ -90,6 +107,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
+  PetscCall(FindNear(model));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   const PetscInt count = model->disc.space->point_count;
 
