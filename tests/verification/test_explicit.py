@@ -51,6 +51,23 @@ def orders(test):
     test.check("fall.speed", np.abs(fall["velocity"][:, 1] / (-9.81 * fall.time) - 1.0).max(), None, 1e-12)
 
 
+def two_stages(test):
+    """The half kicks where a stage ends and the next one begins are the whole one between two steps, but for another way to the points."""
+    text = BAR.read_text(encoding="utf-8").replace("transfer: flip, end: 4", "transfer: flip, step: 0.025, end: 1")
+    one, two = test.folder() / "one.yaml", test.folder() / "two.yaml"
+    one.write_text(text, encoding="utf-8")
+    two.write_text(text.replace("end: 1", "end: 0.5").rstrip() + "\n  stages: first,second\n", encoding="utf-8")
+    for update in ("musl", "usl", "usf"):
+        ends = [test.run(path, mpm_quiet=None, mpm_time_update=update, mpm_output_every=1000).results for path in (one, two)]
+        states = [results.state("last") for results in ends]
+        for field in ("displacement", "velocity", "stress"):
+            test.check(f"two_stages.{update}.{field}", difference(states[0][field], states[1][field]), None, 2e-4)
+        work = [results.column("energy_external")[-1] for results in ends]
+        test.check(f"two_stages.{update}.work", abs(work[1] / work[0] - 1), None, 1e-5)
+        balance = [results.column("energy_balance")[-1] for results in ends]
+        test.check(f"two_stages.{update}.balance", abs(balance[1] - balance[0]) / abs(work[0]), None, 1e-5)
+
+
 def stability(test):
     """With steps near the limit no energy grows, and little is lost."""
     for update, shape in (("musl", "gimp"), ("usl", "gimp"), ("musl", "linear"), ("usl", "bspline2")):
@@ -170,6 +187,7 @@ def offered(test):
 with Test() as test:
     vibration(test)
     orders(test)
+    two_stages(test)
     stability(test)
     no_matrix(test)
     going_on(test)
