@@ -225,7 +225,7 @@ PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, 
 /* Values at the local nodes, [i][c], and how they go to the points. */
 typedef struct {
   const MpmTransfer *transfer;
-  Slim              *v_new, *change, *a_new, *again;
+  Slim              *v_new, *change, *a_new, *again, *affine;
 } Gathered;
 
 /* A field at a point, and its moments along the axes where `by` is not NULL. */
@@ -304,7 +304,8 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, PetscInt p, c
   Slim             by[MPM_MAX_DIM], change, moves;
 
   if (apic) {
-    moves = InterpolateSlim(known, sum, p, at, nodes, of->v_new, by);
+    moves = InterpolateSlim(known, sum, p, at, nodes, of->v_new, of->affine ? NULL : by);
+    if (of->affine) (void)InterpolateSlim(known, sum, p, at, nodes, of->affine, by);
     for (PetscInt k = 0; k < dim * dim; k++) points->affine[p * dim * dim + k] = by[k % dim][k / dim];
     for (PetscInt c = 0; c < dim; c++) points->velocity[p * dim + c] = moves[c];
   } else {
@@ -355,19 +356,21 @@ PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer,
   Gathered        at   = {.transfer = transfer};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc4(local, &at.v_new, (flip ? local : 0), &at.change, (step->a_new ? local : 0), &at.a_new,
-                         (step->again ? local : 0), &at.again));
+  PetscCall(PetscMalloc5(local, &at.v_new, (flip ? local : 0), &at.change, (step->a_new ? local : 0), &at.a_new,
+                         (step->again ? local : 0), &at.again, (step->affine ? local : 0), &at.affine));
+  if (!step->affine) at.affine = NULL;
   for (PetscInt i = 0; i < local; i++) {
     at.v_new[i] = Load(dim, &step->v_new[i * dim]);
     if (flip) at.change[i] = at.v_new[i] - Load(dim, &step->v_old[i * dim]);
     if (step->a_new) at.a_new[i] = Load(dim, &step->a_new[i * dim]);
     if (step->again) at.again[i] = (Slim){0.};
+    if (step->affine) at.affine[i] = Load(dim, &step->affine[i * dim]);
   }
   for (PetscInt g = 0; g < sum->space->group_count; g++)
     MPM_DISPATCH(sum->layout, &sum->space->groups[g], MotionToPoints, sum, &sum->space->groups[g], step, &at);
   for (PetscInt i = 0; step->again && i < local; i++)
     for (PetscInt c = 0; c < dim; c++) step->again[i * dim + c] += at.again[i][c];
-  PetscCall(PetscFree4(at.v_new, at.change, at.a_new, at.again));
+  PetscCall(PetscFree5(at.v_new, at.change, at.a_new, at.again, at.affine));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,6 +27,7 @@
 #include "point/material.h"
 #include "point/wave_speed.h"
 #include "grid/grid.h"
+#include "grid/shape.h"
 #include "space/motion.h"
 #include "space/space.h"
 #include "space/sum.h"
@@ -190,7 +191,8 @@ static PetscErrorCode Length(MpmModel model, const char **why)
 
 /* ---- a step ---- */
 
-#define LIGHT 1e-2 /* of the mass of the lightest material in a cell: what nodes count as at least */
+#define LIGHT        1e-2 /* of the mass of the lightest material in a cell: what nodes count as at least, */
+#define LIGHT_AFFINE 0.25 /* and for affine velocities: a step of cfl 1 is then stable */
 
 /* For how long forces act in the step, s. */
 static PetscReal KickLength(const MpmModel model)
@@ -410,36 +412,35 @@ static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
   face differ. So other terms than the points' see a free node's change since the step's start as if its mass were at least this, kg. The
   forces, and with them momentum, are what they are.
 */
-static PetscReal LeastMass(const MpmModel model)
+static PetscReal LeastMass(const MpmModel model, PetscReal part)
 {
   PetscReal least = PETSC_MAX_REAL;
 
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    least = PetscMin(least, LIGHT * model->scene.materials->at[m].density);
+    least = PetscMin(least, part * model->scene.materials->at[m].density);
   for (PetscInt a = 0; a < model->disc.dim; a++) least *= model->disc.grid->h[a];
   return least;
 }
 
-/* The displacement of a step as they see it. */
-static void Quieten(const MpmModel model, PetscReal u[])
+/* What they see of a step's displacement, dt times the velocities, or with dt = 1 of these. */
+static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscReal u[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
   const PetscReal      *mass = model->disc.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
   const PetscInt        dim   = model->disc.dim;
-  const PetscReal       least = LeastMass(model);
+  const PetscReal       least = LeastMass(model, light);
 
   for (PetscInt k = 0; k < model->disc.space->local * dim; k++) {
     const PetscReal part = mass[k / dim] / least;
 
-    if (part < 1. && MpmConstraintsFree(constraints, k))
-      u[k] = part * u[k] + (1. - part) * model->disc.sum->dt * v_old[k];
+    if (part < 1. && MpmConstraintsFree(constraints, k)) u[k] = part * u[k] + (1. - part) * dt * v_old[k];
   }
 }
 
 /* How stiff contact may be, by the masses that it sees. */
 static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
 {
-  const PetscReal least = LeastMass(model);
+  const PetscReal least = LeastMass(model, LIGHT);
   PetscReal      *mass;
 
   PetscFunctionBeginUser;
@@ -471,7 +472,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
     model->disc.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);
-  Quieten(model, dynamics->a_start);
+  Quieten(model, LIGHT, model->disc.sum->dt, dynamics->a_start);
   PetscCall(PetscArrayzero(other, count));
   for (PetscInt k = 1; k < terms->count; k++)
     PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, dynamics->a_start, other, &failed));
@@ -549,7 +550,7 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.inertia->mass;
   const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
-  MpmMotionStep    step = {dynamics->v_old, dynamics->v_new, NULL, dynamics->moves, again};
+  MpmMotionStep    step = {dynamics->v_old, dynamics->v_new, NULL, dynamics->moves, again, NULL};
 
   PetscFunctionBeginUser;
   if (model->disc.points->acceleration) {
@@ -557,6 +558,15 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
     step.a_new = dynamics->a_new;
   }
   if (again) PetscCall(PetscArrayzero(again, count));
+  if (!MpmShapeHasDomain(model->scene.shape) && MpmShapeDegree(model->scene.shape) < 2) {
+    /*
+      Gradients: a node of mass m that one point touches gets them back, and vibrates with (c/h) sqrt(rho h^dim/m), faster than
+      steps may follow. The point's momentum has what it was given.
+    */
+    PetscCall(PetscArraycpy(dynamics->v_start, dynamics->v_new, count));
+    Quieten(model, LIGHT_AFFINE, 1., dynamics->v_start);
+    step.affine = dynamics->v_start;
+  }
   PetscCall(MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, &step));
   if (!again) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, again));
@@ -639,7 +649,7 @@ static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
     work->part = kick / model->disc.sum->dt;
     for (PetscInt k = 0; k < work->local * dim; k++)
       of->v_start[k] = 0.5 * model->disc.sum->dt * (of->v_old[k] + of->v_new[k]);
-    Quieten(model, of->v_start);
+    Quieten(model, LIGHT, model->disc.sum->dt, of->v_start);
     for (PetscInt k = 0; damping->active && k < work->owned * dim; k++) /* besides that of the velocities before */
       work->taken += 0.5 * damping->dashpot[k] * (of->v_new[k] - of->v_old[k]) * of->v_start[k];
   }
@@ -682,7 +692,7 @@ static PetscErrorCode Accept(MpmModel model)
   sum->trial = NULL;
   if (HasOthers(model)) {
     Displace(model, dynamics->v_new, dynamics->v_start);
-    Quieten(model, dynamics->v_start);
+    Quieten(model, LIGHT, sum->dt, dynamics->v_start);
     model->disc.contacts->moved = model->disc.pairs->moved = dynamics->v_start;
   }
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));

@@ -84,6 +84,17 @@ def slide(test):
         test.check(f"slide.{label}.balance", np.abs(missing).max() / column("energy_elastic")[~moving][-1], None, 0.15)
 
 
+def crosses(test):
+    """With linear shapes and affine velocities, too, points that come into cells touch nodes there with next to no mass."""
+    path = on_plane(test)
+    text = path.read_text(encoding="utf-8").replace("still,moving", "moving")
+    path.write_text("\n".join(line for line in text.splitlines() if "stage_still" not in line), encoding="utf-8")
+    for cfl in (0.5, 0.9):
+        column = test.run(path, mpm_shape="linear", mpm_stage_moving_time_cfl=cfl, mpm_load_weight_value="8,-8").results.column
+        test.near(f"crosses.{cfl}.way", column("track_middle_ux")[-1], 0.5 * 0.7 * 8 * 0.4**2, relative=0.01)
+        test.check(f"crosses.{cfl}.balance", np.abs(column("energy_balance")).max() / column("energy_external")[-1], None, 0.02)
+
+
 def stops(test):
     """What an explicit stage leaves in motion a quasi-static step stops; the next one does not go on from that."""
     path = on_plane(test)
@@ -106,5 +117,6 @@ with Test() as test:
     collision(test)
     rest(test)
     slide(test)
+    crosses(test)
     stops(test)
     refused(test)
