@@ -7,7 +7,8 @@
   leave the grid stand nearer to one another.
 
   What cannot be divided again, and would become a thread across many cells, keeps its edges at the length allowed: the domain alone is
-  cut, volume, mass, stress and history are whole. Where its law knows of F the determinant only (MPM_LAW_VOLUME), F is straightened before:
+  cut, volume, mass, stress and history are whole. Where its law knows of F the determinant only (MPM_LAW_VOLUME) and slip has made columns
+  of F nearly parallel, F is straightened before, and so is that of points that are still too long after a division:
 
     F' = Q diag(R),   F = Q R,   columns of F by the lengths of their edges, longest first
 
@@ -25,7 +26,8 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 
-#define DRAWN 1.25 /* by less than this factor an edge has not been drawn out, however long it was at the start */
+#define DRAWN  1.25 /* by less than this factor an edge has not been drawn out, however long it was at the start */
+#define SKEWED 0.1 /* F is skewed where its determinant is less than this part of the product of its columns' lengths */
 
 /* How often it has been divided. */
 static PetscInt Divisions(const MpmPoints *points, PetscInt dim, PetscInt p)
@@ -94,6 +96,20 @@ static void MakeHalf(const MpmGrid *grid, const MpmPoints *points, PetscInt p, P
   }
 }
 
+/* How far the columns of F are from parallel: 1 where they are at right angles. */
+static PetscReal Openness(PetscInt dim, const PetscReal F[])
+{
+  PetscReal product = 1.;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscReal square = 0.;
+
+    for (PetscInt i = 0; i < dim; i++) square += PetscSqr(F[i * dim + a]);
+    product *= square;
+  }
+  return MpmDeterminant(dim, F) / PetscSqrtReal(product);
+}
+
 /* Axes by the lengths of their edges, longest first. */
 static void SortAxes(PetscInt dim, const PetscReal F[], const PetscReal half[], PetscInt axes[])
 {
@@ -133,10 +149,13 @@ static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const 
   const PetscInt dim = grid->dim;
 
   for (PetscInt p = 0; p < points->count; p++) {
-    if (Divisions(points, dim, p) < MPM_DIVISIONS || LongestAxis(grid, points, p, longest) < 0) continue;
-    if (materials[points->material[p]].info.traits & MPM_LAW_VOLUME)
-      Straighten(dim, &points->half_length[p * dim], &points->F[p * dim * dim]);
-    for (PetscInt a = 0; a < dim; a++) {
+    const PetscBool last = (PetscBool)(Divisions(points, dim, p) >= MPM_DIVISIONS);
+    PetscReal      *F    = &points->F[p * dim * dim];
+
+    if (!last && LongestAxis(grid, points, p, longest) < 0) continue;
+    if (materials[points->material[p]].info.traits & MPM_LAW_VOLUME && Openness(dim, F) <= SKEWED)
+      Straighten(dim, &points->half_length[p * dim], F);
+    for (PetscInt a = 0; last && a < dim; a++) {
       const PetscReal cells = DrawnEdge(grid, points, p, a);
 
       if (cells > longest) points->half_length[p * dim + a] *= longest / cells;
