@@ -51,14 +51,8 @@ MPM_INLINE MpmFaceBox BoxOf(const PetscInt dim, const MpmPoints *points, PetscIn
 
 MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFaceBox boxes[])
 {
-  for (PetscInt begin = 0, end = 0; begin < points->count; begin = end) { /* points of a part stand side by side */
-    const PetscInt part = points->part[begin];
-    MpmFaceBox     box  = boxes[part];
-
-    for (; end < points->count && points->part[end] == part; end++)
-      if (points->faces[end]) MpmFaceBoxInclude(dim, points, end, &box);
-    boxes[part] = box;
-  }
+  for (PetscInt p = 0; p < points->count; p++)
+    if (points->faces[p]) MpmFaceBoxInclude(dim, points, p, &boxes[points->part[p]]);
 }
 
 void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[])
