@@ -558,14 +558,15 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
     step.a_new = dynamics->a_new;
   }
   if (again) PetscCall(PetscArrayzero(again, count));
-  if (!MpmShapeHasDomain(model->scene.shape) && MpmShapeDegree(model->scene.shape) < 2) {
+  if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && !MpmShapeHasDomain(model->scene.shape) &&
+      MpmShapeDegree(model->scene.shape) < 2) {
     /*
       Gradients: a node of mass m that one point touches gets them back, and vibrates with (c/h) sqrt(rho h^dim/m), faster than
       steps may follow. The point's momentum has what it was given.
     */
-    PetscCall(PetscArraycpy(dynamics->v_start, dynamics->v_new, count));
-    Quieten(model, LIGHT_AFFINE, 1., dynamics->v_start);
-    step.affine = dynamics->v_start;
+    PetscCall(PetscArraycpy(dynamics->a_rest, dynamics->v_new, count));
+    Quieten(model, LIGHT_AFFINE, 1., dynamics->a_rest);
+    step.affine = dynamics->a_rest;
   }
   PetscCall(MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, &step));
   if (!again) PetscFunctionReturn(PETSC_SUCCESS);
