@@ -125,6 +125,28 @@ PetscErrorCode MpmAbsorbingDashpots(const MpmDamping *damping, const MpmSum *sum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmAbsorbingSpread(MpmDamping *damping, const MpmSpace *space, const MpmMassMatrix *mass)
+{
+  const PetscInt dim = space->dim;
+  PetscReal     *plane;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((space->local * dim), &plane));
+  for (PetscInt i = 0; i < mass->nodes; i++)
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      for (PetscInt c = 0; c < dim; c++)
+        if (damping->dashpot[mass->column[k] * dim + c] > 0.) plane[i * dim + c] += mass->value[k];
+  PetscCall(MpmSpaceAddToOwners(space, dim, plane));
+  PetscCall(MpmSpaceToGhosts(space, dim, plane));
+  for (PetscInt k = 0; k < space->local * dim; k++) {
+    plane[k]            = plane[k] > 0. ? damping->dashpot[k] / plane[k] : 0.;
+    damping->dashpot[k] = 0.;
+  }
+  damping->mass_matrix = mass;
+  damping->spread      = plane;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmAbsorbingLoad(const MpmDamping *damping, const MpmSum *sum, PetscReal time, PetscReal scale,
                                 PetscReal force[])
 {

@@ -5,7 +5,7 @@
                       tau = b (lambda tr(d) I + 2 mu d), d = sym(grad v)
     bulk viscosity    the pressure q = rho l (c_2^2 l D^2 - c_1 c D) where D = tr(d) < 0, l the smallest size of a cell and c the
                       speed of waves: it spreads shocks over a few cells
-    dashpots          at the nodes of absorbing conditions
+    dashpots          at the nodes of absorbing conditions, spread over their plane where the mass is consistent
 
   Moduli are those of the step's start, and gradients are taken at its places: the forces are linear in u but for q.
 
@@ -16,6 +16,7 @@
 #include "space/point_loop.h"
 #include "bc/bc.h"
 #include "terms/damping.h"
+#include "terms/inertia.h"
 #include "terms/sparsity.h"
 #include "terms/terms.h"
 
@@ -24,6 +25,7 @@ PetscErrorCode MpmDampingReset(MpmDamping *damping)
   PetscFunctionBeginUser;
   PetscCall(PetscFree2(damping->rest, damping->dashpot));
   PetscCall(PetscFree(damping->viscosity));
+  PetscCall(PetscFree(damping->spread));
   damping->active = PETSC_FALSE;
   damping->local = damping->count = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -91,7 +93,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const PetscReal mass[], PetscReal factor,
+PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const MpmInertia *inertia, PetscReal factor,
                              const PetscReal rest[])
 {
   const PetscInt dim = space->dim;
@@ -101,8 +103,9 @@ PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const P
   damping->active = PETSC_TRUE;
   damping->factor = factor;
   PetscCall(PetscArraycpy(damping->rest, rest, space->local * dim));
+  if (inertia->consistent && Absorbs(damping)) PetscCall(MpmAbsorbingSpread(damping, space, &inertia->matrix));
   for (PetscInt k = 0; damping->mass > 0. && k < space->local * dim; k++)
-    damping->dashpot[k] += damping->mass * mass[k / dim];
+    damping->dashpot[k] += damping->mass * inertia->mass[k / dim];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -201,12 +204,81 @@ static PetscErrorCode Velocities(const MpmDamping *damping, const MpmSum *sum, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* c_ij of a component, i and j the local unknowns of a pair of nodes with this entry of the mass. */
+static PetscReal SpreadDashpot(const MpmDamping *damping, PetscInt i, PetscInt j, PetscReal mass)
+{
+  const PetscReal *spread = damping->spread;
+
+  return spread[i] > 0. && spread[j] > 0. ? 0.5 * (spread[i] + spread[j]) * mass : 0.;
+}
+
+static void AddSpread(const MpmDamping *damping, PetscInt dim, PetscInt bs, const PetscReal v[], PetscReal y[])
+{
+  const MpmMassMatrix *mass = damping->mass_matrix;
+
+  for (PetscInt i = 0; i < mass->nodes; i++)
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      for (PetscInt c = 0, j = mass->column[k]; c < dim; c++)
+        y[i * bs + c] += SpreadDashpot(damping, i * dim + c, j * dim + c, mass->value[k]) * v[j * bs + c];
+}
+
 static void AddDashpots(const MpmDamping *damping, const MpmSum *sum, const PetscReal v[], PetscReal y[])
 {
   const PetscInt dim = sum->space->dim, bs = sum->block;
 
   for (PetscInt k = 0; k < sum->space->owned * dim; k++)
     y[k / dim * bs + k % dim] += damping->dashpot[k] * v[k / dim * bs + k % dim];
+  if (damping->spread) AddSpread(damping, dim, bs, v, y);
+}
+
+/* The dashpots of a pair of nodes, to the Jacobian. */
+static void AddPair(const MpmDamping *damping, const MpmSpace *space, const PetscInt nodes[2], PetscReal mass,
+                    MpmPattern *pattern)
+{
+  const PetscInt bs = pattern->block, dim = space->dim, n = nodes[0] == nodes[1] ? 1 : 2;
+  PetscReal      element[4 * MPM_MAX_BLOCK * MPM_MAX_BLOCK] = {0.};
+  PetscBool      any                                        = PETSC_FALSE;
+
+  for (PetscInt c = 0; c < dim; c++) {
+    const PetscReal value = SpreadDashpot(damping, nodes[0] * dim + c, nodes[1] * dim + c, mass);
+
+    element[(c * bs + c) * n + n - 1] = damping->factor * value;
+    any                               = (PetscBool)(any || value > 0.);
+  }
+  if (any) MpmPatternAddNodes(pattern, space, n, nodes, element);
+}
+
+static void AddDashpotsTangent(const MpmDamping *damping, const MpmSum *sum, MpmPattern *pattern)
+{
+  const PetscInt       bs = sum->block, dim = sum->space->dim;
+  const MpmMassMatrix *mass = damping->mass_matrix;
+
+  for (PetscInt i = 0; i < sum->space->owned; i++) {
+    PetscReal block[MPM_MAX_BLOCK * MPM_MAX_BLOCK] = {0.};
+    PetscBool any                                  = PETSC_FALSE;
+
+    for (PetscInt c = 0; c < dim; c++) {
+      block[c * bs + c] = damping->factor * damping->dashpot[i * dim + c];
+      any               = (PetscBool)(any || block[c * bs + c] != 0.);
+    }
+    if (any) MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
+  }
+  for (PetscInt i = 0; damping->spread && i < mass->nodes; i++)
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      AddPair(damping, sum->space, (const PetscInt[]){i, mass->column[k]}, mass->value[k], pattern);
+}
+
+static void AddDashpotsDiagonal(const MpmDamping *damping, const MpmSum *sum, PetscReal blocks[])
+{
+  const PetscInt       bs = sum->block, dim = sum->space->dim;
+  const MpmMassMatrix *mass = damping->mass_matrix;
+
+  for (PetscInt k = 0; k < sum->space->owned * dim; k++)
+    blocks[(k / dim * bs + k % dim) * bs + k % dim] += damping->factor * damping->dashpot[k];
+  for (PetscInt i = 0; damping->spread && i < mass->nodes; i++)
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      for (PetscInt c = 0, at = i * dim; c < dim && mass->column[k] == i; c++)
+        blocks[(i * bs + c) * bs + c] += damping->factor * SpreadDashpot(damping, at + c, at + c, mass->value[k]);
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
@@ -295,23 +367,13 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
                               PetscReal residual[], PetscInt *failed)
 {
   const MpmDamping *damping = (const MpmDamping *)ctx;
-  const PetscInt    bs = sum->block, dim = sum->space->dim;
   PetscReal        *v, *element;
   MpmWorkspace      work;
 
   PetscFunctionBeginUser;
   if (!damping->active) PetscFunctionReturn(PETSC_SUCCESS);
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
-  for (PetscInt i = 0; i < sum->space->owned; i++) {
-    PetscReal block[MPM_MAX_BLOCK * MPM_MAX_BLOCK] = {0.};
-    PetscBool any                                  = PETSC_FALSE;
-
-    for (PetscInt c = 0; c < dim; c++) {
-      block[c * bs + c] = damping->factor * damping->dashpot[i * dim + c];
-      any               = (PetscBool)(any || block[c * bs + c] != 0.);
-    }
-    if (any) MpmPatternAddNodes(pattern, sum->space, 1, &i, block);
-  }
+  AddDashpotsTangent(damping, sum, pattern);
   if (!damping->viscosity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Velocities(damping, sum, u, PETSC_TRUE, &v));
   PetscCall(ElementCreate(sum, &work, &element));
@@ -329,15 +391,14 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
                                PetscInt *failed)
 {
   const MpmDamping *damping = (const MpmDamping *)ctx;
-  const PetscInt    bs = sum->block, dim = sum->space->dim;
+  const PetscInt    bs      = sum->block;
   PetscReal        *v, *element;
   MpmWorkspace      work;
 
   PetscFunctionBeginUser;
   (void)failed;
   if (!damping->active) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < sum->space->owned * dim; k++)
-    blocks[(k / dim * bs + k % dim) * bs + k % dim] += damping->factor * damping->dashpot[k];
+  AddDashpotsDiagonal(damping, sum, blocks);
   if (!damping->viscosity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Velocities(damping, sum, u, PETSC_TRUE, &v));
   PetscCall(ElementCreate(sum, &work, &element));

@@ -273,7 +273,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
   inertia->active = PETSC_TRUE;
   PetscCall(PetscMalloc1(count, &rest));
   for (PetscInt k = 0; k < count; k++) rest[k] = end * dynamics->v_rest[k] + method->alpha_f * dynamics->v_start[k];
-  PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, inertia->mass, end * dynamics->v_factor, rest));
+  PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, inertia, end * dynamics->v_factor, rest));
   PetscCall(PetscFree(rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -468,7 +468,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   PetscFunctionBeginUser;
   PetscCall(LimitContact(model, dt));
   if (MpmDampingAny(model->disc.damping)) {
-    PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia->mass, 0., dynamics->v_old));
+    PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia, 0., dynamics->v_old));
     model->disc.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);

@@ -89,6 +89,7 @@ def check_unused(test):
         test.check(f"used.{label}", len(warnings(test, mpm_output_prefix="x", **options)), None, 0)
     for path in sorted(EXAMPLES.glob("*/case*.yaml")):
         short = {"mpm_time_end": 1e-3, "mpm_time_step": 1e-3, "mpm_time_step_min": 1e-3}  # one may give up so soon
+        short |= {name: 1e-3 for name in parse_scene(path.read_text(encoding="utf-8")) if re.fullmatch(r"mpm_stage_\w+_time_end", name)}
         test.check(f"used.{path.parent.name}", len(warnings(test, 1, path, None, **short)), None, 0)
 
 
