@@ -45,6 +45,7 @@ static const struct {
   MODEL("averaged_dilation", INT, state.rescue.averaged),
   MODEL("indefinite", BOOL, solver.indefinite),
   MODEL("careful", BOOL, solver.careful),
+  MODEL("touched", BOOL, solver.at_rest.touched),
   MODEL("jacobians_last", INT, solver.cache.made_count_last),
   RESULTS("output_step", INT, output_step),
   RESULTS("run", INT64, checkpoint.run),

@@ -33,7 +33,11 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
 
   PetscFunctionBeginUser;
   *why = NULL;
-  if (AtStageEnd(model)) PetscCall(MpmStageBegin(model, model->state.stage + 1));
+  if (AtStageEnd(model)) {
+    PetscCall(MpmStageFinish(model, why));
+    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmStageBegin(model, model->state.stage + 1));
+  }
   stage = &model->scene.stages[model->state.stage];
   if (begins && stage->name && model->state.time == model->state.time_start)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
@@ -57,6 +61,7 @@ static PetscErrorCode StepOnce(MpmModel model)
   model->caller.stop = PETSC_FALSE;
   do PetscCall(TakeStep(model, &dt));
   while (model->state.scheme.rescuing.on && !model->caller.why);
+  if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
   if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -78,6 +83,19 @@ PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
 
 /* ---- the run ---- */
 
+/* The state, where one is due after this step. That at the end of a run waits until its last stage has been finished. */
+static PetscErrorCode WriteDue(MpmModel model)
+{
+  const MpmResults *results = model->results;
+
+  PetscFunctionBeginUser;
+  if (!results->output_every || model->state.step % results->output_every ||
+      results->output_step == model->state.step || AtEnd(model))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmModelWriteOutput(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Result files, new or those of the run that goes on; a new one starts with the present state. */
 static PetscErrorCode OpenResults(MpmModel model)
 {
@@ -90,6 +108,7 @@ static PetscErrorCode OpenResults(MpmModel model)
   PetscCall(MpmModelCreateHistory(model));
   if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
   if (model->results->output && !MpmOutputStarted(model->results->output)) PetscCall(MpmModelWriteOutput(model));
+  PetscCall(WriteDue(model)); /* of a run that has ended here, and goes on */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,19 +129,20 @@ static PetscErrorCode Report(MpmModel model, PetscReal dt)
   PetscCall(MpmModelWriteHistory(model, dt));
   PetscCall(MpmTerminalStep(model, dt));
   if (model->solver.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
-  if (model->results->output_every && (model->state.step % model->results->output_every == 0))
-    PetscCall(MpmModelWriteOutput(model));
+  PetscCall(WriteDue(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What the end of a run leaves, whatever has ended it. */
 static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
 {
-  const char     *why  = model->caller.why;
   const PetscBool gone = model->state.particles->gone;
+  const char     *why;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
+  why = model->caller.why;
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
   if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone)
     PetscCall(MpmModelWriteOutput(model));

@@ -651,7 +651,7 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.stage             = k;
   model->state.scheme.load_scale = 1.;
   model->state.time_start        = model->state.time;
-  model->state.time_end          = model->state.time + control->end;
+  model->state.time_end          = MpmTimeRound(model->state.time + control->end);
   if (model->state.relaxing.ended[k] >= 0.) model->state.time_end = model->state.relaxing.ended[k];
   model->state.dt_nominal = control->step;
   model->state.dt_min     = control->step_min;

@@ -13,6 +13,9 @@
 /* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
 #define STUBBORN 0.15
 
+/* Relative rounding errors, in units of the machine's, that are taken out of times. */
+#define ROUNDING 4
+
 /* Cuts of one step before F-bar averages dilation, too; while the factor of safety is sought. */
 #define CUTS_WITH_DILATION 1
 #define CUTS_IN_REDUCTION  5
@@ -83,18 +86,34 @@ PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  A decimal number that is no further away than rounding errors take a sum of steps. So a time is the same one however many
+  steps led to it, and whether a run ends there or passes it.
+*/
+PetscReal MpmTimeRound(PetscReal time)
+{
+  char      text[32];
+  PetscReal decimal;
+
+  (void)snprintf(text, sizeof(text), "%.12e", (double)time);
+  decimal = (PetscReal)strtod(text, NULL);
+  return PetscAbsReal(decimal - time) <= ROUNDING * PETSC_MACHINE_EPSILON * PetscAbsReal(time) ? decimal : time;
+}
+
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
 {
   const PetscReal small  = 1e-9 * model->state.dt_nominal;
   PetscReal       target = model->state.time_end, next;
 
   if (!model->state.adaptive) {
-    target = model->state.time_start +
-             model->state.dt_nominal *
-               PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.);
+    target = MpmTimeRound(
+      model->state.time_start +
+      model->state.dt_nominal *
+        PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.));
     if (target > model->state.time_end - small) target = model->state.time_end;
   }
-  next  = model->state.time + dt > target - PetscMax(small, 1e-3 * dt) ? target : model->state.time + dt;
+  next  = MpmTimeRound(model->state.time + dt);
+  next  = next > target - PetscMax(small, 1e-3 * dt) ? target : next;
   *step = next - model->state.time;
   return next;
 }
@@ -216,19 +235,6 @@ static PetscErrorCode Arrange(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the integrator leaves to the end of a stage. */
-static PetscErrorCode FinishStage(MpmModel model, const char **why)
-{
-  PetscErrorCode (*finish)(MpmModel) = model->state.scheme.integrator->finish;
-
-  PetscFunctionBeginUser;
-  if (!finish || MpmModelRelaxes(model) || model->state.time < model->state.time_end)
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Arrange(model, why));
-  if (!*why) PetscCall((*finish)(model));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* A step of the motion that goes on where a quasi-static step gave up. */
 static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, const char **why)
 {
@@ -252,6 +258,18 @@ static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, const char **
   model->state.time = next;
   PetscCall(MpmReductionObserve(model));
   PetscCall(MpmRescueOver(model, dt, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStageFinish(MpmModel model, const char **why)
+{
+  PetscErrorCode (*finish)(MpmModel) = model->state.scheme.integrator->finish;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  if (!finish || MpmModelRelaxes(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Arrange(model, why));
+  if (!*why) PetscCall((*finish)(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -313,7 +331,6 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.step++;
   PetscCall(MpmReductionObserve(model));
   if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
-  else if (explicit) PetscCall(FinishStage(model, why));
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   if (dilation && !model->state.rescue.dilation) {
     MpmStepAverageDilation(model, PETSC_FALSE);

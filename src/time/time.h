@@ -52,6 +52,11 @@ const char *MpmMovingGridField(const MpmModel model);
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
+/*
+  What the integrator leaves to the end of a stage, before the next one begins or the run ends (step_control.c). Not in a run's
+  checkpoints: should the stage end later than it was thought, then it goes on as if nothing had happened.
+*/
+PetscErrorCode MpmStageFinish(MpmModel model, const char **why);
 /* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
 PetscErrorCode MpmStageResume(MpmModel model);
 /*
@@ -118,6 +123,8 @@ PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
 PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why);
 /* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
 void MpmStepAverageDilation(MpmModel model, PetscBool average);
+/* A time without the rounding errors of the sum that it is, where it is a decimal number but for them. */
+PetscReal MpmTimeRound(PetscReal time);
 /* The end of the step that starts now, and its length. */
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
 /* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */

@@ -87,7 +87,7 @@ def no_matrix(test):
 
 
 def going_on(test):
-    """A run that goes on from a checkpoint on two ranks ends as the undisturbed one."""
+    """A run that goes on from a checkpoint on two ranks ends as the undisturbed one; to the bit on as many, also where it had ended earlier."""
     whole = test.run(BAR, mpm_quiet=None, mpm_checkpoint_every=50, mpm_checkpoint_keep=5)
     rest = test.run(BAR, ranks=2, mpm_quiet=None, mpm_restart=whole.folder / "explicit_bar_checkpoint_000050.h5")
     several = test.run(BAR, ranks=3, mpm_quiet=None)
@@ -100,6 +100,14 @@ def going_on(test):
         after = rest.results.column(name)
         test.check(f"restart.{name}", difference(one, np.concatenate((one[: -after.size], after))), None, 1e-12)
         test.check(f"ranks.{name}", difference(one, several.results.column(name)), None, 1e-11)
+    options = {"mpm_quiet": None, "mpm_time_step": 0.02, "mpm_output_every": 1000}
+    whole = test.run(BAR, mpm_time_end=0.3, **options)
+    half = test.run(BAR, mpm_time_end=0.14, mpm_checkpoint_every=1000, **options)
+    rest = test.run(BAR, mpm_time_end=0.3, mpm_restart=half.folder / "explicit_bar_checkpoint.h5", **options)
+    test.check("ended_earlier.history", max(np.abs(whole.results.column(name)[7:] - rest.results.column(name)).max()
+                                            for name in ("time", "track_tip_vx", "energy_kinetic", "energy_balance")), 0, 0)
+    for field in ("position", "velocity", "stress"):
+        test.check(f"ended_earlier.{field}", difference(whole.results.state("last")[field], rest.results.state("last")[field]), 0, 0)
 
 
 def refused(test):
