@@ -568,6 +568,17 @@ PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmPointsClear(PetscInt count, PetscReal value[])
+{
+  const unsigned char *byte = (const unsigned char *)value; /* whatever they stand for, -0 is not 0 */
+  unsigned char        any  = 0;
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < (size_t)count * sizeof(*value); k++) any |= byte[k];
+  if (any) PetscCall(PetscArrayzero(value, count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesGetExtents(MpmParticles *particles, PetscReal lower[], PetscReal upper[])
 {
   const PetscInt dim                    = particles->dim;

@@ -86,5 +86,7 @@ PetscErrorCode MpmParticlesGetExtents(MpmParticles *particles, PetscReal lower[]
 /* Points come to rest: velocities, with their affine parts, and accelerations become zero; Stop of arrays that are lent. */
 PetscErrorCode MpmParticlesRest(MpmParticles *particles);
 PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim);
+/* Zeros into a field of one number a point, which is not written to where it has nothing else: contact is mostly far. */
+PetscErrorCode MpmPointsClear(PetscInt count, PetscReal value[]);
 /* The kinetic energy of this rank's points, J, without what their affine velocities add. */
 PetscReal MpmPointsKinetic(const MpmPoints *points, const MpmMaterial *materials, PetscInt dim);

@@ -34,6 +34,14 @@ static inline NodeMap *MapOf(const MpmSpace *space, NodeMap maps[], const PetscI
   return &maps[MpmSpacePart(space, node)];
 }
 
+/* The same for a box. */
+static inline NodeMap *MapOfBox(const MpmSpace *space, NodeMap maps[], PetscInt box)
+{
+  const MpmGroup *group = &space->groups[box];
+
+  return box < space->group_count ? &maps[group->part] : MapOf(space, maps, group->first);
+}
+
 static PetscInt64 MapSize(const NodeMap *map)
 {
   PetscInt64 size = 1;
@@ -74,7 +82,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap maps[])
   }
   for (PetscInt g = 0; g < space->box_count; g++) {
     const MpmGroup *group = &space->groups[g];
-    NodeMap        *map   = MapOf(space, maps, group->first);
+    NodeMap        *map   = MapOfBox(space, maps, g);
     PetscInt        last[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) last[a] = group->first[a] + group->count[a] - 1;
@@ -84,7 +92,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap maps[])
   for (PetscInt k = 0; k < space->parts.count; k++) PetscCall(MapAllocate(&maps[k]));
   for (PetscInt g = 0; g < space->box_count; g++) {
     const MpmGroup *group = &space->groups[g];
-    const NodeMap  *map   = MapOf(space, maps, group->first);
+    const NodeMap  *map   = MapOfBox(space, maps, g);
     PetscInt       *row;
 
     if (group->holes) continue;
@@ -308,7 +316,7 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
   PetscCall(PetscMalloc1(total, &space->group_nodes));
   for (PetscInt g = 0, fill = 0; g < space->box_count; g++) {
     const MpmGroup *group = &space->groups[g];
-    const NodeMap  *map   = MapOf(space, maps, group->first);
+    const NodeMap  *map   = MapOfBox(space, maps, g);
     PetscInt       *row;
 
     FOR_GROUP_ROWS(map, group, row) for (PetscInt i = 0; i < group->count[0]; i++) space->group_nodes[fill++] = row[i];

@@ -87,7 +87,7 @@ static PetscBool FarFromEdge(const MpmSum *sum, const MpmGroup *group, const Pet
   const PetscInt bs = sum->block, *nodes = &sum->space->group_nodes[group->node_offset];
   PetscInt       first[MPM_MAX_DIM];
 
-  MpmSpaceAt(sum->space, group->first, first);
+  MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
     const PetscReal room  = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
     PetscReal       reach = 0.;

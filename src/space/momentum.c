@@ -38,7 +38,7 @@ MPM_INLINE PetscErrorCode SumGroup(const MpmKnown known, const MpmSum *sum, cons
   const PetscBool  affine = (PetscBool)(transfer->type == MPM_TRANSFER_APIC);
   PetscInt         first[MPM_MAX_DIM];
 
-  MpmSpaceAt(sum->space, group->first, first);
+  MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt  p    = sum->space->order[s];
     const PetscReal mass = MpmPointMass(points, sum->materials, p), *v = &points->velocity[p * dim];
@@ -180,7 +180,7 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
 {
   PetscInt first[MPM_MAX_DIM];
 
-  MpmSpaceAt(sum->space, group->first, first);
+  MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
     Carried        of;
@@ -331,7 +331,7 @@ MPM_INLINE PetscErrorCode MotionToPoints(const MpmKnown known, const MpmSum *sum
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
   PetscInt        first[MPM_MAX_DIM];
 
-  MpmSpaceAt(sum->space, group->first, first);
+  MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
     Carried        of;
@@ -401,7 +401,7 @@ MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const
   const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
   PetscInt         first[MPM_MAX_DIM];
 
-  MpmSpaceAt(sum->space, group->first, first);
+  MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
     Carried        of;

@@ -77,7 +77,7 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
   const PetscInt        *nodes = &space->group_nodes[group->node_offset];
   PetscInt               first[MPM_MAX_DIM];
 
-  MpmSpaceAt(space, group->first, first);
+  MpmSpaceGroupAt(space, group, first);
   for (PetscInt k = 0; k < n * (components + 1); k++) project->sums[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt   p = space->order[s], ahead = MpmSumAhead(sum, s);

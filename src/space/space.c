@@ -60,18 +60,20 @@ typedef struct {
 
 /*
   Two keys a point: by the first node, or, with a mean, by the cell of its centre, since the first node follows from the
-  cell and a place of `width` beside it; and by the shape of the box. With more shapes than one that is also the place of
-  the nodes touched with the scene's shape.
+  cell and a place of `width` beside it, part after part; and by the shape of the box. With more shapes than one that is also the place
+  of the nodes touched with the scene's shape.
 */
 MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, const MpmRules *rules,
                                    const MpmPoints *points, Boxes *boxes)
 {
   const PetscInt  n = space->point_count, width = space->width;
   const PetscBool many               = (PetscBool)(space->shape_count > 1);
+  const PetscInt *part               = space->parts.stride ? points->part : NULL;
   PetscInt        lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
 
   PetscFunctionBeginUser;
-  boxes->cells = boxes->shapes = 1;
+  boxes->cells  = space->parts.count;
+  boxes->shapes = 1;
   for (PetscInt p = 0; p < n; p++) {
     for (PetscInt a = 0; a < dim; a++) {
       lower[a] = PetscMin(lower[a], boxes->first[p * dim + a]);
@@ -86,12 +88,9 @@ MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, co
   PetscCheck(boxes->cells < PETSC_INT_MAX && boxes->shapes < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
              "the points of one rank span %" PetscInt64_FMT " cells", boxes->cells);
   for (PetscInt p = 0; p < n; p++) {
-    PetscInt home[MPM_MAX_DIM], cell = 0, shape = 0;
+    PetscInt home[MPM_MAX_DIM], cell = part ? part[p] : 0, shape = 0;
 
-    if (rules->mean) {
-      MpmGridFindCell(rules->grid, &points->x[p * dim], home);
-      home[dim - 1] += MpmSpaceShift(space, points->part, p);
-    }
+    if (rules->mean) MpmGridFindCell(rules->grid, &points->x[p * dim], home);
     for (PetscInt a = dim - 1; a >= 0; a--) {
       const PetscInt k = p * dim + a, first = boxes->first[k], place = rules->mean ? home[a] : first;
 
@@ -134,6 +133,8 @@ static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const M
         group->count[a] = a < dim ? boxes->count[space->order[i] * dim + a] : 1;
         group->node_count *= group->count[a];
       }
+      group->part = space->parts.stride ? points->part[space->order[i]] : 0;
+      group->first[dim - 1] += space->parts.stride * group->part;
       group->point_begin = i;
       group->cell        = cell += !i || !SAME(cell_key, i);
     }

@@ -16,6 +16,7 @@ typedef struct MpmGroup {
   PetscInt  node_offset;            /* into group_nodes */
   PetscInt  point_begin, point_end; /* into order */
   PetscInt  cell;                   /* into cells, where the physics has a mean */
+  PetscInt  part;                   /* of its points; boxes without points do not tell */
   PetscBool holes;                  /* some of its nodes may be inactive: local node -1 */
 } MpmGroup;
 
@@ -71,9 +72,10 @@ typedef struct {
   first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes only.
 */
 typedef struct MpmSpace {
-  PetscInt   dim, width; /* most nodes on an axis */
-  PetscInt   point_count;
-  PetscInt  *first, *count; /* of the nodes touched with the scene's shape, dim values a point */
+  PetscInt  dim, width; /* most nodes on an axis */
+  PetscInt  point_count;
+  PetscInt *first,
+    *count; /* of the nodes touched with the scene's shape, as they stand on the grid, dim values a point */
   PetscInt   shape_count;
   MpmWeights shape[MPM_MAX_SHAPES];
   PetscInt
@@ -143,6 +145,12 @@ static inline void MpmSpaceAt(const MpmSpace *space, const PetscInt node[], Pets
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = a < space->dim ? node[a] : 0;
   at[space->dim - 1] -= space->parts.stride * MpmSpacePart(space, node);
+}
+/* The same of the first node of a group of points, without a division. */
+static inline void MpmSpaceGroupAt(const MpmSpace *space, const MpmGroup *group, PetscInt at[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = group->first[a];
+  at[space->dim - 1] -= space->parts.stride * group->part;
 }
 /* Numbers the nodes that the groups touch and builds the scatter (active_nodes.c). */
 PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);

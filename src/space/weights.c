@@ -208,8 +208,8 @@ static void AverageBlock(const MpmRules *rules, const Shape *shape, const Block 
   }
 }
 
-static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
-                                    const Shape *shape, const PetscReal half[], Lines *lines)
+static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *points, const Shape *shape,
+                                    const PetscReal half[], Lines *lines)
 {
   const PetscInt dim = rules->grid->dim, width = lines->width, count = points->count * dim;
   MpmWeights    *values = &lines->values;
@@ -244,12 +244,6 @@ static PetscErrorCode EvaluateLines(const MpmSpace *space, const MpmRules *rules
     for (PetscInt i = 0; i < here * width; i++) to.gradient[i] /= h[i];
     for (PetscInt i = 0; to.slope && i < here * width; i++) to.slope[i] /= h[i];
     if (lines->mean) AverageBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to, &values->mean[k * width]);
-  }
-  if (space->parts.stride) {
-    const PetscInt stride = space->parts.stride, *part = points->part;
-    PetscInt      *first = &lines->first[dim - 1];
-
-    for (PetscInt p = 0; p < points->count; p++, first += dim) *first += stride * part[p];
   }
   PetscCall(PetscFree(h));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -340,7 +334,7 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt s = 0; s < space->shape_count; s++)
-    PetscCall(EvaluateLines(space, rules, points, &shapes[s], half, &lines[s]));
+    PetscCall(EvaluateLines(rules, points, &shapes[s], half, &lines[s]));
   PetscCall(PetscFree(half));
   space->first = lines[0].first;
   space->count = lines[0].count;

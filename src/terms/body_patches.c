@@ -583,7 +583,7 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
 
       if (!name) continue;
       PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)&value));
-      if (a != MPM_MAX_DIM) PetscCall(PetscArrayzero(value, points));
+      if (a != MPM_MAX_DIM) PetscCall(MpmPointsClear(points, value));
       for (PetscInt k = 0; k < contacts->patch_count; k++) {
         const MpmPairPatch *patch = &contacts->patch[k];
         const PetscReal kept[] = {slip[k][0], slip[k][1], slip[k][2], patch->touches, patch->shift * patch->stiffness};

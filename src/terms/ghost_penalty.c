@@ -185,8 +185,6 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
   MpmSpaceEdges(rules, &points->x[one], edge, far_edge);
-  edge[space->dim - 1] += shift;
-  far_edge[space->dim - 1] += shift;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     lower[a] = 0;
     count[a] = 1;
@@ -199,6 +197,7 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
     lower[a] = PetscMin(begin, end);
     count[a] = PetscMax(end - lower[a] + 1, 1);
   }
+  lower[space->dim - 1] += shift;
 }
 
 /* Marks the cells of this rank's points, in a map that reaches `margin` cells further. */

@@ -398,7 +398,7 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
       PetscReal *slip;
 
       PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
-      PetscCall(PetscArrayzero(slip, sum->points->count));
+      PetscCall(MpmPointsClear(sum->points->count, slip));
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
           if (answers[k].active)
@@ -514,7 +514,7 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
 
     if (!contacts->boundaries[b].augmented) continue;
     PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&pressure));
-    PetscCall(PetscArrayzero(pressure, sum->points->count));
+    PetscCall(MpmPointsClear(sum->points->count, pressure));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPatch *patch = &contacts->patch[k];
 
@@ -537,7 +537,7 @@ static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, c
 
     if (!contacts->boundaries[b].bilateral) continue;
     PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&gap));
-    PetscCall(PetscArrayzero(gap, sum->points->count));
+    PetscCall(MpmPointsClear(sum->points->count, gap));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPatch *patch = &contacts->patch[k];
 
