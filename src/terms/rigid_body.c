@@ -70,7 +70,8 @@ void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const Pe
       body->load[a]   = factor * body->freedom->load[a] + body->freedom->mass * gravity[a];
       body->moment[a] = factor * body->freedom->moment[a];
     }
-    body->dt = body->freedom->mass > 0. ? dt : 0.;
+    body->spins = 0;
+    body->dt    = body->freedom->mass > 0. ? dt : 0.;
     for (PetscInt k = 0; k < 6; k++)
       body->guess[k] = body->dt * (body->placement->velocity[k] + 0.5 * body->dt * body->placement->acceleration[k]);
   }

@@ -40,6 +40,7 @@ struct MpmRigidBody {
   PetscReal load[3], moment[3]; /* at the step's end */
   PetscReal guess[6];           /* unknowns from which Newton starts */
   PetscReal dt;                 /* s, in a step in which the body's inertia counts; otherwise 0 */
+  PetscInt  spins;              /* a bit for each rotation that nothing ends while the material is at rest */
 };
 
 /* Of a facet by itself: the force on the material, and minus its derivative by the facet's own displacement. */
@@ -162,6 +163,8 @@ void MpmRigidGuess(const MpmContacts *contacts, const MpmSpace *space, PetscInt 
   contacts are those about the guess so far. `moved`: they have to be looked for again.
 */
 PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscBool *moved);
+/* Of a body that is adrift: what it does in place of coming to rest; it is as long as the message that it goes into needs. */
+PetscErrorCode MpmRigidDescribeDrift(const MpmContacts *contacts, PetscInt b, size_t length, char text[]);
 /*
   The same for bodies far from balance at the local unknowns u, the material staying as it is there; in the owned x their
   unknowns are changed. Where `last`, the owned unknowns before, is not NULL they go a part of a cell at most from there.
@@ -169,6 +172,12 @@ PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscB
 */
 PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                              const PetscScalar last[], PetscScalar x[]);
+/*
+  After Newton's method failed at the local unknowns u: a free body that contact lets go on in one component of its motion, or -1; `held`: it
+  resists. Collective.
+*/
+PetscErrorCode MpmRigidUnheld(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscInt *unheld,
+                              PetscInt *component, PetscBool *held);
 /* A body that has left the place about which its contacts were looked for, or -1. */
 PetscInt MpmRigidStray(const MpmContacts *contacts, PetscInt block, const PetscReal u[]);
 /*

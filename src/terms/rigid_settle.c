@@ -27,6 +27,8 @@
 #define FLAT       0.5
 #define SETTLED    1e-7 /* cells */
 #define SOFT       1e-7 /* of the largest eigenvalue: what has less is not moved */
+#define FREE       1e-4 /* of the stiffness against other components of its motion: contact lets a body go */
+#define UNHELD     0.01 /* of what acts in a component: it is not in balance */
 #define IMBALANCE  0.1  /* of a body's load: what Newton is left alone with */
 
 /* The residual g and its derivative H of the n components of `values` that are solved for. */
@@ -36,13 +38,18 @@ typedef struct {
   const PetscReal *u; /* of the material at the local nodes; NULL: none */
   PetscInt         n, component[MOST];
   PetscReal        g[MOST], H[MOST * MOST]; /* H: n x n, zeros behind */
+  PetscReal        contact[MOST];           /* of g */
+  PetscBool        touches;
 } Balance;
 
-static void ListComponents(const MpmRigidBody *body, Balance *balance)
+/* All but these rotations. */
+static void ListComponents(const MpmRigidBody *body, PetscInt spins, Balance *balance)
 {
+  const PetscInt free[2] = {body->freedom->free[0], body->freedom->free[1] & ~spins};
+
   balance->n = 0;
   for (PetscInt k = 0; k < MOST; k++)
-    if (body->freedom->free[k / 3] >> k % 3 & 1) balance->component[balance->n++] = k;
+    if (free[k / 3] >> k % 3 & 1) balance->component[balance->n++] = k;
 }
 
 /* What the contacts of this rank do: sums, of MOST numbers g and MOST x MOST of H. */
@@ -99,8 +106,11 @@ static PetscErrorCode Evaluate(const MpmContacts *contacts, PetscInt b, const Pe
   PetscCall(SumPatches(contacts, b, &q, balance, sums));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, MOST * (MOST + 1), MPIU_REAL, MPIU_SUM, balance->grid->comm));
   MpmRigidLoad(body, &q, load, derivative);
+  balance->touches = PETSC_FALSE;
+  for (PetscInt k = MOST; k < MOST * (MOST + 1); k++) balance->touches |= (PetscBool)(sums[k] != 0.);
   for (PetscInt i = 0; i < n; i++) {
-    balance->g[i] = sums[i] + load[component[i] / 3][component[i] % 3];
+    balance->contact[i] = sums[i];
+    balance->g[i]       = sums[i] + load[component[i] / 3][component[i] % 3];
     for (PetscInt j = 0; j < n; j++) {
       const PetscInt r = component[i] - 3, c = component[j] - 3;
 
@@ -221,7 +231,7 @@ static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *bal
 
   PetscFunctionBeginUser;
   *moved = PETSC_FALSE;
-  ListComponents(&contacts->bodies[b], balance);
+  ListComponents(&contacts->bodies[b], contacts->bodies[b].spins, balance);
   PetscCall(PetscArraycpy(from, values, MOST));
   PetscCall(Evaluate(contacts, b, values, balance));
   for (PetscInt it = 0; it < ITERATIONS && !*moved; it++) {
@@ -231,6 +241,49 @@ static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *bal
     trusted = PetscMin(part < 1. ? 2. * part * Norm(balance->n, s) : 2. * trusted, TRUSTED * cell);
     for (PetscInt k = 0; k < MOST; k++) gone[k] = values[k] - from[k];
     *moved = (PetscBool)(Norm(MOST, gone) > SEARCH * cell);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  A body that turns on and on: where it slides on the little that it touches of a material at rest, it may be held all the same when it has sunk
+  in. It settles without these rotations, from the start.
+*/
+static PetscBool Spins(MpmRigidBody *body)
+{
+  const PetscReal *turn = &body->guess[3], way = Norm(3, body->guess), most = Norm(3, turn);
+  const PetscInt   before = body->spins;
+
+  for (PetscInt a = 0; a < 3 && most > way; a++)
+    if (PetscAbsReal(turn[a]) > 0.5 * most) body->spins |= 1 << a;
+  if (body->dim == 2 && body->spins) body->spins = 1;
+  if (body->spins == before) return PETSC_FALSE;
+  for (PetscInt k = 0; k < MOST; k++) body->guess[k] = 0.;
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmRigidDescribeDrift(const MpmContacts *contacts, PetscInt b, size_t length, char text[])
+{
+  const MpmRigidBody *body = &contacts->bodies[b];
+  const char         *name = contacts->boundaries[b].name;
+  const PetscReal    *way  = body->guess;
+  PetscInt            most = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 1; a < body->dim; a++)
+    if (PetscAbsReal(way[a]) > PetscAbsReal(way[most])) most = a;
+  if (way[most] != 0. && PetscAbsReal(way[most]) > 0.5 * Norm(MOST, way))
+    PetscCall(PetscSNPrintf(
+      text, length, "nothing holds boundary %s against its load along %c: it met no material on its way of %g m", name,
+      "xyz"[most], (double)way[most]));
+  else {
+    PetscInt turns = body->spins ? body->spins : 1;
+
+    most = 0;
+    while (!(turns >> most & 1)) most++;
+    PetscCall(PetscSNPrintf(text, length,
+                            "nothing holds boundary %s against its moment about %c: it turns on and meets no material",
+                            name, body->dim == 2 ? 'z' : "xyz"[most]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -246,7 +299,9 @@ PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscB
 
     if (!body->freedom || body->dt > 0.) continue;
     PetscCall(Rest(contacts, b, &balance, Norm(MOST, body->guess) > 0. ? SETTLED : NEGLIGIBLE, body->guess, &further));
-    if (Norm(MOST, body->guess) > Diagonal(grid)) contacts->adrift = b;
+    if (Norm(MOST, body->guess) > Diagonal(grid) && Spins(body)) further = PETSC_TRUE;
+    else if (Norm(MOST, body->guess) > Diagonal(grid) || (body->spins && !further && !balance.touches))
+      contacts->adrift = b;
     *moved = (PetscBool)(*moved || further);
   }
   if (contacts->adrift >= 0) *moved = PETSC_FALSE;
@@ -286,13 +341,45 @@ PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, con
     PetscCallMPI(MPI_Bcast(step, MOST, MPIU_REAL, owner, sum->grid->comm));
     far = Norm(MOST, step) / contacts->cell;
     for (PetscInt k = 0; k < MOST && far > TRUSTED; k++) values[k] -= (1. - TRUSTED / far) * step[k];
-    ListComponents(body, &balance);
+    ListComponents(body, body->spins, &balance);
     PetscCall(Evaluate(contacts, b, values, &balance));
     if (last ? Norm(MOST * MOST, balance.H) == 0. : Norm(balance.n, balance.g) > IMBALANCE * Push(body))
       PetscCall(Rest(contacts, b, &balance, SETTLED, values, &moved));
     if (sum->grid->rank < owner) continue;
     for (PetscInt a = 0; a < body->dim; a++) x[body->node * bs + a] = values[a];
     for (PetscInt a = 0; a < (body->dim == 2 ? 1 : 3); a++) x[(body->node + 1) * bs + a] = values[3 + a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRigidUnheld(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscInt *unheld,
+                              PetscInt *component, PetscBool *held)
+{
+  PetscFunctionBeginUser;
+  *unheld = -1;
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && *unheld < 0; b++) {
+    const MpmRigidBody *body    = &contacts->bodies[b];
+    Balance             balance = {.grid = sum->grid, .sum = sum, .u = u};
+    PetscReal           values[MOST], stiffest = 0., worst = 0.;
+
+    if (!body->freedom || body->dt > 0.) continue;
+    Take(body, sum->block, u, values);
+    ListComponents(body, 0, &balance);
+    PetscCall(Evaluate(contacts, b, values, &balance));
+    for (PetscInt i = 0; i < balance.n; i++)
+      stiffest = PetscMax(stiffest, PetscAbsReal(balance.H[i * (balance.n + 1)]));
+    for (PetscInt i = 0; i < balance.n && balance.touches; i++) {
+      const PetscReal off = PetscAbsReal(balance.g[i]), contact = PetscAbsReal(balance.contact[i]);
+      const PetscReal load = PetscAbsReal(balance.g[i] - balance.contact[i]);
+
+      if (PetscAbsReal(balance.H[i * (balance.n + 1)]) > FREE * stiffest || off <= UNHELD * PetscMax(load, contact) ||
+          off <= worst)
+        continue;
+      worst      = off;
+      *unheld    = b;
+      *component = balance.component[i];
+      *held      = (PetscBool)(contact > FREE * load);
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -116,18 +116,6 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* NULL, or a line on a free body that met nothing. */
-static const char *Adrift(MpmModel model)
-{
-  const MpmContacts *contacts = model->disc.contacts;
-
-  if (!contacts->bodies || contacts->adrift < 0) return NULL;
-  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                      "nothing holds boundary %s against its load: it met no material on its way",
-                      contacts->boundaries[contacts->adrift].name);
-  return model->solver.lost;
-}
-
 /* The solver and the start of Newton; what free bodies, and bodies in contact, may touch is part of the sparsity. */
 static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char **why)
 {
@@ -137,7 +125,11 @@ static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char 
   if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
   if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
   PetscCall(MpmStepStart(model, PETSC_FALSE));
-  *why = Adrift(model);
+  if (model->disc.contacts->bodies && model->disc.contacts->adrift >= 0) {
+    PetscCall(MpmRigidDescribeDrift(model->disc.contacts, model->disc.contacts->adrift, sizeof(model->solver.lost),
+                                    model->solver.lost));
+    *why = model->solver.lost;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

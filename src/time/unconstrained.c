@@ -18,6 +18,7 @@
 #include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/inertia.h"
+#include "terms/rigid_body.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -440,6 +441,25 @@ PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A rigid body that goes on turning or sliding in its contacts. */
+static PetscErrorCode ExplainBodies(MpmModel model, const char **why, PetscBool *retryable)
+{
+  const MpmContacts *contacts = model->disc.contacts;
+  PetscInt           b, component;
+  PetscBool          held;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRigidUnheld(contacts, model->disc.sum, model->disc.u, &b, &component, &held));
+  if (b < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                          "its contacts do not hold boundary %s against %s %c (%s)", contacts->boundaries[b].name,
+                          component < 3 ? "translation along" : "rotation about",
+                          model->disc.dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], *why));
+  *why       = model->solver.lost;
+  *retryable = (PetscBool)(*retryable && held);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable)
 {
   Pieces   pieces;
@@ -462,6 +482,7 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
     }
     PetscCall(Forget(&pieces));
   }
+  if (!text) PetscCall(ExplainBodies(model, why, retryable));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

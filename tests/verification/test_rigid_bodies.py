@@ -189,7 +189,9 @@ def refusals(test):
             ("table_rz", 2, "disc_motion_table: column rz must be 0, for rz is among",
              {"mpm_boundary_disc_free": "x,rz", "mpm_boundary_disc_load": "0,0", "mpm_boundary_disc_motion_table": table}),
             ("velocity", 2, "disc_velocity", {"mpm_boundary_disc_velocity": "1,0"}),
-            ("adrift", 3, "nothing holds boundary disc", {"mpm_boundary_disc_center": "5.5,2.5"})):
+            ("adrift", 3, "nothing holds boundary disc against its load along y", {"mpm_boundary_disc_center": "5.5,2.5"}),
+            ("turns", 3, "do not hold boundary disc against rotation about z",
+             {"mpm_boundary_disc_free": "x,y,rz", "mpm_boundary_disc_moment": 500})):
         run = test.run(path, status=status, mpm_quiet=None, mpm_output_every=0, **options)
         lines = [line for line in run.errors.splitlines() if line.startswith("talus")]
         test.check(f"{label}.lines", len(lines), 1, 1)
