@@ -746,7 +746,7 @@ static PetscErrorCode SetUp(MpmModel model)
 {
   const MpmOptions options = {model->comm, "mpm_", model->record};
   PetscLogDouble   since;
-  PetscReal        unknowns;
+  PetscReal        unknowns = 0.;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));

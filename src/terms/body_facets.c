@@ -297,7 +297,7 @@ static PetscErrorCode AnyNear(const MpmPairContacts *contacts, const MpmGrid *gr
 PetscErrorCode MpmPairFacetsFind(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                  const MpmSpace *space)
 {
-  PetscBool near;
+  PetscBool near = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   contacts->facet_count = 0;
