@@ -64,6 +64,7 @@ struct MpmPairContacts {
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
   PetscReal        cell, touch;    /* the smallest size of a cell; a patch no further away touches */
   PetscBool        starts;         /* the step is the run's first: what overlaps now touches */
+  PetscBool        dynamic;        /* the step has inertia */
   PetscBool        holds;          /* patches of some rank are held */
   PetscReal        give;           /* as at boundaries (MpmContactsGive) */
   const PetscReal *moved;          /* explicit steps: displacements, contact having acted at others; or NULL */

@@ -434,8 +434,9 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->cell = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
-  contacts->touch  = TOUCH * contacts->cell;
-  contacts->starts = (PetscBool)(rules->time_n == 0. && !rules->put_back);
+  contacts->touch   = TOUCH * contacts->cell;
+  contacts->starts  = (PetscBool)(rules->time_n == 0. && !rules->put_back);
+  contacts->dynamic = rules->dynamic;
   PetscCall(MpmPairFacetsFind(contacts, rules, points, space));
   if (!contacts->facet_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(contacts->list));
@@ -493,8 +494,9 @@ static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, c
   PetscReal       within;
   PetscBool       cut = PETSC_TRUE;
 
-  if (contacts->pairs->at[patch->pair].barrier) /* which needs a gap */
-    return PetscMin(patch->gap - 0.5 * MPM_BARRIER * contacts->cell, 0.);
+  if (contacts->pairs->at[patch->pair]
+        .barrier) /* needs a gap: half of its reach, where it bears, or all, where its energy would be set free */
+    return PetscMin(patch->gap - (contacts->dynamic ? 1. : 0.5) * MPM_BARRIER * contacts->cell, 0.);
   for (PetscInt a = 0; a < dim; a++)
     if (PetscAbsReal(patch->normal[a]) > 1. - ALIGNED) cut = PETSC_FALSE;
   FOR_SIDES(patch, f, s) if (contacts->facet[contacts->list[f]].placed) cut = PETSC_FALSE;

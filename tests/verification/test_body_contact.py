@@ -64,6 +64,12 @@ def parted(test):
     test.check("parted.low", np.max(np.abs(run.table("displacement")[low])), None, 1e-12)
 
 
+def let_go(test):
+    """Blocks that were drawn to touch, without a load, stay where they are in a step with inertia: a barrier sets no energy free."""
+    run = test.run(BLOCKS, mpm_contact_ab_method="barrier", mpm_time_integrator="newmark", mpm_time_end=0.1, mpm_time_step=0.02)
+    test.check("let_go.way", np.abs(run.table("displacement")).max(), None, 1e-12)
+
+
 def slide(test):
     """The friction of a stiff block that is pushed along: mu N; the same on all ranks, and after a restart on others."""
     alone = test.run(SLIDING, mpm_checkpoint_every=10)
