@@ -90,4 +90,5 @@ with Test() as check:
     patch(check)
     unlike(check)
     parted(check)
+    let_go(check)
     slide(check)
