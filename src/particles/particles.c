@@ -177,6 +177,13 @@ PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *poi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmParticlesLendArrays(MpmParticles *particles, MpmPoints *points)
+{
+  PetscFunctionBeginUser;
+  if (!points->id) PetscCall(MpmParticlesGetArrays(particles, points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- points on the move ---- */
 
 /* A point that this rank has sent away, kept until all have arrived. */

@@ -46,6 +46,8 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
+/* Get, unless these arrays are lent already: fields are looked up by name, which costs small scenes more than their points do. */
+PetscErrorCode MpmParticlesLendArrays(MpmParticles *particles, MpmPoints *points);
 /*
   Sends every point to the rank that owns its cell, however far. Points are counted before and after; one that is missing
   or not in the grid is told of in particles->lost, the same text on all ranks.

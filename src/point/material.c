@@ -48,6 +48,15 @@ PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *i
   return PETSC_FALSE;
 }
 
+PetscBool MpmLawFindAll(const char *name, PetscInt dim, MpmFunction law[], MpmLawInfo *info)
+{
+  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
+    if (!MpmLawFind(name, dim, (MpmForm)form, info)) return PETSC_FALSE;
+    law[form] = info->law;
+  }
+  return MpmLawFind(name, dim, MPM_FORM_RESIDUAL, info);
+}
+
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
 {
   if (variable->kind == MPM_STATE_VECTOR) return dim;
@@ -222,11 +231,8 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(MpmOptionsHeading(&block, "Material"));
   PetscCall(LawNames(&names));
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, &given));
-  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-    PetscCheck(MpmLawFind(names[type], dim, (MpmForm)form, &material->info), options->comm, PETSC_ERR_PLIB,
-               "law %s is not compiled", names[type]);
-    material->law[form] = material->info.law;
-  }
+  PetscCheck(MpmLawFindAll(names[type], dim, material->law, &material->info), options->comm, PETSC_ERR_PLIB,
+             "law %s is not compiled", names[type]);
   PetscCall(PetscFree(names));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->given));

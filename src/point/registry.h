@@ -8,6 +8,11 @@
 
 /* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
 PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
+/*
+  Its functions in all forms; `info` as compiled for the residual, in plain numbers: stiffness and energy, which steps ask for point by
+  point, take three times as long in the complex ones of the sensitivities.
+*/
+PetscBool MpmLawFindAll(const char *name, PetscInt dim, MpmFunction law[], MpmLawInfo *info);
 /* A built-in physics with its compiled kernels. */
 PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
 /* Appends the names of all physics that scenes may ask for. */

@@ -229,21 +229,17 @@ static int AskForHistory(const MpmInitial *initial, PetscReal before[], const Pe
 static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
 {
   MpmPhysics physics;
+  MpmLawInfo info;
   PetscBool  found;
 
   PetscFunctionBeginUser;
   PetscCall(MpmPhysicsCreate("solid", &physics, &found));
   initial->dim    = dim;
   initial->kernel = physics.kernels[dim];
-  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-    MpmLawInfo info;
-
-    found = (PetscBool)(found && MpmLawFind(initial->material->info.name, dim, (MpmForm)form, &info));
-    PetscCheck(found, PETSC_COMM_SELF, PETSC_ERR_PLIB, "law %s is not compiled for a solid",
-               initial->material->info.name);
-    initial->law[form] = info.law;
-    initial->history   = info.history;
-  }
+  found           = (PetscBool)(found && MpmLawFindAll(initial->material->info.name, dim, initial->law, &info));
+  PetscCheck(found, PETSC_COMM_SELF, PETSC_ERR_PLIB, "law %s is not compiled for a solid",
+             initial->material->info.name);
+  initial->history = info.history;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

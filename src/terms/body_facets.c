@@ -273,9 +273,7 @@ static PetscErrorCode AnyNear(const MpmPairContacts *contacts, const MpmGrid *gr
       least[k * stride + a]       = box[k].lower[a];
       least[k * stride + dim + a] = -box[k].upper[a];
     }
-    least[k * stride + 2 * dim] = 0.; /* the longest arm of a face, times -1 */
-    for (PetscInt a = 0; a < dim; a++)
-      least[k * stride + 2 * dim] = PetscMin(least[k * stride + 2 * dim], -PetscSqrtReal(box[k].square[a]));
+    least[k * stride + 2 * dim] = -PetscSqrtReal(box[k].square); /* what no arm of a face is longer than, times -1 */
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, least, (PetscMPIInt)(parts * stride), MPIU_REAL, MPIU_MIN, contacts->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMax(h, grid->h[a]);

@@ -14,9 +14,9 @@
 #define ROUNDING     1e-9 /* of the lengths that are compared */
 #define REACH        3.   /* times half the edges: so far a facet may stand from its point */
 
-MpmFaceBox MpmFaceBoxNone(void)
+static MpmFaceBox None(void)
 {
-  MpmFaceBox box = {.square = {0., 0., 0.}};
+  MpmFaceBox box = {.square = 0.};
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     box.lower[a] = PETSC_INFINITY;
@@ -39,25 +39,53 @@ static PetscReal Edges(PetscInt dim, const MpmPoints *points, PetscInt p)
   return sum;
 }
 
-/* The box of points [begin, end) that have outer faces. */
-MPM_INLINE MpmFaceBox BoxOf(const PetscInt dim, const MpmPoints *points, PetscInt begin, PetscInt end)
+/* The first of points [begin, end) that has an outer face, or `end`. Few have one. */
+static inline PetscInt NextWithFace(const PetscInt faces[], PetscInt begin, PetscInt end)
 {
-  MpmFaceBox box = MpmFaceBoxNone();
+  const PetscInt *f = &faces[begin], *const last = &faces[end];
 
-  for (PetscInt p = begin; p < end; p++)
-    if (points->faces[p]) MpmFaceBoxInclude(dim, points, p, &box);
-  return box;
+  if (f < last && *f) return begin;
+  while (f + 8 <= last && !(f[0] | f[1] | f[2] | f[3] | f[4] | f[5] | f[6] | f[7])) f += 8;
+  while (f < last && !*f) f++;
+  return (PetscInt)(f - faces);
+}
+
+/* Widens a box to hold point p. */
+MPM_INLINE void Include(const PetscInt dim, const MpmPoints *points, PetscInt p, MpmFaceBox *box)
+{
+  const PetscReal *x = &points->x[p * dim], *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
+  PetscReal        longest = half[0], square = PetscSqr(F[0]);
+
+  for (PetscInt k = 1; k < dim * dim; k++) square += PetscSqr(F[k]);
+  for (PetscInt a = 1; a < dim; a++) longest = PetscMax(longest, half[a]);
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal place = x[a];
+
+    box->lower[a] = PetscMin(box->lower[a], place);
+    box->upper[a] = PetscMax(box->upper[a], place);
+  }
+  box->square = PetscMax(box->square, square * PetscSqr(longest));
+}
+
+/* The box of points [begin, end) that have outer faces. */
+MPM_INLINE void BoxOf(const PetscInt dim, const MpmPoints *points, PetscInt begin, PetscInt end, MpmFaceBox *box)
+{
+  *box = None();
+  for (PetscInt p = NextWithFace(points->faces, begin, end); p < end; p = NextWithFace(points->faces, p + 1, end))
+    Include(dim, points, p, box);
 }
 
 MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFaceBox boxes[])
 {
-  for (PetscInt p = 0; p < points->count; p++)
-    if (points->faces[p]) MpmFaceBoxInclude(dim, points, p, &boxes[points->part[p]]);
+  const PetscInt end = points->count;
+
+  for (PetscInt p = NextWithFace(points->faces, 0, end); p < end; p = NextWithFace(points->faces, p + 1, end))
+    Include(dim, points, p, &boxes[points->part[p]]);
 }
 
 void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[])
 {
-  for (PetscInt k = 0; k < parts; k++) boxes[k] = MpmFaceBoxNone();
+  for (PetscInt k = 0; k < parts; k++) boxes[k] = None();
   if (dim == 2) BoxesOfParts(2, points, boxes);
   else BoxesOfParts(3, points, boxes);
 }
@@ -85,17 +113,18 @@ PetscErrorCode MpmFaceBoxesMake(MpmContacts *contacts, const MpmPoints *points)
     boxes->capacity = count;
   }
   boxes->count = count;
-  boxes->all   = MpmFaceBoxNone();
+  boxes->all   = None();
   for (PetscInt k = 0; k < count; k++) {
     const PetscInt begin = k * SIDE_BY_SIDE, end = PetscMin(points->count, begin + SIDE_BY_SIDE);
     MpmFaceBox    *box = &boxes->box[k];
 
-    *box = dim == 2 ? BoxOf(2, points, begin, end) : BoxOf(3, points, begin, end);
+    if (dim == 2) BoxOf(2, points, begin, end, box);
+    else BoxOf(3, points, begin, end, box);
     for (PetscInt a = 0; a < dim; a++) {
-      boxes->all.lower[a]  = PetscMin(boxes->all.lower[a], box->lower[a]);
-      boxes->all.upper[a]  = PetscMax(boxes->all.upper[a], box->upper[a]);
-      boxes->all.square[a] = PetscMax(boxes->all.square[a], box->square[a]);
+      boxes->all.lower[a] = PetscMin(boxes->all.lower[a], box->lower[a]);
+      boxes->all.upper[a] = PetscMax(boxes->all.upper[a], box->upper[a]);
     }
+    boxes->all.square = PetscMax(boxes->all.square, box->square);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -136,14 +165,13 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
   const PetscInt  dim                 = grid->dim;
   const PetscBool turns               = (PetscBool)(contacts->before[b].turned || contacts->after[b].turned);
   const PetscInt  corners             = turns ? PetscPowInt(2, dim) : 1;
-  PetscReal       middle[MPM_MAX_DIM] = {0., 0., 0.}, square = 0., edges = 0., margin = 0.;
+  PetscReal       middle[MPM_MAX_DIM] = {0., 0., 0.}, square = 0., margin = 0.;
   MpmSurface      surface;
 
   if (box->lower[0] > box->upper[0]) return PETSC_TRUE;
   for (PetscInt a = 0; a < dim; a++) {
     middle[a] = 0.5 * (box->lower[a] + box->upper[a]);
     square += PetscSqr(box->upper[a] - box->lower[a]);
-    edges += PetscSqrtReal(box->square[a]);
   }
   for (PetscInt k = 0; k < corners; k++) {
     PetscReal at[MPM_MAX_DIM];
@@ -152,7 +180,8 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
     margin = PetscMax(margin, MpmContactsMargin(contacts, grid, b, at));
   }
   MpmContactsDistance(contacts, b, middle, &surface);
-  margin += 0.5 * PetscSqrtReal(square) + REACH * edges;
+  /* sum_a |F e_a| l_a <= sqrt(dim) |F| times the longest l_a */
+  margin += 0.5 * PetscSqrtReal(square) + REACH * PetscSqrtReal((PetscReal)dim * box->square);
   return (PetscBool)(surface.distance * (1. - ROUNDING) > margin * (1. + ROUNDING));
 }
 

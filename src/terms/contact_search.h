@@ -6,9 +6,12 @@
 #include "particles/points.h"
 #include "terms/contact.h"
 
-/* Points with an outer face: where they are, m; by axis the longest half edge of a domain, squared, m2. None: lower is above upper. */
+/*
+  Points with an outer face: where they are, m, and a square, m2, which that of no half edge |F e_a| l_a of a domain is above: the
+  largest l_a^2 times |F|^2 = sum_ab F_ab^2. None: lower is above upper.
+*/
 typedef struct {
-  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], square[MPM_MAX_DIM];
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], square;
 } MpmFaceBox;
 
 /* Boxes of points that stand side by side in storage, and the one around them all. */
@@ -19,20 +22,6 @@ struct MpmFaceBoxes {
   PetscLogEvent search;
 };
 
-MpmFaceBox MpmFaceBoxNone(void);
-/* Widens a box to hold point p, whatever its faces. */
-MPM_INLINE void MpmFaceBoxInclude(const PetscInt dim, const MpmPoints *points, PetscInt p, MpmFaceBox *box)
-{
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal x      = points->x[p * dim + a];
-    PetscReal       square = 0.;
-
-    for (PetscInt b = 0; b < dim; b++) square += PetscSqr(points->F[(p * dim + b) * dim + a]);
-    box->lower[a]  = PetscMin(box->lower[a], x);
-    box->upper[a]  = PetscMax(box->upper[a], x);
-    box->square[a] = PetscMax(box->square[a], square * PetscSqr(points->half_length[p * dim + a]));
-  }
-}
 /* The boxes by part of all points with outer faces. */
 void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[]);
 

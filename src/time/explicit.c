@@ -80,14 +80,14 @@ MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const Mp
   return least;
 }
 
+/* The points' arrays stay lent for the step that follows. */
 static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
 {
-  MpmPoints points;
+  const MpmPoints *points = model->disc.points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  *crossing = model->disc.dim == 2 ? Crossing(2, model, &points) : Crossing(3, model, &points);
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
+  *crossing = model->disc.dim == 2 ? Crossing(2, model, points) : Crossing(3, model, points);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, crossing, 1, MPIU_REAL, MPIU_MIN, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,19 +127,18 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   const MpmSum           *sum     = model->disc.sum;
   const PetscInt          dim     = model->disc.dim;
   PetscReal               slowest = PETSC_MAX_REAL, h = PETSC_MAX_REAL;
-  MpmPoints               points;
+  const MpmPoints        *points = model->disc.points;
 
   PetscFunctionBeginUser;
   model->state.dt_wanted = GivenStep(model);
   if (model->state.dt_wanted > 0.) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) {
-    const PetscReal *state = points.state ? &points.state[p * sum->state_size] : NULL;
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL;
 
-    slowest = PetscMin(slowest, MpmMaterialWaveSpeed(&sum->materials[points.material[p]], dim, state,
-                                                     &points.F[p * dim * dim], &points.stress[p * MpmSymSize(dim)]));
+    slowest = PetscMin(slowest, MpmMaterialWaveSpeed(&sum->materials[points->material[p]], dim, state,
+                                                     &points->F[p * dim * dim], &points->stress[p * MpmSymSize(dim)]));
   }
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMin(h, model->disc.grid->h[a]);
   model->state.dt_wanted = motion->cfl * MpmExplicitPart(motion) * h / slowest;

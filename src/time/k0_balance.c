@@ -263,11 +263,8 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     *auxiliary            = model->scene.materials->at[m];
     auxiliary->state_size = 0; /* that a step would write */
     auxiliary->table      = NULL;
-    for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-      PetscCheck(MpmLawFind("k0_law", dim, (MpmForm)form, &auxiliary->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
-                 "law k0 is not compiled");
-      auxiliary->law[form] = auxiliary->info.law;
-    }
+    PetscCheck(MpmLawFindAll("k0_law", dim, auxiliary->law, &auxiliary->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+               "law k0 is not compiled");
     PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));
     auxiliary->stiffness = auxiliary->penalty = BALANCE_MODULUS * balance->rest->largest;
     PetscCall(PetscArraycpy(auxiliary->parameter,

@@ -104,8 +104,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
 
   PetscFunctionBeginUser;
   model->disc.committed = PETSC_FALSE;
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
   PetscCall(FindNear(model));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
