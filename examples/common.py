@@ -66,6 +66,22 @@ def same_settings(results, settings):
     return all(parts(results.option(name, "")) == parts(value) for name, value in settings.items())
 
 
+def outline(place):
+    """The points of a convex body that bound it, once round (Andrew's monotone chain; those on a straight side are among them)."""
+    reach = 1e-9 * np.ptp(place, axis=0).prod()
+
+    def chain(order):
+        way = []
+        for point in order:
+            while len(way) > 1 and np.cross(place[way[-1]] - place[way[-2]], place[point] - place[way[-1]]) < -reach:
+                way.pop()
+            way.append(point)
+        return way[:-1]
+
+    order = np.lexsort((place[:, 1], place[:, 0]))
+    return np.array(chain(order) + chain(order[::-1]))
+
+
 def main(check, draw):
     """The command line of a check: check(results) gives quantities, draw(results) a figure."""
     parser = argparse.ArgumentParser(description=sys.modules["__main__"].__doc__)

@@ -136,14 +136,14 @@ def draw_rest(axes, results, ground):
     y = np.linspace(0.0, ground.height - 1e-3, 200)
     state = results.state(1)
     points = np.argsort(state["position"][:, 1])[:: max(1, len(state["position"]) // 40)]
-    axes[0].plot(ground.weight(y) / 1e3, y, label="vertical stress: weight above")
-    axes[0].plot(ground.weight(y) * ground.ratio(y) / 1e3, y, label="horizontal, by OCR")
-    axes[0].plot(ground.preconsolidation(y) / 1e3, y, label="preconsolidation $p_c$")
+    axes[0].plot(ground.weight(y) / 1e3, y, label="vertical stress")
+    axes[0].plot(ground.weight(y) * ground.ratio(y) / 1e3, y, label="horizontal")
+    axes[0].plot(ground.preconsolidation(y) / 1e3, y, label="$p_c$")
     for column, color in ((1, "C0"), (0, "C1")):
         axes[0].plot(-state["stress"][points, column] / 1e3, state["position"][points, 1], "o", color=color, markersize=4,
                      markerfacecolor="white")
     axes[0].set(xlabel="kPa", ylabel="height (m)", title="at rest", xlim=(0.0, 330.0))
-    axes[0].legend(frameon=False, fontsize="small")
+    axes[0].legend(fontsize="small", loc="upper right")
     axes[1].semilogx(ground.overconsolidation(y)[0], y, color="C2")
     axes[1].set(xlabel="OCR", xlim=(0.9, 100.0))
 
@@ -152,7 +152,9 @@ def draw(results):
     import matplotlib.pyplot as plt
 
     ground, last = Ground(results), results.state("last")
-    figure, axes = plt.subplots(1, 4, figsize=(14.0, 3.8), layout="constrained", width_ratios=(2, 1, 2, 3))
+    figure = plt.figure(figsize=(9.5, 6.6), layout="constrained")
+    grid = figure.add_gridspec(2, 10, height_ratios=(1.2, 1))
+    axes = [figure.add_subplot(place) for place in (grid[0, :4], grid[0, 4:6], grid[0, 6:], grid[1, :])]
     draw_rest(axes[:2], results, ground)
     rows = results.column("stage") == 3
     pressure = ground.load / 1e3 * (results.column("time")[rows] - results.column("time")[~rows][-1])
@@ -167,7 +169,7 @@ def draw(results):
     growth = last["preconsolidation"] / ground.preconsolidation(results.initial["position0"][:, 1])
     dots = axes[3].scatter(*last["position"].T, c=growth, s=5.0 if ground.width > 5.0 else 30.0, marker="s", linewidths=0.0)
     figure.colorbar(dots, ax=axes[3], label="$p_c$ over that at rest")
-    axes[3].set(aspect="equal", xlabel="x (m)", title="where the clay yields")
+    axes[3].set(aspect="equal", xlabel="x (m)", ylabel="height (m)", title="where the clay yields")
     return figure
 
 

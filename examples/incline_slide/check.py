@@ -44,10 +44,19 @@ def draw(results):
     import matplotlib.pyplot as plt
 
     figure, (above, below) = plt.subplots(2, 1, figsize=(8, 5), constrained_layout=True)
-    for step in list(results.steps)[::2]:
-        above.scatter(*results.state(step)["position"].T, s=2)
+    place = results.state("first")["position0"]
+    rim = common.outline(place)
+    spoke = [np.abs(place - (place[rim].mean(axis=0) + offset)).sum(axis=1).argmin() for offset in ((0.0, 0.0), (0.0, 1.0))]
+    steps = list(results.steps)[::2]
+    for step, shade in zip(steps, plt.cm.viridis(np.linspace(0.9, 0.1, len(steps)))):
+        state = results.state(step)
+        above.fill(*state["position"][rim].T, facecolor=shade, alpha=0.25)
+        above.fill(*state["position"][rim].T, fill=False, edgecolor=shade, label=f"{state.time:.1f} s")
+        if results.option("mpm_bodies") == "disc":
+            above.plot(*state["position"][spoke].T, color=shade)
     above.axhline(0, color="0.4")
-    above.set(aspect="equal", xlabel="along the slope (m)", ylabel="(m)", title="every 0.2 s")
+    above.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+    above.set(aspect="equal", xlabel="along the slope (m)", ylabel="across it (m)")
     history, (exact, *_) = results.history, motion(results)
     below.plot(history["time"], exact * history["time"] ** 2 / 2, color="0.6", linewidth=4, label="rigid body")
     below.plot(history["time"], history["track_middle_ux"], color="C3", linewidth=1, label="computed")

@@ -35,11 +35,11 @@ def draw(results):
     """The slope at the end, where its points come from, and its slide in time."""
     import matplotlib.pyplot as plt
 
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 6.6), layout="constrained")
+    figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 6.0), layout="constrained", height_ratios=(1, 1.2))
     state = results.state("last")
-    dots = above.scatter(*state["position"].T, c=np.linalg.norm(state["displacement"], axis=1), s=1.5, marker="s", linewidths=0.0)
+    dots = above.scatter(*state["position"].T, c=np.linalg.norm(state["displacement"], axis=1), s=5.0, marker="s", linewidths=0.0)
     above.plot([0, 17, 37, 60], [15, 15, 5, 5], color="k", linewidth=0.8)
-    figure.colorbar(dots, ax=above, label="displacement (m)")
+    figure.colorbar(dots, ax=above, label="displacement (m)", shrink=0.8)
     above.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
     fail = rows(results, 2)
     time = results.column("time")[fail] - results.column("time")[fail][0]
@@ -47,9 +47,12 @@ def draw(results):
         below.plot(time, way(results, name)[fail], label=name)
     below.set(xlabel="time (s)", ylabel="displacement (m)")
     energy = below.twinx()
-    energy.plot(time, 1e-3 * results.column("energy_kinetic")[fail], color="0.6", label="kinetic energy")
+    energy.plot(time, 1e-3 * results.column("energy_kinetic")[fail], color="0.6", label="kinetic energy (right)")
     energy.set_ylabel("kinetic energy (kJ/m)")
-    below.legend()
+    energy.set_ylim(bottom=0.0)
+    below.set_ylim(bottom=0.0)
+    lines = below.get_lines() + energy.get_lines()
+    below.legend(lines, [line.get_label() for line in lines], loc="center right")
     return figure
 
 

@@ -31,16 +31,23 @@ def check(results):
 def draw(results):
     import matplotlib.pyplot as plt
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), constrained_layout=True)
-    for step in list(results.steps)[:8]:
-        left.scatter(*results.state(step)["position"].T, s=1)
-    left.set(aspect="equal", xlabel="x (m)", ylabel="y (m)", title="every 0.15 s on the way down")
+    figure = plt.figure(figsize=(10, 4.4), constrained_layout=True)
+    grid = figure.add_gridspec(2, 2)
+    left, above, below = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
+    rim = common.outline(results.state("first")["position0"])
+    steps = list(results.steps)[:8]
+    for step, shade in zip(steps, plt.cm.viridis(np.linspace(0.95, 0.05, len(steps)))):
+        state = results.state(step)
+        left.fill(*state["position"][rim].T, facecolor=shade, edgecolor="k", linewidth=0.5, alpha=0.7, label=f"{state.time:.2f} s")
+    left.set(aspect="equal", xlim=(-0.1, 5.0), xlabel="x (m)", ylabel="y (m)", title="on the way down")
+    left.legend(fontsize="small", loc="lower right", title="after")
     history = results.history
-    right.plot(history["time"], history["track_tip_uy"], color="C3", label="tip (m)")
-    for name in ("kinetic", "elastic", "external"):
-        right.plot(history["time"], history[f"energy_{name}"] / 1e5, label=f"{name} energy (100 kJ)")
-    right.set_xlabel("time (s)")
-    right.legend(fontsize="small")
+    above.plot(history["time"], history["track_tip_uy"], color="C3")
+    above.set(ylabel="tip (m)")
+    for name, label in (("kinetic", "kinetic"), ("elastic", "elastic"), ("external", "from the weight")):
+        below.plot(history["time"], history[f"energy_{name}"] / 1e3, label=label)
+    below.set(xlabel="time (s)", ylabel="energy (kJ/m)")
+    below.legend(fontsize="small")
     return figure
 
 
