@@ -117,39 +117,6 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  A displacement unknown is weak when its diagonal is below this part of a typical one, and with the node's last one its other
-  fields; their diagonals are raised by that part.
-*/
-#define WEAK_NODE 1e-3
-#define WEAK_LIFT 1e-11
-
-/*
-  Nodes that the corner of a single domain touches have more unknowns than the point has strains: a direct solver then
-  returns, in modes without energy, whatever rounding gives, and the result depends on the number of ranks. Raising the
-  diagonal of weak nodes a little makes these modes zero. Newton's residual is untouched, so what it converges to is.
-*/
-static PetscErrorCode LiftWeakNodes(MpmSolver *solver, Mat J)
-{
-  const PetscInt bs = solver->disc->block, dim = solver->disc->dim;
-  PetscBool      weak = PETSC_FALSE;
-  Vec            diagonal;
-  PetscScalar   *d;
-
-  PetscFunctionBeginUser;
-  PetscCall(VecDuplicate(solver->x, &diagonal));
-  PetscCall(MatGetDiagonal(J, diagonal));
-  PetscCall(VecGetArray(diagonal, &d));
-  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
-    weak = (PetscBool)(k % bs < dim ? PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal : weak);
-    if (weak) d[k] *= 1. + WEAK_LIFT;
-  }
-  PetscCall(VecRestoreArray(diagonal, &d));
-  PetscCall(MatDiagonalSet(J, diagonal, INSERT_VALUES));
-  PetscCall(VecDestroy(&diagonal));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The sums over points that the Jacobian consists of, in the way that was asked for. */
 static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 {
@@ -179,7 +146,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   solver->cache.assembled = PETSC_TRUE;
   solver->cache.made_count++;
   PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
-  if (solver->factorises) PetscCall(LiftWeakNodes(solver, P));
+  if (solver->factorises) PetscCall(MpmJacobianLift(solver, P));
   if (solver->symmetric || solver->at_rest.count)
     PetscCall(MatSetOption(P, MAT_SYMMETRIC, (PetscBool)(solver->symmetric || solver->at_rest.now)));
   PetscCall(MpmFieldsplitUpdate(solver));

@@ -125,6 +125,8 @@ PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, Mpm
 */
 PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);
 PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
+/* Raises the diagonal of an assembled Jacobian where it may have modes without stiffness (jacobian_lift.c). */
+PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J);
 /* Residual, Jacobian, convergence test and line search, handed to SNES (newton.c). */
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
 PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);

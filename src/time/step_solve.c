@@ -176,5 +176,6 @@ PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryab
   if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
     *why = "a free boundary moved by more than its contacts were looked for";
   else PetscCall(MpmStepFindLost(model, why));
+  if (*why) PetscCall(MpmUnconstrainedExplain(model, why, retryable));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

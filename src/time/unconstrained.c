@@ -7,8 +7,9 @@
   null space of M = sum r r^T are free. A boundary holds along its normal what touches it, and all of it with stick.
   A free translation along which the loads have a resultant leaves no equilibrium, however short the step.
 
-  Where all is held so, a piece may slide all the same. The loose pieces are those that bodies in contact make each by itself, which
-  contact holds along its normals only: one of them that the loads push along a free motion rests on friction alone.
+  Where all is held so, a piece may slide all the same. Bodies in contact make pieces by themselves: what neither contact nor friction holds of
+  one, as it starts without touching, or as nothing rubs, is free. Loose pieces are held along normals only: one of them that the loads
+  push along a free motion rests on friction alone.
 */
 #include "point/layout.h"
 #include "particles/body.h"
@@ -28,7 +29,12 @@
 #define ZERO         1e-10 /* of sums of numbers about 1 */
 #define PUSHED       1e-3  /* of a loose piece's loads: normals of facets turn with them */
 
+static const PetscReal units[MPM_MAX_DIM][MPM_MAX_DIM] = {{1., 0., 0.}, {0., 1., 0.}, {0., 0., 1.}};
+
 /* ---- pieces ---- */
+
+/* What makes a piece: contacts of bodies, too; or without them; the latter without friction. */
+typedef enum { WHOLE, APART, LOOSE } Kind;
 
 /* What holds and what pushes a piece; all numbers, to be summed over the ranks. */
 typedef struct {
@@ -38,7 +44,7 @@ typedef struct {
 
 typedef struct {
   MpmModel  model;
-  PetscBool loose; /* without friction */
+  Kind      kind;
   PetscInt  dim, motions, count;
   PetscInt *of; /* the piece of each local node */
   PetscReal (*centre)[MPM_MAX_DIM], *radius;
@@ -69,7 +75,7 @@ static PetscInt FirstNode(const MpmSpace *space, PetscInt box)
 }
 
 /* Gives all nodes of a piece the lowest global number among them. */
-static PetscErrorCode LabelPieces(const MpmModel model, PetscBool loose, PetscInt label[])
+static PetscErrorCode LabelPieces(const MpmModel model, Kind kind, PetscInt label[])
 {
   const MpmSpace *space = model->disc.space;
   PetscInt       *parent;
@@ -86,7 +92,7 @@ static PetscErrorCode LabelPieces(const MpmModel model, PetscBool loose, PetscIn
 
     for (PetscInt k = 1; k < space->groups[g].node_count; k++) parent[Root(parent, node[k])] = Root(parent, node[0]);
   }
-  for (PetscInt k = 0; !loose && k < space->parts.couple_count; k++) {
+  for (PetscInt k = 0; kind == WHOLE && k < space->parts.couple_count; k++) {
     const PetscInt *box = space->parts.couple[k].box;
 
     parent[Root(parent, FirstNode(space, box[1]))] = Root(parent, FirstNode(space, box[0]));
@@ -112,17 +118,17 @@ static PetscErrorCode LabelPieces(const MpmModel model, PetscBool loose, PetscIn
 }
 
 /* All ranks know all pieces: their labels are the global numbers of one node each. */
-static PetscErrorCode FindPieces(MpmModel model, PetscBool loose, Pieces *pieces)
+static PetscErrorCode FindPieces(MpmModel model, Kind kind, Pieces *pieces)
 {
   const MpmSpace *space = model->disc.space;
   PetscInt       *own, *label;
   PetscMPIInt     mine = 0, *count, *start;
 
   PetscFunctionBeginUser;
-  *pieces = (Pieces){.model = model, .loose = loose, .dim = model->disc.dim, .motions = model->disc.dim == 2 ? 3 : 6};
+  *pieces = (Pieces){.model = model, .kind = kind, .dim = model->disc.dim, .motions = model->disc.dim == 2 ? 3 : 6};
   PetscCall(PetscMalloc1(space->local, &pieces->of));
   PetscCall(PetscMalloc3(space->owned, &own, model->size, &count, (model->size + 1), &start));
-  PetscCall(LabelPieces(model, loose, pieces->of));
+  PetscCall(LabelPieces(model, kind, pieces->of));
   for (PetscInt i = 0; i < space->owned; i++)
     if (pieces->of[i] == space->global[i] && !MpmSpaceIsExtra(space, i)) own[mine++] = space->global[i];
   PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, count, 1, MPI_INT, model->comm));
@@ -255,27 +261,31 @@ static void HoldByBoundaries(Pieces *pieces)
         PetscMin(before.distance, after.distance) - facet->touches > MPM_TOLERANCE * model->disc.h[0])
       continue;
     Hold(pieces, piece, before.normal, facet->place);
-    for (PetscInt a = 0; a < dim && boundary->tangential && (!pieces->loose || firm); a++) {
-      PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
-
-      unit[a] = 1.;
-      Hold(pieces, piece, unit, facet->place);
+    for (PetscInt a = 0; a < dim && boundary->tangential && (pieces->kind != LOOSE || firm); a++) {
+      Hold(pieces, piece, units[a], facet->place);
     }
   }
 }
 
-/* Loose pieces hold each other where they touch as the step starts. */
+/* Pieces that bodies make hold each other where they touch as the step starts. */
 static void HoldByPairs(Pieces *pieces)
 {
   const MpmModel         model = pieces->model;
   const MpmPairContacts *pairs = model->disc.pairs;
 
-  for (PetscInt k = 0; pieces->loose && k < pairs->patch_count; k++) {
+  for (PetscInt k = 0; pieces->kind != WHOLE && k < pairs->patch_count; k++) {
     const MpmPairPatch *patch = &pairs->patch[k];
+    const MpmPair      *pair  = &pairs->pairs->at[patch->pair];
 
-    if (patch->gap - patch->touches > MPM_TOLERANCE * model->disc.h[0]) continue;
-    for (PetscInt s = 0; s < 2; s++)
-      Hold(pieces, pieces->of[FirstNode(model->disc.space, patch->side[s].box)], patch->normal, patch->side[s].place);
+    if (patch->gap - patch->touches > (pair->barrier ? MPM_BARRIER * pairs->cell : MPM_TOLERANCE * model->disc.h[0]))
+      continue;
+    for (PetscInt s = 0; s < 2; s++) {
+      const PetscInt piece = pieces->of[FirstNode(model->disc.space, patch->side[s].box)];
+
+      Hold(pieces, piece, patch->normal, patch->side[s].place);
+      for (PetscInt a = 0; a < pieces->dim && pair->tangential && pieces->kind == APART; a++)
+        Hold(pieces, piece, units[a], patch->side[s].place);
+    }
   }
 }
 
@@ -326,7 +336,7 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
     freedom->axis[a] = (PetscBool)(square > 1. - 1e-6);
     if (freedom->axis[a] && PetscAbsReal(sums->load[a]) > ZERO * sums->size) freedom->pushed = PETSC_TRUE;
   }
-  for (PetscInt k = 0; pieces->loose && k < freedom->free_count; k++) {
+  for (PetscInt k = 0; pieces->kind == LOOSE && k < freedom->free_count; k++) {
     PetscReal push = 0.;
 
     for (PetscInt i = 0; i < m; i++) push += freedom->free[k][i] * sums->load[i];
@@ -378,8 +388,8 @@ static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freed
   PetscInt    named = 0;
 
   PetscFunctionBeginUser;
-  if (pieces->loose) PetscCall(FindBody(pieces, piece, &name));
-  PetscCall(MpmTextAppend(text, pieces->loose ? "nothing but friction holds " : "nothing holds "));
+  if (pieces->kind != WHOLE) PetscCall(FindBody(pieces, piece, &name));
+  PetscCall(MpmTextAppend(text, pieces->kind == LOOSE ? "nothing but friction holds " : "nothing holds "));
   if (name) PetscCall(MpmTextAppend(text, "body %s", name));
   else if (pieces->count == 1) PetscCall(MpmTextAppend(text, "the material"));
   else PetscCall(DescribeVector(pieces, "the piece about ", pieces->centre[piece], text));
@@ -396,12 +406,12 @@ static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freed
   The piece that loads push along a free motion, or the first that has one (loose: only the former); `worst` is -1 where none has.
   Free `pieces` with Forget().
 */
-static PetscErrorCode Examine(MpmModel model, PetscBool loose, Pieces *pieces, PetscInt *worst, Freedom *freedom)
+static PetscErrorCode Examine(MpmModel model, Kind kind, Pieces *pieces, PetscInt *worst, Freedom *freedom)
 {
   PetscFunctionBeginUser;
   *worst          = -1;
   freedom->pushed = PETSC_FALSE;
-  PetscCall(FindPieces(model, loose, pieces));
+  PetscCall(FindPieces(model, kind, pieces));
   PetscCall(FindCentres(pieces));
   HoldByConditions(pieces);
   HoldByBoundaries(pieces);
@@ -410,7 +420,7 @@ static PetscErrorCode Examine(MpmModel model, PetscBool loose, Pieces *pieces, P
   PetscCall(SumPieces(pieces, sizeof(Sums) / sizeof(PetscReal), (PetscReal *)pieces->sums));
   for (PetscInt k = 0; k < pieces->count; k++) {
     PetscCall(FindFreedom(pieces, &pieces->sums[k], freedom));
-    if (!freedom->free_count || ((loose || *worst >= 0) && !freedom->pushed)) continue;
+    if (!freedom->free_count || ((kind == LOOSE || *worst >= 0) && !freedom->pushed)) continue;
     *worst = k;
     if (freedom->pushed) break;
   }
@@ -435,7 +445,7 @@ PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
   PetscFunctionBeginUser;
   *pushed = PETSC_FALSE;
   if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Examine(model, PETSC_FALSE, &pieces, &worst, &freedom));
+  PetscCall(Examine(model, WHOLE, &pieces, &worst, &freedom));
   *pushed = (PetscBool)(worst >= 0 && freedom.pushed);
   PetscCall(Forget(&pieces));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -469,16 +479,19 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
 
   PetscFunctionBeginUser;
   if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt loose = 0; loose < (model->scene.boundaries->count || model->scene.pairs->count ? 2 : 1) && !text;
-       loose++) {
-    PetscCall(Examine(model, (PetscBool)loose, &pieces, &worst, &freedom));
+  for (PetscInt kind = WHOLE; kind <= LOOSE && !text; kind++) {
+    if ((kind == APART && !model->scene.pairs->count) ||
+        (kind == LOOSE && !model->scene.pairs->count && !model->scene.boundaries->count))
+      continue;
+    PetscCall(Examine(model, (Kind)kind, &pieces, &worst, &freedom));
     if (worst >= 0) {
       PetscCall(Describe(&pieces, worst, &freedom, &text));
       PetscCall(MpmTextAppend(&text, " (%s)", *why));
-      if (loose) PetscCall(MpmTextAppend(&text, "; if it slides on, that takes inertia (-mpm_time_integrator)"));
+      if (kind == LOOSE)
+        PetscCall(MpmTextAppend(&text, "; if it slides on, that takes inertia (-mpm_time_integrator)"));
       PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
       *why       = model->solver.lost;
-      *retryable = (PetscBool)(*retryable && (loose || !freedom.pushed || model->scene.boundaries->count));
+      *retryable = (PetscBool)(*retryable && (kind != WHOLE || !freedom.pushed || model->scene.boundaries->count));
     }
     PetscCall(Forget(&pieces));
   }

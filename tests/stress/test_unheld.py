@@ -66,6 +66,9 @@ ON_ANOTHER = """
   contacts: ab
   contact_ab: {bodies: "high,low", friction: 0.2}
 """
+ABOVE = ON_ANOTHER.replace('"0,1", upper: "2,2"', '"0,2.5", upper: "2,3.5"')
+BESIDE = (ON_ANOTHER.replace('"0,1", upper: "2,2"', '"2,1", upper: "3,2"').replace('upper: "3,1"', 'upper: "2,2"')
+          .replace("friction: 0.2", "friction: frictionless"))
 ALL = "translation in x, y and rotation"
 ASIDE = SCENE.replace("0,-1", "0.3,-1")
 
@@ -76,7 +79,10 @@ CASES = [
     ("another_place", SCENE + LOW + HOLD % ("3,0", "4,0", 'components: "x,y"'), f"holds the material against {ALL}", 0),
     ("a_piece", SCENE + TWO + HOLD % ("0,0", "1,0", 'components: "x,y"'), f"holds the piece about (3, 2.5) against {ALL}", 0),
     ("geostatic", SCENE + LOW + STAGES, f"holds the material against {ALL}", 0),
-    ("far_boundary", SCENE + HIGH + WALL % 0.5, f"holds the material against {ALL}", 1),
+    ("far_boundary", SCENE + BLOCK % (2, 3) + WALL % -3, f"holds the material against {ALL}", 1),
+    ("lands", SCENE + HIGH + WALL % 0.5, None, 0),
+    ("lands_on_another", SCENE + ABOVE + HOLD % ("0,0", "4,0", 'components: "x,y"'), None, 0),
+    ("beside_another", SCENE + BESIDE + HOLD % ("0,0", "4,0", 'components: "x,y"'), "holds body high against", 1),
     ("pushed_along_a_boundary", ASIDE + HIGH + WALL % 1, "holds the material against translation in x", 1),
     ("pinned", SCENE + LOW + HOLD % ("0,2", "0,2", 'components: "x,y"'), "holds the material against rotation", 1),
     ("smooth_slope", SCENE + LOW + HOLD % ("0,0", "4,0", 'normal: "-0.6,0.8"'), "holds the material against translation along", 1),

@@ -1,0 +1,63 @@
+/*
+  Modes without stiffness. A direct solver returns in these whatever rounding gives, and the result depends on the number of ranks.
+  Raising the Jacobian's diagonal a little makes them zero. Newton's residual is untouched, so what it converges to is; it converges
+  as fast in all modes that are stiffer than what is added.
+
+  Nodes that the corner of a single domain touches have more unknowns than the point has strains. And a body at rest that nothing
+  but contact holds may slide where nothing rubs, or hang above what it will rest on.
+*/
+#include "terms/body_contact.h"
+#include "terms/contact.h"
+#include "space/space.h"
+#include "terms/discretization.h"
+#include "terms/inertia.h"
+#include "solve/solve.h"
+
+/*
+  A displacement unknown is weak when its diagonal is below this part of a typical one, and with the node's last one its other
+  fields; their diagonals are raised by that part.
+*/
+#define WEAK_NODE 1e-3
+#define WEAK_LIFT 1e-11
+/*
+  All are raised by this part where contact may let a body go: in Newton's first iterations, whose corrections are large and rounding
+  in them, too. Later ones bring home the modes that are softer than this.
+*/
+#define LOOSE_LIFT  1e-8
+#define LOOSE_FIRST 3
+
+/* At rest, may contact that is near let anything go? */
+static PetscBool MayLetGo(const MpmSolver *solver)
+{
+  const MpmDiscretization *disc = solver->disc;
+
+  if (disc->inertia->active || !MpmSolverHasContact(solver)) return PETSC_FALSE;
+  for (PetscInt b = 0; b < disc->contacts->boundary_count; b++)
+    if (!disc->contacts->boundaries[b].bilateral || !disc->contacts->boundaries[b].tangential) return PETSC_TRUE;
+  return (PetscBool)(disc->pairs->pairs->count > 0);
+}
+
+PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J)
+{
+  const PetscInt bs = solver->disc->block, dim = solver->disc->dim;
+  PetscReal      all = 0.;
+  PetscInt       it;
+  PetscBool      weak = PETSC_FALSE;
+  Vec            diagonal;
+  PetscScalar   *d;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetIterationNumber(solver->snes, &it));
+  if (MayLetGo(solver)) all = it < LOOSE_FIRST ? LOOSE_LIFT : WEAK_LIFT;
+  PetscCall(VecDuplicate(solver->x, &diagonal));
+  PetscCall(MatGetDiagonal(J, diagonal));
+  PetscCall(VecGetArray(diagonal, &d));
+  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
+    weak = (PetscBool)(k % bs < dim ? PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal : weak);
+    d[k] *= 1. + (weak ? WEAK_LIFT : 0.) + (k % bs < dim ? all : 0.);
+  }
+  PetscCall(VecRestoreArray(diagonal, &d));
+  PetscCall(MatDiagonalSet(J, diagonal, INSERT_VALUES));
+  PetscCall(VecDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
