@@ -77,9 +77,10 @@ static void FindLongest(const MpmSum *sum, const PetscReal displacement[], Petsc
     }
 }
 
+#define FURTHER 3. /* than any node that it touches no point moves further, times this, by any shape */
+
 /*
-  Can no point of a group reach the grid's edge? They lie between its nodes, and none moves further than three times what
-  a node does, by any shape. `longest` bounds that for all nodes.
+  Can no point of a group reach the grid's edge? They lie between its nodes. `longest` bounds by how much any node moves along each axis.
 */
 static PetscBool FarFromEdge(const MpmSum *sum, const MpmGroup *group, const PetscReal u[], const PetscReal longest[])
 {
@@ -89,13 +90,22 @@ static PetscBool FarFromEdge(const MpmSum *sum, const MpmGroup *group, const Pet
 
   MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal room  = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
-    PetscReal       reach = 0.;
+    const PetscReal room = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
+    PetscReal       here = 0.;
 
-    if (3. / grid->h[a] * longest[a] < room) continue;
-    for (PetscInt i = 0; i < group->node_count; i++) reach = PetscMax(reach, PetscAbsReal(u[nodes[i] * bs + a]));
-    if (!(3. / grid->h[a] * reach < room)) return PETSC_FALSE;
+    if (FURTHER / grid->h[a] * longest[a] < room) continue;
+    for (PetscInt i = 0; i < group->node_count; i++) here = PetscMax(here, PetscAbsReal(u[nodes[i] * bs + a]));
+    if (!(FURTHER / grid->h[a] * here < room)) return PETSC_FALSE;
   }
+  return PETSC_TRUE;
+}
+
+/* The same of a point. */
+static PetscBool PointIsFar(const MpmGrid *grid, const PetscReal x[], const PetscReal longest[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (!(x[a] - grid->lower[a] >= FURTHER * longest[a] && grid->upper[a] - x[a] >= FURTHER * longest[a]))
+      return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
@@ -120,6 +130,7 @@ PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const Pets
     for (PetscInt s = group->point_begin; s < group->point_end && *point < 0; s++) {
       const PetscInt p = space->order[s];
 
+      if (PointIsFar(next, &sum->points->x[p * dim], longest)) continue;
       MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt a = 0; a < dim; a++) {
         x[a] = sum->points->x[p * dim + a];
