@@ -263,25 +263,38 @@ static PetscErrorCode FindMissing(MpmParticles *particles, const MpmGrid *grid, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The first point that is nowhere in the grid, or -1. */
+MPM_INLINE PetscInt FindStray(const PetscInt dim, const MpmGrid *grid, PetscInt count, const PetscReal x[])
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  for (PetscInt p = 0; p < count; p++)
+    for (PetscInt a = 0; a < dim; a++) /* not-a-number is neither above nor below */
+      if (!(x[p * dim + a] >= lower[a] && x[p * dim + a] <= upper[a])) return p;
+  return -1;
+}
+
 /* Which rank each point belongs to; `leaving` ones are not here any more. The first that is nowhere in the grid is told. */
 static PetscErrorCode Address(MpmParticles *particles, const MpmGrid *grid, PetscInt count, PetscInt *leaving,
                               PetscBool *astray)
 {
   const PetscInt dim = grid->dim;
   PetscReal     *x;
-  PetscInt      *rank, *id, stray = -1;
+  PetscInt      *rank, *id, stray;
 
   PetscFunctionBeginUser;
   *leaving = 0;
   PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
   PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
   PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
-  for (PetscInt p = 0; p < count && stray < 0; p++) {
+  stray = dim == 2 ? FindStray(2, grid, count, x) : FindStray(3, grid, count, x);
+  for (PetscInt p = 0; p < count && stray < 0 && grid->size > 1; p++) {
     PetscInt cell[MPM_MAX_DIM];
 
-    for (PetscInt a = 0; a < dim; a++) /* not-a-number is neither above nor below */
-      if (!(x[p * dim + a] >= grid->lower[a] && x[p * dim + a] <= grid->upper[a])) stray = p;
-    if (stray >= 0 || grid->size == 1) continue;
     MpmGridFindCell(grid, &x[p * dim], cell);
     rank[p] = MpmGridNodeOwner(grid, cell);
     *leaving += rank[p] != grid->rank;

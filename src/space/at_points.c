@@ -77,25 +77,45 @@ static void FindLongest(const MpmSum *sum, const PetscReal displacement[], Petsc
     }
 }
 
+#define FURTHER 3. /* than any node that it touches no point moves further, times this, by any shape */
+
 /*
-  Can no point of a group reach the grid's edge? They lie between its nodes, and none moves further than three times what
-  a node does, by any shape. `longest` bounds that for all nodes.
+  Can no point of a group reach the grid's edge? They lie between its nodes. `longest` bounds by how much any node moves along each axis;
+  `reach` becomes by how much the group's own do, or 0 along axes on which its points are too far from an edge.
 */
-static PetscBool FarFromEdge(const MpmSum *sum, const MpmGroup *group, const PetscReal u[], const PetscReal longest[])
+static PetscBool GroupIsFar(const MpmSum *sum, const MpmGroup *group, const PetscReal u[], const PetscReal longest[],
+                            PetscReal reach[])
 {
   const MpmGrid *grid = sum->grid;
   const PetscInt bs = sum->block, *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscBool      far = PETSC_TRUE;
   PetscInt       first[MPM_MAX_DIM];
 
   MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal room  = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
-    PetscReal       reach = 0.;
+    const PetscReal room = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
+    PetscReal       here = 0.;
 
-    if (3. / grid->h[a] * longest[a] < room) continue;
-    for (PetscInt i = 0; i < group->node_count; i++) reach = PetscMax(reach, PetscAbsReal(u[nodes[i] * bs + a]));
-    if (!(3. / grid->h[a] * reach < room)) return PETSC_FALSE;
+    reach[a] = 0.;
+    if (FURTHER / grid->h[a] * longest[a] < room) continue;
+    for (PetscInt i = 0; i < group->node_count; i++) {
+      const PetscReal way = PetscAbsReal(u[nodes[i] * bs + a]);
+
+      if (!(way <= here)) here = way <= PETSC_MAX_REAL ? way : PETSC_INFINITY;
+    }
+    if (FURTHER / grid->h[a] * here < room) continue;
+    reach[a] = here;
+    far      = PETSC_FALSE;
   }
+  return far;
+}
+
+/* The same of a point. */
+static PetscBool PointIsFar(const MpmGrid *grid, const PetscReal x[], const PetscReal reach[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (!(x[a] - grid->lower[a] >= FURTHER * reach[a] && grid->upper[a] - x[a] >= FURTHER * reach[a]))
+      return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
@@ -104,22 +124,24 @@ PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const Pets
 {
   const MpmSpace *space = sum->space;
   const PetscInt  dim = space->dim, most = PetscPowInt(space->width, dim);
-  PetscReal      *storage, longest[MPM_MAX_DIM];
+  PetscReal      *storage, longest[MPM_MAX_DIM], reach[MPM_MAX_DIM];
   MpmBasis        basis;
 
   PetscFunctionBeginUser;
   *point = -1;
   FindLongest(sum, u, longest);
+  for (PetscInt a = 0; a < dim; a++) reach[a] = longest[a];
   PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
   for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
   for (PetscInt g = 0; g < space->group_count && *point < 0; g++) {
     const MpmGroup *group = &space->groups[g];
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
-    if (next == sum->grid && FarFromEdge(sum, group, u, longest)) continue;
+    if (next == sum->grid && GroupIsFar(sum, group, u, longest, reach)) continue;
     for (PetscInt s = group->point_begin; s < group->point_end && *point < 0; s++) {
       const PetscInt p = space->order[s];
 
+      if (PointIsFar(next, &sum->points->x[p * dim], reach)) continue;
       MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt a = 0; a < dim; a++) {
         x[a] = sum->points->x[p * dim + a];

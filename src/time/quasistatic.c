@@ -218,15 +218,25 @@ PetscErrorCode MpmStepFindReactions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+MPM_INLINE void Clip(const PetscInt dim, const MpmGrid *grid, PetscInt count, PetscReal x[])
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  for (PetscInt k = 0; k < count * dim; k += dim)
+    for (PetscInt a = 0; a < dim; a++) x[k + a] = PetscMin(PetscMax(x[k + a], lower[a]), upper[a]);
+}
+
 void MpmStepClip(MpmModel model)
 {
-  const PetscInt   dim = model->disc.dim, count = model->disc.points->count * dim;
-  const PetscReal *lower = model->disc.grid->lower, *upper = model->disc.grid->upper;
-  PetscReal       *x = model->disc.points->x;
+  const MpmPoints *points = model->disc.points;
 
   if (model->scene.follow.what != MPM_FOLLOW_NOTHING || MayLeave(model)) return;
-  for (PetscInt k = 0; k < count; k += dim)
-    for (PetscInt a = 0; a < dim; a++) x[k + a] = PetscMin(PetscMax(x[k + a], lower[a]), upper[a]);
+  if (model->disc.dim == 2) Clip(2, model->disc.grid, points->count, points->x);
+  else Clip(3, model->disc.grid, points->count, points->x);
 }
 
 PetscErrorCode MpmStepRemoveGone(MpmModel model)
