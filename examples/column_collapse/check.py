@@ -62,21 +62,25 @@ def check(results):
 
 
 def draw(results):
-    """The deposit at five times, and the front."""
+    """The sand at three times, by the height that it came from, and the front."""
     import matplotlib.pyplot as plt
 
-    _, ratio = column(results)
+    width, ratio = column(results)
     far, high = laws(ratio)
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 7.0), layout="constrained")
+    figure, axes = plt.subplots(2, 2, figsize=(10.0, 6.4), layout="constrained")
     time, front = fronts(results)
     steps = results.steps
-    for part, shade in zip((0.0, 0.15, 0.3, 0.5, 1.0), ("0.8", "0.65", "0.5", "0.3", "C0")):
+    for above, part in zip(axes.flat, (0.15, 0.3, 1.0)):
         state = results.state(steps[int(part * (len(steps) - 1))])
-        above.plot(*profile(results, state), color=shade, label=f"{state.time:.2f} s")
-    above.axvline(1.0 + far, color="k", linewidth=0.8, linestyle="--", label="runout and height of the experiments")
-    above.axhline(high, color="k", linewidth=0.8, linestyle="--")
-    above.set(xlabel="x / width", ylabel="thickness / width", xlim=(0, None), ylim=(0, None))
-    above.legend()
+        height = results.initial["position0"][:, 1] / width
+        dots = above.scatter(*(state["position"] / width).T, c=height, s=2.0, linewidths=0.0)
+        above.plot([0.0, 1.0, 1.0], [ratio, ratio, 0.0], color="0.6", linewidth=0.8, label="at the start")
+        above.axvline(1.0 + far, color="k", linewidth=0.8, linestyle="--", label="runout and height of the experiments")
+        above.axhline(high, color="k", linewidth=0.8, linestyle="--")
+        above.set(xlabel="x / width", ylabel="y / width", xlim=(0, 1.1 * (1.0 + far)), ylim=(0, 1.1 * ratio), title=f"{state.time:.2f} s")
+    axes[0, 0].legend(fontsize="small")
+    figure.colorbar(dots, ax=axes[1, 0], label="height at the start / width")
+    below = axes[1, 1]
     below.plot(time, front, color="C0")
     below.axhline(far, color="k", linewidth=0.8, linestyle="--")
     below.set(xlabel="time (s)", ylabel="runout / width")

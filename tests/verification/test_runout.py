@@ -42,7 +42,7 @@ def rods(test):
 
 
 def spray(test):
-    """Sand that is drawn out without a force parts: its points' domains grow to four cells and no further."""
+    """Sand that is drawn out without a force parts: its points' domains grow to eight cells and no further."""
     run = test.run(HERE / "spray.yaml")
     test.check("spray.completed", run.results.summary["status"] == "completed", 1, 1)
     velocity, place = (run.results.state("last")[name][:, 0] for name in ("velocity", "position"))
