@@ -3,6 +3,7 @@
 */
 #include "base/newton_reason.h"
 #include "point/layout.h"
+#include "grid/grid.h"
 #include "terms/body_contact.h"
 #include "terms/contact.h"
 #include "terms/rigid_body.h"
@@ -157,6 +158,7 @@ static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
 PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable)
 {
   SNESConvergedReason reason;
+  PetscReal           most;
 
   PetscFunctionBeginUser;
   *why = NULL;
@@ -176,6 +178,9 @@ PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryab
   if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
     *why = "a free boundary moved by more than its contacts were looked for";
   else PetscCall(MpmStepFindLost(model, why));
-  if (*why) PetscCall(MpmUnconstrainedExplain(model, why, retryable));
+  if (!*why || model->disc.layout->field_count > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &most)); /* further than it could go as it spreads: it flies */
+  if (most > model->disc.grid->upper[0] - model->disc.grid->lower[0])
+    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
