@@ -599,20 +599,18 @@ PetscErrorCode MpmPointsClear(PetscInt count, PetscReal value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesGetExtents(MpmParticles *particles, PetscReal lower[], PetscReal upper[])
+PetscErrorCode MpmParticlesGetExtents(MpmParticles *particles, MpmPoints *points, PetscReal lower[], PetscReal upper[])
 {
   const PetscInt dim                    = particles->dim;
   PetscReal      reach[2 * MPM_MAX_DIM] = {0.};
-  MpmPoints      points;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < 2 * dim; k++) reach[k] = PETSC_NINFINITY;
-  PetscCall(MpmParticlesGetArrays(particles, &points));
-  for (PetscInt k = 0; k < points.count * dim; k++) {
-    reach[k % dim]       = PetscMax(reach[k % dim], points.x[k]);
-    reach[dim + k % dim] = PetscMax(reach[dim + k % dim], -points.x[k]);
+  PetscCall(MpmParticlesLendArrays(particles, points));
+  for (PetscInt k = 0; k < points->count * dim; k++) {
+    reach[k % dim]       = PetscMax(reach[k % dim], points->x[k]);
+    reach[dim + k % dim] = PetscMax(reach[dim + k % dim], -points->x[k]);
   }
-  PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, (PetscMPIInt)(2 * dim), MPIU_REAL, MPIU_MAX,
                            PetscObjectComm((PetscObject)particles->swarm)));
   for (PetscInt a = 0; a < dim; a++) {

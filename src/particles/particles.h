@@ -83,8 +83,8 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
 PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, const char **why);
 /* Displacements are counted from the points' places as they are. */
 PetscErrorCode MpmParticlesStartHere(MpmParticles *particles);
-/* The lowest and highest place of all points along each axis, m. Collective. */
-PetscErrorCode MpmParticlesGetExtents(MpmParticles *particles, PetscReal lower[], PetscReal upper[]);
+/* The lowest and highest place of all points along each axis, m. Collective. The points' arrays are lent, if they were not yet. */
+PetscErrorCode MpmParticlesGetExtents(MpmParticles *particles, MpmPoints *points, PetscReal lower[], PetscReal upper[]);
 /* Points come to rest: velocities, with their affine parts, and accelerations become zero; Stop of arrays that are lent. */
 PetscErrorCode MpmParticlesRest(MpmParticles *particles);
 PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim);

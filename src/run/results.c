@@ -45,7 +45,7 @@ PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelWriteOutput(MpmModel model)
+PetscErrorCode MpmModelWriteState(MpmModel model)
 {
   PetscLogDouble since;
 
@@ -53,7 +53,6 @@ PetscErrorCode MpmModelWriteOutput(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   PetscCall(MpmFieldsWrite(model));
   if (model->results->output_grid) PetscCall(MpmLatticeWrite(model));
-  PetscCall(MpmLinesWrite(model));
   model->results->output_step = model->state.step;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -130,7 +130,7 @@ PetscErrorCode MpmModelLeave(MpmModel model);
 
 /* Results (results.c). */
 PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
-PetscErrorCode MpmModelWriteOutput(MpmModel model);
+PetscErrorCode MpmModelWriteState(MpmModel model); /* points and, where it is wanted, the grid */
 PetscErrorCode MpmModelCreateHistory(MpmModel model);
 PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);

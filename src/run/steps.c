@@ -83,16 +83,21 @@ PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
 
 /* ---- the run ---- */
 
-/* The state, where one is due after this step. That at the end of a run waits until its last stage has been finished. */
-static PetscErrorCode WriteDue(MpmModel model)
+/* Has the step a number for which results are wanted? */
+static PetscBool IsDue(const MpmModel model)
 {
   const MpmResults *results = model->results;
 
+  return (PetscBool)(results->output_every && model->state.step % results->output_every == 0);
+}
+
+/* Forces in cuts, stresses along lines, and the state, which at the end of a run waits until its last stage has been finished. */
+static PetscErrorCode WriteDue(MpmModel model)
+{
   PetscFunctionBeginUser;
-  if (!results->output_every || model->state.step % results->output_every ||
-      results->output_step == model->state.step || AtEnd(model))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmModelWriteOutput(model));
+  if (!IsDue(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmLinesWrite(model));
+  if (!AtEnd(model) || !MpmStageHasFinish(model)) PetscCall(MpmModelWriteState(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,8 +112,11 @@ static PetscErrorCode OpenResults(MpmModel model)
   if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
   PetscCall(MpmModelCreateHistory(model));
   if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
-  if (model->results->output && !MpmOutputStarted(model->results->output)) PetscCall(MpmModelWriteOutput(model));
-  PetscCall(WriteDue(model)); /* of a run that has ended here, and goes on */
+  if (model->results->output && !MpmOutputStarted(model->results->output)) {
+    PetscCall(MpmModelWriteState(model));
+    PetscCall(MpmLinesWrite(model));
+  } else if (IsDue(model) && !AtEnd(model) && model->results->output_step != model->state.step)
+    PetscCall(MpmModelWriteState(model)); /* of a run that has ended here, and goes on */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,8 +152,10 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
   if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
   why = model->caller.why;
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
-  if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone)
-    PetscCall(MpmModelWriteOutput(model));
+  if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone) {
+    PetscCall(MpmModelWriteState(model));
+    if (!IsDue(model)) PetscCall(MpmLinesWrite(model));
+  }
   if (why) {
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
                               (double)model->state.time, why));

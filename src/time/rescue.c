@@ -36,7 +36,7 @@ static PetscErrorCode CountCells(MpmModel model, PetscReal *cells)
   PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetExtents(model->state.particles, lower, upper));
+  PetscCall(MpmParticlesGetExtents(model->state.particles, model->disc.points, lower, upper));
   *cells = 1.;
   for (PetscInt a = 0; a < model->disc.dim; a++)
     *cells = PetscMax(*cells, (upper[a] - lower[a]) / model->disc.grid->h[a]);

@@ -261,15 +261,18 @@ static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, const char **
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmStageHasFinish(const MpmModel model)
+{
+  return (PetscBool)(model->state.scheme.integrator->finish && !MpmModelRelaxes(model));
+}
+
 PetscErrorCode MpmStageFinish(MpmModel model, const char **why)
 {
-  PetscErrorCode (*finish)(MpmModel) = model->state.scheme.integrator->finish;
-
   PetscFunctionBeginUser;
   *why = NULL;
-  if (!finish || MpmModelRelaxes(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmStageHasFinish(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Arrange(model, why));
-  if (!*why) PetscCall((*finish)(model));
+  if (!*why) PetscCall((*model->state.scheme.integrator->finish)(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

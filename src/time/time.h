@@ -57,6 +57,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
   checkpoints: should the stage end later than it was thought, then it goes on as if nothing had happened.
 */
 PetscErrorCode MpmStageFinish(MpmModel model, const char **why);
+PetscBool      MpmStageHasFinish(const MpmModel model);
 /* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
 PetscErrorCode MpmStageResume(MpmModel model);
 /*
