@@ -28,7 +28,8 @@
 #define SETTLED    1e-7 /* cells */
 #define SOFT       1e-7 /* of the largest eigenvalue: what has less is not moved */
 #define FREE       1e-4 /* of the stiffness against other components of its motion: contact lets a body go */
-#define UNHELD     0.01 /* of what acts in a component: it is not in balance */
+#define UNHELD     0.01 /* of what acts in a component: it is not in balance, */
+#define ROUNDING   1e-9 /* unless it is this part of what acts in any */
 #define IMBALANCE  0.1  /* of a body's load: what Newton is left alone with */
 
 /* The residual g and its derivative H of the n components of `values` that are solved for. */
@@ -234,7 +235,7 @@ static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *bal
   ListComponents(&contacts->bodies[b], contacts->bodies[b].spins, balance);
   PetscCall(PetscArraycpy(from, values, MOST));
   PetscCall(Evaluate(contacts, b, values, balance));
-  for (PetscInt it = 0; it < ITERATIONS && !*moved; it++) {
+  for (PetscInt it = 0; it < ITERATIONS && balance->n && !*moved; it++) { /* a hinge that turns on and on has none left */
     PetscCall(Step(balance, trusted, s));
     if (Norm(balance->n, s) < (it ? SETTLED : negligible) * cell) break;
     PetscCall(Search(contacts, b, balance, s, values, &part));
@@ -360,20 +361,22 @@ PetscErrorCode MpmRigidUnheld(const MpmContacts *contacts, const MpmSum *sum, co
   for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && *unheld < 0; b++) {
     const MpmRigidBody *body    = &contacts->bodies[b];
     Balance             balance = {.grid = sum->grid, .sum = sum, .u = u};
-    PetscReal           values[MOST], stiffest = 0., worst = 0.;
+    PetscReal           values[MOST], stiffest = 0., worst = 0., most = 0.;
 
     if (!body->freedom || body->dt > 0.) continue;
     Take(body, sum->block, u, values);
     ListComponents(body, 0, &balance);
     PetscCall(Evaluate(contacts, b, values, &balance));
-    for (PetscInt i = 0; i < balance.n; i++)
+    for (PetscInt i = 0; i < balance.n; i++) {
       stiffest = PetscMax(stiffest, PetscAbsReal(balance.H[i * (balance.n + 1)]));
+      most     = PetscMax(most, PetscMax(PetscAbsReal(balance.g[i]), PetscAbsReal(balance.contact[i])));
+    }
     for (PetscInt i = 0; i < balance.n && balance.touches; i++) {
       const PetscReal off = PetscAbsReal(balance.g[i]), contact = PetscAbsReal(balance.contact[i]);
       const PetscReal load = PetscAbsReal(balance.g[i] - balance.contact[i]);
 
       if (PetscAbsReal(balance.H[i * (balance.n + 1)]) > FREE * stiffest || off <= UNHELD * PetscMax(load, contact) ||
-          off <= worst)
+          off <= ROUNDING * most || off <= worst)
         continue;
       worst      = off;
       *unheld    = b;

@@ -455,16 +455,17 @@ PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
 static PetscErrorCode ExplainBodies(MpmModel model, const char **why, PetscBool *retryable)
 {
   const MpmContacts *contacts = model->disc.contacts;
+  char               text[sizeof(model->solver.lost)];
   PetscInt           b, component;
   PetscBool          held;
 
   PetscFunctionBeginUser;
   PetscCall(MpmRigidUnheld(contacts, model->disc.sum, model->disc.u, &b, &component, &held));
   if (b < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                          "its contacts do not hold boundary %s against %s %c (%s)", contacts->boundaries[b].name,
-                          component < 3 ? "translation along" : "rotation about",
+  PetscCall(PetscSNPrintf(text, sizeof(text), "its contacts do not hold boundary %s against %s %c (%s)",
+                          contacts->boundaries[b].name, component < 3 ? "translation along" : "rotation about",
                           model->disc.dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], *why));
+  PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text))); /* *why may stand there */
   *why       = model->solver.lost;
   *retryable = (PetscBool)(*retryable && held);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -55,6 +55,28 @@ mpm:
 """
 
 
+# A smooth disc that rests, and a body beside it that is blown out of the grid: the line tells of that.
+BESIDE = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "6,6", cells: "12,12"}
+  materials: soil,jelly
+  material_soil: {type: linear_elastic, E: 1e6, nu: 0, density: 1000}
+  material_jelly: {type: linear_elastic, E: 1, nu: 0, density: 1}
+  bodies: block,other
+  body_block: {region: box, lower: "0,0", upper: "3,2", points_per_cell: "2,2", material: soil}
+  body_other: {region: box, lower: "4.5,0", upper: "5.5,2", points_per_cell: "2,2", material: jelly}
+  bcs: base
+  bc_base: {region: box, lower: "0,0", upper: "6,0", components: "x,y"}
+  boundaries: disc
+  boundary_disc: {type: sphere, center: "1.5,2.9", radius: 1, free: "y,rz", load: "0,-100"}
+  loads: wind
+  load_wind: {type: gravity, value: "0,40"}
+  time: {step: 1, step_min: 0.1}
+  output: {prefix: beside, every: 0}
+"""
+
+
 def column(run, names):
     return np.array([run.results.column(name) for name in names])
 
@@ -190,12 +212,24 @@ def refusals(test):
              {"mpm_boundary_disc_free": "x,rz", "mpm_boundary_disc_load": "0,0", "mpm_boundary_disc_motion_table": table}),
             ("velocity", 2, "disc_velocity", {"mpm_boundary_disc_velocity": "1,0"}),
             ("adrift", 3, "nothing holds boundary disc against its load along y", {"mpm_boundary_disc_center": "5.5,2.5"}),
+            ("hinge", 3, "boundary disc against its moment about z: it turns on",
+             {"mpm_boundary_disc_free": "rz", "mpm_boundary_disc_load": "0,0", "mpm_boundary_disc_moment": 5,
+              "mpm_boundary_disc_center": "5.5,2.5"}),
             ("turns", 3, "do not hold boundary disc against rotation about z",
              {"mpm_boundary_disc_free": "x,y,rz", "mpm_boundary_disc_moment": 500})):
         run = test.run(path, status=status, mpm_quiet=None, mpm_output_every=0, **options)
         lines = [line for line in run.errors.splitlines() if line.startswith("talus")]
         test.check(f"{label}.lines", len(lines), 1, 1)
         test.check(f"{label}.says", words in run.errors, 1, 1)
+
+
+def beside(test):
+    scene = test.folder() / "beside.yaml"
+    scene.write_text(BESIDE, encoding="utf-8")
+    for ranks in (1, 2):
+        run = test.run(scene, ranks, status=3, mpm_quiet=None)
+        said = "left the grid" in run.errors and "boundary disc" not in run.errors
+        test.check(f"beside.{ranks}", int(said), 1, 1)
 
 
 with Test() as check:
@@ -205,3 +239,4 @@ with Test() as check:
     augmented(check)
     mass(check)
     refusals(check)
+    beside(check)
