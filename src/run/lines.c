@@ -246,10 +246,12 @@ static PetscErrorCode WriteProfile(MpmModel model, MpmProfile *profile, MpmHisto
 
 PetscErrorCode MpmLinesWrite(MpmModel model)
 {
-  MpmLines *lines = &model->results->lines;
-  PetscInt  file  = 0;
+  MpmLines      *lines = &model->results->lines;
+  PetscInt       file  = 0;
+  PetscLogDouble since;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   for (PetscInt k = 0; k < SectionCount(model); k++) {
     const MpmSection *section = &model->disc.sections->at[k];
 
@@ -268,6 +270,7 @@ PetscErrorCode MpmLinesWrite(MpmModel model)
   }
   for (PetscInt k = 0; k < lines->profile_count; k++)
     PetscCall(WriteProfile(model, &lines->profiles[k], lines->files[file++]));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -91,13 +91,19 @@ static PetscBool IsDue(const MpmModel model)
   return (PetscBool)(results->output_every && model->state.step % results->output_every == 0);
 }
 
-/* Forces in cuts, stresses along lines, and the state, which at the end of a run waits until its last stage has been finished. */
+/* Does the state wait until the run's last stage has been finished? */
+static PetscBool Waits(const MpmModel model)
+{
+  return (PetscBool)(AtEnd(model) && MpmStageHasFinish(model));
+}
+
+/* Forces in cuts, stresses along lines, and the state. */
 static PetscErrorCode WriteDue(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!IsDue(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmLinesWrite(model));
-  if (!AtEnd(model) || !MpmStageHasFinish(model)) PetscCall(MpmModelWriteState(model));
+  if (!Waits(model)) PetscCall(MpmModelWriteState(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,6 +118,7 @@ static PetscErrorCode OpenResults(MpmModel model)
   if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
   PetscCall(MpmModelCreateHistory(model));
   if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
+  if (Waits(model)) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->results->output && !MpmOutputStarted(model->results->output)) {
     PetscCall(MpmModelWriteState(model));
     PetscCall(MpmLinesWrite(model));
@@ -144,17 +151,20 @@ static PetscErrorCode Report(MpmModel model, PetscReal dt)
 /* What the end of a run leaves, whatever has ended it. */
 static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
 {
-  const PetscBool gone = model->state.particles->gone;
-  const char     *why;
+  const MpmResults *results = model->results;
+  const char       *why;
+  PetscBool         gone, lines;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
-  why = model->caller.why;
+  why   = model->caller.why;
+  gone  = model->state.particles->gone;
+  lines = (PetscBool)(results->output && (!IsDue(model) || !MpmOutputStarted(results->output)));
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
-  if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone) {
+  if (!interrupted && results->output_every && results->output_step != model->state.step && !gone) {
     PetscCall(MpmModelWriteState(model));
-    if (!IsDue(model)) PetscCall(MpmLinesWrite(model));
+    if (lines) PetscCall(MpmLinesWrite(model));
   }
   if (why) {
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,

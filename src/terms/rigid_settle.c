@@ -235,7 +235,7 @@ static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *bal
   ListComponents(&contacts->bodies[b], contacts->bodies[b].spins, balance);
   PetscCall(PetscArraycpy(from, values, MOST));
   PetscCall(Evaluate(contacts, b, values, balance));
-  for (PetscInt it = 0; it < ITERATIONS && balance->n && !*moved; it++) { /* a hinge that turns on and on has none left */
+  for (PetscInt it = 0; it < ITERATIONS && balance->n && !*moved; it++) { /* n: a hinge that spins has none left */
     PetscCall(Step(balance, trusted, s));
     if (Norm(balance->n, s) < (it ? SETTLED : negligible) * cell) break;
     PetscCall(Search(contacts, b, balance, s, values, &part));

@@ -725,14 +725,15 @@ static PetscErrorCode RollBack(MpmModel model)
 static PetscErrorCode CatchUp(MpmModel model)
 {
   const PetscReal behind = model->state.scheme.behind, dt = 2. * behind;
-  const PetscBool first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
-  const char     *why      = NULL;
-  MpmDynamics    *dynamics = model->state.scheme.dynamics;
-  MpmStepWork     work     = {.unstrained = (PetscBool)!first};
+  const PetscBool first = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
+  const char     *why   = NULL;
+  MpmDynamics    *dynamics;
+  MpmStepWork     work = {.unstrained = (PetscBool)!first};
 
   PetscFunctionBeginUser;
   if (!(behind > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Begin(model, model->state.time + dt, dt, PETSC_FALSE, &why));
+  dynamics = model->state.scheme.dynamics; /* a run that goes on at a stage's end has it from here on */
   if (!why) PetscCall(FindForces(model, &why));
   if (!why) {
     Accelerate(model, behind, model->disc.residual);

@@ -108,6 +108,16 @@ def going_on(test):
                                             for name in ("time", "track_tip_vx", "energy_kinetic", "energy_balance")), 0, 0)
     for field in ("position", "velocity", "stress"):
         test.check(f"ended_earlier.{field}", difference(whole.results.state("last")[field], rest.results.state("last")[field]), 0, 0)
+    again = test.run(BAR, mpm_time_end=0.14, mpm_restart=half.folder / "explicit_bar_checkpoint.h5", **options)  # no step is left
+    stages = test.folder() / "stages.yaml"
+    stages.write_text(BAR.read_text(encoding="utf-8").replace("end: 4", "step: 0.02").replace(
+        "prefix: explicit_bar, every: 0", "prefix: stages, every: 1000")
+        + "  stages: one,two\n  stage_one: {time: {end: 0.1}}\n  stage_two: {time: {end: 0.04}}\n", encoding="utf-8")
+    whole = test.run(stages, mpm_quiet=None, mpm_checkpoint_every=5)
+    rest = test.run(stages, mpm_quiet=None, mpm_restart=whole.folder / "stages_checkpoint_000005.h5")
+    for field in ("position", "velocity", "stress"):
+        for label, one, other in (("no_step_left", half, again), ("at_stage_end", whole, rest)):
+            test.check(f"{label}.{field}", difference(one.results.state("last")[field], other.results.state("last")[field]), 0, 0)
 
 
 def refused(test):
