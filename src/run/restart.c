@@ -404,9 +404,10 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   start                           = model->state.time_start;
   PetscCall(MpmStageResume(model));
   MpmRescueResume(model);
-  MpmCheckInput(
-    model->state.time_start == start, "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
-    model->scene.stages[model->state.stage].name, restart->path, (double)start, (double)model->state.time_start);
+  MpmCheckInput(PetscAbsReal(model->state.time_start - start) <= 1e-12 * start, /* earlier versions did not round it */
+                "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
+                model->scene.stages[model->state.stage].name, restart->path, (double)start,
+                (double)model->state.time_start);
   if (model->state.dt_nominal != dt_nominal)
     model->state.dt_wanted = model->state.dt_nominal; /* the user wants another step */
   if (!strcmp(model->results->checkpoint.from, "latest"))
