@@ -91,12 +91,21 @@ static PetscBool IsDue(const MpmModel model)
   return (PetscBool)(results->output_every && model->state.step % results->output_every == 0);
 }
 
-/* Forces in cuts, stresses along lines, and the state, which at the end of a run waits until its last stage has been finished. */
+/* What a step alone can tell, and no checkpoint: forces in cuts, stresses along lines, the grid. */
+static PetscErrorCode WriteStep(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmLinesWrite(model));
+  PetscCall(MpmModelWriteGrid(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* And the points, which at the end of a run wait until its last stage has been finished. */
 static PetscErrorCode WriteDue(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!IsDue(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmLinesWrite(model));
+  PetscCall(WriteStep(model));
   if (!AtEnd(model) || !MpmStageHasFinish(model)) PetscCall(MpmModelWriteState(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,7 +123,7 @@ static PetscErrorCode OpenResults(MpmModel model)
   if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
   if (model->results->output && !MpmOutputStarted(model->results->output)) {
     PetscCall(MpmModelWriteState(model));
-    PetscCall(MpmLinesWrite(model));
+    PetscCall(WriteStep(model));
   } else if (IsDue(model) && !AtEnd(model) && model->results->output_step != model->state.step)
     PetscCall(MpmModelWriteState(model)); /* of a run that has ended here, and goes on */
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -154,7 +163,7 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
   if (!interrupted && model->results->output_every && model->results->output_step != model->state.step && !gone) {
     PetscCall(MpmModelWriteState(model));
-    if (!IsDue(model)) PetscCall(MpmLinesWrite(model));
+    if (!IsDue(model)) PetscCall(WriteStep(model));
   }
   if (why) {
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
