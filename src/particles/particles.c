@@ -474,13 +474,14 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *count)
+PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here,
+                                         PetscInt **removed, PetscInt *count)
 {
   PetscInt  *index, local;
   PetscReal *x;
 
   PetscFunctionBeginUser;
-  *count = 0;
+  *here = 0;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &local));
   PetscCall(PetscMalloc1(local, &index));
   PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
@@ -492,12 +493,12 @@ PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid 
 
       if (!(at >= grid->lower[a] && at <= grid->upper[a])) outside = PETSC_TRUE;
     }
-    if (outside) index[(*count)++] = p;
+    if (outside) index[(*here)++] = p;
   }
   PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
-  for (PetscInt k = *count - 1; k >= 0; k--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[k]));
-  PetscCall(PetscFree(index));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 1, MPIU_INT, MPI_SUM, grid->comm));
+  for (PetscInt k = *here - 1; k >= 0; k--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[k]));
+  *removed = index;
+  PetscCall(MPIU_Allreduce(here, count, 1, MPIU_INT, MPI_SUM, grid->comm));
   if (*count) PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

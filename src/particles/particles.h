@@ -55,8 +55,12 @@ PetscErrorCode MpmParticlesLendArrays(MpmParticles *particles, MpmPoints *points
 PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
-/* Takes those out that stand outside of the grid; `count`, over all ranks. The arrays are not lent. */
-PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *count);
+/*
+  Takes those out that stand outside of the grid: `count` over all ranks, `here` of this one, at the places `removed`, in ascending order, to be
+  freed. From the last of these on, the last of all takes a removed one's place. The arrays are not lent.
+*/
+PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here,
+                                         PetscInt **removed, PetscInt *count);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 /*

@@ -270,6 +270,7 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   }
   PetscCall(NodeArraysCreate(model, &arrays));
   PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));
+  PetscCall(MpmOutputSetBehind(model->results->output, model->state.scheme.behind));
   PetscCall(WriteNodesAndCells(model, &arrays, &cells));
   PetscCall(PetscFree2(cells.id, cells.nodes));
   PetscCall(PetscFree6(arrays.position, arrays.mass, arrays.load, arrays.held, arrays.rank, arrays.part));

@@ -45,6 +45,18 @@ PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModelWriteGrid(MpmModel model)
+{
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  if (!model->results->output_grid) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
+  PetscCall(MpmLatticeWrite(model));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelWriteState(MpmModel model)
 {
   PetscLogDouble since;
@@ -52,7 +64,6 @@ PetscErrorCode MpmModelWriteState(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
   PetscCall(MpmFieldsWrite(model));
-  if (model->results->output_grid) PetscCall(MpmLatticeWrite(model));
   model->results->output_step = model->state.step;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);

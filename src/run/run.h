@@ -130,7 +130,8 @@ PetscErrorCode MpmModelLeave(MpmModel model);
 
 /* Results (results.c). */
 PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
-PetscErrorCode MpmModelWriteState(MpmModel model); /* points and, where it is wanted, the grid */
+PetscErrorCode MpmModelWriteState(MpmModel model); /* the points */
+PetscErrorCode MpmModelWriteGrid(MpmModel model);  /* where it is wanted */
 PetscErrorCode MpmModelCreateHistory(MpmModel model);
 PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);

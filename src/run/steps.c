@@ -97,12 +97,21 @@ static PetscBool Waits(const MpmModel model)
   return (PetscBool)(AtEnd(model) && MpmStageHasFinish(model));
 }
 
-/* Forces in cuts, stresses along lines, and the state. */
+/* What a step alone can tell, and no checkpoint: forces in cuts, stresses along lines, the grid. */
+static PetscErrorCode WriteStep(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmLinesWrite(model));
+  PetscCall(MpmModelWriteGrid(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* That, and the points. */
 static PetscErrorCode WriteDue(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!IsDue(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmLinesWrite(model));
+  PetscCall(WriteStep(model));
   if (!Waits(model)) PetscCall(MpmModelWriteState(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -121,7 +130,7 @@ static PetscErrorCode OpenResults(MpmModel model)
   if (Waits(model)) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->results->output && !MpmOutputStarted(model->results->output)) {
     PetscCall(MpmModelWriteState(model));
-    PetscCall(MpmLinesWrite(model));
+    PetscCall(WriteStep(model));
   } else if (IsDue(model) && !AtEnd(model) && model->results->output_step != model->state.step)
     PetscCall(MpmModelWriteState(model)); /* of a run that has ended here, and goes on */
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -153,18 +162,18 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
 {
   const MpmResults *results = model->results;
   const char       *why;
-  PetscBool         gone, lines;
+  PetscBool         gone, step;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
-  why   = model->caller.why;
-  gone  = model->state.particles->gone;
-  lines = (PetscBool)(results->output && (!IsDue(model) || !MpmOutputStarted(results->output)));
+  why  = model->caller.why;
+  gone = model->state.particles->gone;
+  step = (PetscBool)(results->output && (!IsDue(model) || !MpmOutputStarted(results->output)));
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
   if (!interrupted && results->output_every && results->output_step != model->state.step && !gone) {
     PetscCall(MpmModelWriteState(model));
-    if (lines) PetscCall(MpmLinesWrite(model));
+    if (step) PetscCall(WriteStep(model));
   }
   if (why) {
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,

@@ -229,6 +229,51 @@ PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a point's shapes are, to another point's place. */
+static PetscErrorCode MoveWeights(MpmSpace *space, PetscInt from, PetscInt to)
+{
+  const PetscInt size = space->dim * space->width;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraymove(&space->first[to * space->dim], &space->first[from * space->dim], space->dim));
+  PetscCall(PetscArraymove(&space->count[to * space->dim], &space->count[from * space->dim], space->dim));
+  for (PetscInt k = 0; k < space->shape_count; k++) {
+    PetscReal *const of[] = {space->shape[k].weight, space->shape[k].gradient};
+
+    for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(of); i++)
+      PetscCall(PetscArraymove(&of[i][to * size], &of[i][from * size], size));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpaceRemovePoints(MpmSpace *space, PetscInt count, const PetscInt removed[])
+{
+  PetscInt *was, *now, kept = 0; /* whose place it was; where a point stands now, -1: nowhere */
+
+  PetscFunctionBeginUser;
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2(space->point_count, &was, space->point_count, &now));
+  for (PetscInt p = 0; p < space->point_count; p++) was[p] = now[p] = p;
+  for (PetscInt k = count - 1; k >= 0; k--) {
+    const PetscInt last = --space->point_count, p = removed[k];
+
+    PetscCall(MoveWeights(space, last, p));
+    now[was[last]] = p;
+    now[p]         = -1; /* none has come to its place before */
+    was[p]         = was[last];
+  }
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const PetscInt begin = kept;
+
+    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++)
+      if (now[space->order[s]] >= 0) space->order[kept++] = now[space->order[s]];
+    space->groups[g].point_begin = begin;
+    space->groups[g].point_end   = kept;
+  }
+  PetscCall(PetscFree2(was, now));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds a bit's worth to the nodes that a point touches with a shape. */
 static void MarkTouched(const MpmSpace *space, const MpmGroup *group, PetscInt shape, PetscInt p, PetscReal touched[])
 {

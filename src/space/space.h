@@ -111,6 +111,11 @@ PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPo
 PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /*
+  Points that are gone, at these places in ascending order: from the last of them on, the last of all points has taken a removed one's place. Weights
+  are those of the points that are left, and groups hold no others; nodes, boxes and means over cells stay as they are.
+*/
+PetscErrorCode MpmSpaceRemovePoints(MpmSpace *space, PetscInt count, const PetscInt removed[]);
+/*
   The weights of all points (weights.c); `box_first` and `box_count`, dim values a point, are the nodes touched with any
   of the shapes. They are the space's own where there is one shape; `why` as above.
 */

@@ -241,11 +241,13 @@ void MpmStepClip(MpmModel model)
 
 PetscErrorCode MpmStepRemoveGone(MpmModel model)
 {
-  PetscInt gone;
+  PetscInt here, *removed, gone;
 
   PetscFunctionBeginUser;
   if (!MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesRemoveOutside(model->state.particles, model->disc.grid, &gone));
+  PetscCall(MpmParticlesRemoveOutside(model->state.particles, model->disc.grid, &here, &removed, &gone));
+  PetscCall(MpmSpaceRemovePoints(model->disc.space, here, removed)); /* energies and the grid's output are still summed over it */
+  PetscCall(PetscFree(removed));
   if (gone)
     PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
                              gone, gone > 1 ? "s" : "", model->state.particles->total,

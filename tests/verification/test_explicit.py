@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Explicit steps: a bar's period, orders in time, stable near the limit, no matrix, restarts, ranks, what is refused, points that leave;
+"""Explicit steps: a bar's period, orders in time, stable near the limit, no matrix, restarts, ranks, what is refused, points that leave, and what is left then;
 a heap that goes through stages of all kinds.
 
 Quick.
@@ -15,6 +15,18 @@ sys.path.insert(0, str(HERE.parent))
 from talus_test import Test, difference  # noqa: E402
 
 BAR, HEAP = HERE / "explicit_bar.yaml", HERE / "explicit_heap.yaml"
+THROWN = """
+mpm:
+  dim: 3
+  grid: {lower: "0,0,0", upper: "3,1.5,1", cells: "18,9,6", outflow: true}
+  shape: bspline2
+  materials: rubber
+  material_rubber: {type: neo_hookean, E: 2e5, nu: 0.25, density: 1200}
+  bodies: block
+  body_block: {region: box, lower: "0.1,0.5,0.25", upper: "1.9,1,0.75", points_per_cell: "2,2,2", material: rubber, velocity: "1.5,0,0"}
+  time: {integrator: explicit, end: 1.5}
+  output: {prefix: thrown, every: 7, grid: true}
+"""
 PERIOD, STATIC = 4.0, 5e-3  # s; of the tip, m
 
 
@@ -138,6 +150,23 @@ def refused(test):
         test.check(f"outflow.{name}.inside", left[:, 0].max(), None, 12.0)
 
 
+def leaving(test):
+    """What flies out of the grid, point by point, leaves momentum and energy of the rest as they should be, and the grid's output its mass."""
+    scene = test.folder() / "thrown.yaml"
+    scene.write_text(THROWN, encoding="utf-8")
+    for name, ranks in (("explicit", 1), ("explicit", 3), ("newmark", 2)):
+        more = {} if name == "explicit" else {"mpm_time_step": 0.02}
+        results = test.run(scene, ranks=ranks, mpm_quiet=None, mpm_time_integrator=name, **more).results
+        energy, momentum = results.column("energy_kinetic"), results.column("momentum_x")
+        test.check(f"leaving.{name}.{ranks}.energy", np.abs(energy / momentum / 0.75 - 1.0).max(), None, 1e-11)
+        left = results.state("last")["mass"].sum()
+        test.near(f"leaving.{name}.{ranks}.left", left * 1.5, momentum[-1], relative=1e-11)
+        test.check(f"leaving.{name}.{ranks}.some", left / (momentum[0] / 1.5), 0.3, 0.6)
+        with h5py.File(f"{results.prefix}.h5") as file:
+            off = [file[f"grid/{key}/nodes/mass"][()].sum() / file[f"points/{key}/mass"][()].sum() - 1.0 for key in file["points"]]
+        test.check(f"leaving.{name}.{ranks}.grid", np.abs(off).max(), None, 1e-12)
+
+
 def stages(test):
     """Geostatic, explicit, relaxation, quasi-static: what comes to rest stays there."""
     runs = [test.run(HEAP, ranks=ranks, mpm_quiet=None) for ranks in (1, 2)]
@@ -210,6 +239,7 @@ with Test() as test:
     no_matrix(test)
     going_on(test)
     refused(test)
+    leaving(test)
     stages(test)
     relaxation(test)
     rests(test)

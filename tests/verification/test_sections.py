@@ -9,6 +9,7 @@ up to its load. In a light bar from which a weight swings N is the reaction, wit
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
@@ -36,6 +37,28 @@ mpm:
   section_root: {point: "0.2,0", normal: "1,0"}
   time: {end: 0.1, step: 0.004}
   output: {prefix: bar, every: 0}
+"""
+THROWN = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "3,1.5", cells: "24,12"}
+  materials: rubber
+  material_rubber: {type: neo_hookean, density: 1100, E: 4e5, nu: 0.3}
+  bodies: bar
+  body_bar: {region: box, lower: "0,0.5", upper: "2,1", points_per_cell: "2,2", material: rubber}
+  bcs: root
+  bc_root: {region: box, lower: "0,0", upper: "0,1.5", components: "x,y"}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-9.81", ramp: "0:1"}
+  sections: root,row
+  section_root: {point: "0.3,0.5", normal: "1,0"}
+  section_row: {point: "0,0.75", end: "2,0.75", count: 5}
+  profiles: up
+  profile_up: {from: "0.8,0.3", to: "0.8,1.2", count: 7}
+  tracks: tip
+  track_tip: {at: "2,0.75", nearest: 2}
+  time: {integrator: explicit, step: 0.002, end: 0.16}
+  output: {prefix: thrown, every: 8, grid: true}
 """
 CUTS = {"mpm_sections": "one,row", "mpm_section_one_point": "5.07,0", "mpm_section_one_normal": "-2,0",
         "mpm_section_row_point": "0,9.5", "mpm_section_row_end": "8,9.5", "mpm_section_row_count": 9,
@@ -164,6 +187,38 @@ def restart(test):
         test.check(f"restart.{name}", difference(one.column(name), other.column(name)), None, 1e-10)
 
 
+def explicit(test):
+    """An explicit run that has ended, at a step for which output is due or at another, and goes on to a later time leaves what one in a piece does."""
+    scene = test.folder() / "scene.yaml"
+    scene.write_text(THROWN)
+    options = {"mpm_quiet": None, "mpm_checkpoint_every": 1000}
+    whole = test.run(scene, **options)
+    for name, steps in (("due", 40), ("between", 37)):
+        parts = test.run(scene, mpm_time_end=0.002 * steps, **options)
+        test.check(f"explicit.{name}.half", parts.results.column("step")[-1], steps, steps)
+        process = call(parts.command + ["-mpm_time_end", "0.16", "-mpm_restart", "latest"], parts.folder)
+        test.check(f"explicit.{name}.status", process.returncode, 0, 0)
+        for file in ("history.csv", "section_row.csv", "profile_up.csv"):
+            one, other = ((run.folder / f"thrown_{file}").read_bytes() for run in (whole, parts))
+            test.check(f"explicit.{name}.{file}", float(one == other and len(one) > 0), 1, 1)
+        with h5py.File(f"{whole.prefix}.h5") as one, h5py.File(f"{parts.prefix}.h5") as other:
+            test.check(f"explicit.{name}.states", len(one["points"]), 11, 11)
+            test.check(f"explicit.{name}.same_states", float(content(one) == content(other)), 1, 1)
+
+
+def content(file):
+    """All that a results file holds: numbers by name, to the bit."""
+    found = {}
+
+    def visit(name, item):
+        found[name] = sorted((key, np.asarray(value).tobytes()) for key, value in item.attrs.items())
+        if isinstance(item, h5py.Dataset):
+            found[name].append(item[()].tobytes())
+
+    file.visititems(visit)
+    return found
+
+
 def refused(test):
     """One line that names the option, exit status 2."""
     for label, options, words in (
@@ -201,4 +256,5 @@ with Test() as test:
     swing(test)
     unused(test)
     restart(test)
+    explicit(test)
     refused(test)
