@@ -35,6 +35,7 @@ static const struct {
   MODEL("step_last", REAL, state.dt_last),
   MODEL("step_before_last", REAL, state.dt_before),
   MODEL("velocities_behind", REAL, state.scheme.behind),
+  MODEL("contact_met", BOOL, state.scheme.met),
   MODEL("largest_change", REAL, state.scheme.largest),
   MODEL("newton_iterations", INT64, solver.newton_total),
   MODEL("linear_iterations", INT64, solver.linear_total),

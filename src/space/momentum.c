@@ -67,10 +67,12 @@ MPM_INLINE PetscErrorCode SumGroup(const MpmKnown known, const MpmSum *sum, cons
 
 PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmMotionSums *sums)
 {
+  MpmMotionSums total = {.mass = 0.}; /* in registers */
+
   PetscFunctionBeginUser;
-  PetscCall(PetscMemzero(sums, sizeof(*sums)));
   for (PetscInt g = 0; g < sum->space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &sum->space->groups[g], SumGroup, sum, &sum->space->groups[g], transfer, sums);
+    MPM_DISPATCH(sum->layout, &sum->space->groups[g], SumGroup, sum, &sum->space->groups[g], transfer, &total);
+  *sums = total;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -182,12 +184,15 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
 
   MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p = sum->space->order[s];
+    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
     Carried        of;
     MpmStencil     at;
 
     MpmSumFetch(known, sum, s);
-    MpmFetch(sum->points->velocity, MpmSumAhead(sum, s), known.dim);
+    MpmFetch(sum->points->x, ahead, known.dim);
+    MpmFetch(sum->points->velocity, ahead, known.dim);
+    MpmFetch(sum->points->stress, ahead, known.dim == 2 ? 4 : 6);
+    if (transfer->type == MPM_TRANSFER_APIC) MpmFetch(sum->points->affine, ahead, known.dim * known.dim);
     MpmStencilPlace(known, sum, first, p, &at);
     Momentum(known, sum, transfer, p, &at, &of);
     PointStress(known, sum, p, of.P);
@@ -338,7 +343,9 @@ MPM_INLINE PetscErrorCode MotionToPoints(const MpmKnown known, const MpmSum *sum
     MpmStencil     stencil;
 
     MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
+    MpmFetch(sum->points->x, ahead, dim);
     MpmFetch(sum->points->velocity, ahead, dim);
+    if (apic) MpmFetch(sum->points->affine, ahead, dim * dim);
     MpmStencilPlace(known, sum, first, p, &stencil);
     if (apic) MpmStencilLines(known, sum, p, at->transfer->degree, &stencil);
     MovePoint(known, sum, p, step, &stencil, nodes, at);

@@ -10,7 +10,8 @@
 #include "terms/contact_search.h"
 #include "terms/rigid_body.h"
 
-#define SIDE_BY_SIDE 64   /* points of a box */
+#define SIDE_BY_SIDE 64   /* points of a box, */
+#define TOGETHER     8    /* and boxes that are asked about together first */
 #define ROUNDING     1e-9 /* of the lengths that are compared */
 #define REACH        3.   /* times half the edges: so far a facet may stand from its point */
 
@@ -70,17 +71,28 @@ MPM_INLINE void Include(const PetscInt dim, const MpmPoints *points, PetscInt p,
 /* The box of points [begin, end) that have outer faces. */
 MPM_INLINE void BoxOf(const PetscInt dim, const MpmPoints *points, PetscInt begin, PetscInt end, MpmFaceBox *box)
 {
-  *box = None();
+  MpmFaceBox wide = None(); /* in registers */
+
   for (PetscInt p = NextWithFace(points->faces, begin, end); p < end; p = NextWithFace(points->faces, p + 1, end))
-    Include(dim, points, p, box);
+    Include(dim, points, p, &wide);
+  *box = wide;
 }
 
 MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFaceBox boxes[])
 {
-  const PetscInt end = points->count;
+  const PetscInt end  = points->count;
+  MpmFaceBox     wide = None();
+  PetscInt       part = -1; /* whose box that is */
 
-  for (PetscInt p = NextWithFace(points->faces, 0, end); p < end; p = NextWithFace(points->faces, p + 1, end))
-    Include(dim, points, p, &boxes[points->part[p]]);
+  for (PetscInt p = NextWithFace(points->faces, 0, end); p < end; p = NextWithFace(points->faces, p + 1, end)) {
+    if (points->part[p] != part) {
+      if (part >= 0) boxes[part] = wide;
+      part = points->part[p];
+      wide = boxes[part];
+    }
+    Include(dim, points, p, &wide);
+  }
+  if (part >= 0) boxes[part] = wide;
 }
 
 void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[])
@@ -88,6 +100,16 @@ void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, 
   for (PetscInt k = 0; k < parts; k++) boxes[k] = None();
   if (dim == 2) BoxesOfParts(2, points, boxes);
   else BoxesOfParts(3, points, boxes);
+}
+
+/* Widens a box to hold another. */
+static void Unite(PetscInt dim, const MpmFaceBox *other, MpmFaceBox *box)
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    box->lower[a] = PetscMin(box->lower[a], other->lower[a]);
+    box->upper[a] = PetscMax(box->upper[a], other->upper[a]);
+  }
+  box->square = PetscMax(box->square, other->square);
 }
 
 PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes)
@@ -120,11 +142,7 @@ PetscErrorCode MpmFaceBoxesMake(MpmContacts *contacts, const MpmPoints *points)
 
     if (dim == 2) BoxOf(2, points, begin, end, box);
     else BoxOf(3, points, begin, end, box);
-    for (PetscInt a = 0; a < dim; a++) {
-      boxes->all.lower[a] = PetscMin(boxes->all.lower[a], box->lower[a]);
-      boxes->all.upper[a] = PetscMax(boxes->all.upper[a], box->upper[a]);
-    }
-    boxes->all.square = PetscMax(boxes->all.square, box->square);
+    Unite(dim, box, &boxes->all);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,9 +210,17 @@ PetscBool MpmFaceBoxesAreFar(const MpmContacts *contacts, PetscInt b, const MpmG
 
   if (contacts->boundaries[b].bilateral) return PETSC_FALSE;
   if (BoxIsFar(contacts, b, grid, &boxes->all)) return PETSC_TRUE;
-  for (PetscInt k = 0; k < boxes->count; k++) {
-    boxes->far[k] = BoxIsFar(contacts, b, grid, &boxes->box[k]);
-    far           = (PetscBool)(far && boxes->far[k]);
+  for (PetscInt begin = 0; begin < boxes->count; begin += TOGETHER) {
+    const PetscInt end   = PetscMin(boxes->count, begin + TOGETHER);
+    MpmFaceBox     whole = None();
+    PetscBool      all;
+
+    for (PetscInt k = begin; k < end; k++) Unite(grid->dim, &boxes->box[k], &whole);
+    all = BoxIsFar(contacts, b, grid, &whole);
+    for (PetscInt k = begin; k < end; k++) {
+      boxes->far[k] = (PetscBool)(all || BoxIsFar(contacts, b, grid, &boxes->box[k]));
+      far           = (PetscBool)(far && boxes->far[k]);
+    }
   }
   return far;
 }

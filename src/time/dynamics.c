@@ -9,8 +9,8 @@
 
     M ((1 - alpha_m) a_new + alpha_m a) + (1 - alpha_f) f(u) + alpha_f f(0) = (1 - alpha_f) f_ext + alpha_f f_ext,n
 
-  where f(0) are the points' forces in the stress of the step's start. Newmark has alpha_m = alpha_f = 0, or 1 - gamma where scenes have
-  contact, see below; generalised alpha
+  where f(0) are the points' forces in the stress of the step's start. Newmark has alpha_m = alpha_f = 0, or 1 - gamma once contact
+  has been near in a stage, see below; generalised alpha
 
     alpha_m = (2 rho - 1)/(rho + 1) ,   alpha_f = rho/(rho + 1) ,   gamma = 1/2 - alpha_m + alpha_f ,
     beta = (1 - alpha_m + alpha_f)^2/4 ;
@@ -224,11 +224,10 @@ typedef struct {
 
 static Method MethodOf(const MpmModel model)
 {
-  const MpmMotionControl *motion   = MpmModelMotion(model);
-  const PetscBool         contacts = (PetscBool)(model->scene.boundaries->count || model->scene.pairs->count);
-  Method                  method   = {.beta = motion->beta, .gamma = motion->gamma};
+  const MpmMotionControl *motion = MpmModelMotion(model);
+  Method                  method = {.beta = motion->beta, .gamma = motion->gamma};
 
-  if (motion->type == MPM_NEWMARK && contacts) method.alpha_m = method.alpha_f = 1. - motion->gamma;
+  if (motion->type == MPM_NEWMARK && model->state.scheme.met) method.alpha_m = method.alpha_f = 1. - motion->gamma;
   if (motion->type == MPM_GENERALIZED_ALPHA) {
     const PetscReal rho = motion->rho_inf;
 
@@ -347,15 +346,34 @@ static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The space, loads and solver of a step, and by which method it is taken: that depends on whether contact is near. */
+static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool first, PetscBool again,
+                                  Method *method, const char **why)
+{
+  PetscReal before;
+
+  PetscFunctionBeginUser;
+  if (first) model->state.scheme.met = PETSC_FALSE;
+  *method = MethodOf(model);
+  before = model->state.scheme.load_at_start = first ? 1. : method->alpha_f;
+  PetscCall(MpmStepPrepare(model, time, dt, again, why));
+  if (*why || !model->disc.contacts->newton.near) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.scheme.met = PETSC_TRUE;
+  *method                 = MethodOf(model);
+  if (method->alpha_f == before || first) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.scheme.load_at_start = method->alpha_f;
+  PetscCall(MpmStepPrepare(model, time, dt, PETSC_TRUE, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
 {
-  const Method    method = MethodOf(model);
-  const PetscBool first  = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
+  const PetscBool first = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
+  Method          method;
 
   PetscFunctionBeginUser;
   Stop(model);
-  model->state.scheme.load_at_start = first ? 1. : method.alpha_f;
-  PetscCall(MpmStepPrepare(model, time, dt, again, why));
+  PetscCall(PrepareStep(model, time, dt, first, again, &method, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Project(model));
   if (first) {

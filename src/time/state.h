@@ -78,6 +78,7 @@ typedef struct {
   PetscReal            error;    /* largest that is accepted, relative; 0: any */
   PetscReal            estimate; /* of the last step that has converged */
   PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
+  PetscBool met;                 /* contact has been near since the stage began, see dynamics.c */
   PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
   PetscReal behind;              /* s, how far the points' velocities are behind their places: explicit steps */
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
