@@ -82,11 +82,25 @@ def level(test):
             scene.write_text(LEVEL % (more, holds % friction, 0.2 + 9.6 * friction), encoding="utf-8")
             results = test.run(scene, **SHORT).results
             test.check(f"level.{name}_{friction}", results.column("track_block_ux")[-1], 0.0, 1e-4)
+            test.check(f"level.{name}_{friction}.cuts", results.column("cuts").sum(), None, 0)
+
+
+def spread(test):
+    """Its weight has all of a soft block slide, to both sides: what holds it in its place is no rounding error."""
+    scene = test.folder() / "spread.yaml"
+    scene.write_text(LEVEL % ("", FLOOR % 0.04, 0.4), encoding="utf-8")
+    soft = {"mpm_material_r_E": 5e6, "mpm_material_r_nu": 0.45, "mpm_shape": "gimp_bspline2",
+            "mpm_body_block_points_per_cell": "3,3", **SHORT}
+    runs = [test.run(scene, ranks=ranks, **soft) for ranks in (1, 3)]
+    one, other = (run.results.column("track_block_ux") for run in runs)
+    test.check("spread.start", abs(one[3]), None, 1e-9)
+    test.check("spread.ranks", abs(one - other).max(), None, 1e-9)
 
 
 with Test() as check:
     fall(check)
     level(check)
+    spread(check)
     stiff = check.run(example("shallow_ironing"), mpm_grid_cells="48,18", mpm_time_end=1.6, mpm_boundary_die_penalty=500,
                       mpm_boundary_die_motion_table=EXAMPLES / "shallow_ironing" / "motion.csv", **SHORT)
     few(check, "stiff", stiff, 5.0)
