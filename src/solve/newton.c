@@ -222,7 +222,8 @@ static PetscErrorCode TestBodies(SNES snes, MpmSolver *solver, SNESConvergedReas
   PetscCall(MpmRigidImbalance(solver->disc->contacts, solver->disc->space, solver->disc->block, values,
                               solver->disc->comm, &solver->cache.imbalance));
   PetscCall(VecRestoreArrayRead(f, &values));
-  if (*reason > 0 && solver->cache.imbalance > BODY_IMBALANCE && solver->cache.imbalance < 0.5 * last)
+  if (*reason > 0 && !solver->cache.rough && solver->cache.imbalance > BODY_IMBALANCE &&
+      solver->cache.imbalance < 0.5 * last)
     *reason = SNES_CONVERGED_ITERATING;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -262,6 +263,8 @@ static PetscErrorCode FindExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *exc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define ROUGH 1e4 /* times the tolerance */
+
 /* Is a residual with this norm small enough? */
 static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fnorm, SNESConvergedReason *reason)
 {
@@ -277,10 +280,14 @@ static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fno
     PetscCall(FindExcess(solver, x, f, &solver->cache.fields.excess));
     if (fnorm <= atol) *reason = SNES_CONVERGED_FNORM_ABS;
     else if (solver->cache.fields.excess <= 1.) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+    solver->cache.rough = PETSC_FALSE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (fnorm <= PetscMax(atol, Floor(solver, xnorm))) *reason = SNES_CONVERGED_FNORM_ABS;
   else if (fnorm <= rtol * solver->cache.reference) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+  if (*reason > 0) solver->cache.rough = PETSC_FALSE;
+  else if (solver->cache.rough && fnorm <= ROUGH * rtol * solver->cache.reference)
+    *reason = SNES_CONVERGED_FNORM_RELATIVE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -330,7 +337,7 @@ static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *
   PetscReal                squares = ReactionSquares(disc);
 
   PetscFunctionBeginUser;
-  *balanced = (PetscBool)(solver->cache.balances == BALANCE_MOST);
+  *balanced = (PetscBool)(solver->cache.rough || solver->cache.balances == BALANCE_MOST);
   if (*balanced) PetscFunctionReturn(PETSC_SUCCESS);
   if (MpmSolverHasContact(solver)) {
     PetscCall(MpmContactsAddSquares(disc->contacts, disc->sum, disc->u, &squares));
