@@ -85,6 +85,17 @@ def level(test):
             test.check(f"level.{name}_{friction}.cuts", results.column("cuts").sum(), None, 0)
 
 
+def let_go(test):
+    """Pushed by more, it slides off: the run ends where friction does, and says so."""
+    for name, more, holds in (("floor", "", FLOOR), ("base", ",base", BASE)):
+        scene = test.folder() / "off.yaml"
+        scene.write_text(LEVEL % (more, holds % 0.08, 1.24), encoding="utf-8")
+        run = test.run(scene, status=3, **SHORT)
+        test.check(f"let_go.{name}.says", int("nothing but friction holds body block against translation in x (Newton" in run.errors), 1, 1)
+        test.near(f"let_go.{name}.at", run.results.column("time")[-1], 1.0, absolute=2e-3)
+        test.check(f"let_go.{name}.way", run.results.column("track_block_ux")[-1], 0.0, 2e-4)
+
+
 def spread(test):
     """Its weight has all of a soft block slide, to both sides: what holds it in its place is no rounding error."""
     scene = test.folder() / "spread.yaml"
@@ -100,6 +111,7 @@ def spread(test):
 with Test() as check:
     fall(check)
     level(check)
+    let_go(check)
     spread(check)
     stiff = check.run(example("shallow_ironing"), mpm_grid_cells="48,18", mpm_time_end=1.6, mpm_boundary_die_penalty=500,
                       mpm_boundary_die_motion_table=EXAMPLES / "shallow_ironing" / "motion.csv", **SHORT)
