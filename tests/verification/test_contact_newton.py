@@ -4,6 +4,7 @@ touches a rough floor, its Jacobian is solved as the symmetric one that it is. A
 
 Quick. Coarse forms of examples.
 """
+import math
 import sys
 from pathlib import Path
 
@@ -85,6 +86,18 @@ def level(test):
             test.check(f"level.{name}_{friction}.cuts", results.column("cuts").sum(), None, 0)
 
 
+def held(test):
+    """A soft block on a slope just below its angle: it is not thrown down the slope, to come back in many iterations."""
+    slope = math.atan(0.15) - math.radians(0.3)
+    scene = test.folder() / "held.yaml"
+    scene.write_text(LEVEL % ("", FLOOR % 0.15, 1), encoding="utf-8")
+    run = test.run(scene, mpm_load_weight_ramp="0:0,1:1", mpm_load_weight_value=f"0,{-10 * math.cos(slope)}",
+                   mpm_load_side_ramp="0:0,1:1", mpm_load_side_value=f"{-10 * math.sin(slope)},0", mpm_material_r_E=1e5,
+                   mpm_body_block_points_per_cell="3,3", mpm_body_block_lower="1,0.625", mpm_body_block_upper="2,1.125",
+                   mpm_boundary_floor_point="0,0.625", mpm_time_step=0.25, **SHORT)
+    few(test, "held", run, 12)
+
+
 def let_go(test):
     """Pushed by more, it slides off: the run ends where friction does, and says so."""
     for name, more, holds in (("floor", "", FLOOR), ("base", ",base", BASE)):
@@ -111,6 +124,7 @@ def spread(test):
 with Test() as check:
     fall(check)
     level(check)
+    held(check)
     let_go(check)
     spread(check)
     stiff = check.run(example("shallow_ironing"), mpm_grid_cells="48,18", mpm_time_end=1.6, mpm_boundary_die_penalty=500,
