@@ -222,7 +222,8 @@ static PetscErrorCode TestBodies(SNES snes, MpmSolver *solver, SNESConvergedReas
   PetscCall(MpmRigidImbalance(solver->disc->contacts, solver->disc->space, solver->disc->block, values,
                               solver->disc->comm, &solver->cache.imbalance));
   PetscCall(VecRestoreArrayRead(f, &values));
-  if (*reason > 0 && solver->cache.imbalance > BODY_IMBALANCE && solver->cache.imbalance < 0.5 * last)
+  if (*reason > 0 && !solver->cache.rough && solver->cache.imbalance > BODY_IMBALANCE &&
+      solver->cache.imbalance < 0.5 * last)
     *reason = SNES_CONVERGED_ITERATING;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -262,6 +263,8 @@ static PetscErrorCode FindExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *exc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define ROUGH 1e4 /* times the tolerance */
+
 /* Is a residual with this norm small enough? */
 static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fnorm, SNESConvergedReason *reason)
 {
@@ -277,10 +280,14 @@ static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fno
     PetscCall(FindExcess(solver, x, f, &solver->cache.fields.excess));
     if (fnorm <= atol) *reason = SNES_CONVERGED_FNORM_ABS;
     else if (solver->cache.fields.excess <= 1.) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+    solver->cache.rough = PETSC_FALSE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (fnorm <= PetscMax(atol, Floor(solver, xnorm))) *reason = SNES_CONVERGED_FNORM_ABS;
   else if (fnorm <= rtol * solver->cache.reference) *reason = SNES_CONVERGED_FNORM_RELATIVE;
+  if (*reason > 0) solver->cache.rough = PETSC_FALSE;
+  else if (solver->cache.rough && fnorm <= ROUGH * rtol * solver->cache.reference)
+    *reason = SNES_CONVERGED_FNORM_RELATIVE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -330,7 +337,7 @@ static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *
   PetscReal                squares = ReactionSquares(disc);
 
   PetscFunctionBeginUser;
-  *balanced = (PetscBool)(solver->cache.balances == BALANCE_MOST);
+  *balanced = (PetscBool)(solver->cache.rough || solver->cache.balances == BALANCE_MOST);
   if (*balanced) PetscFunctionReturn(PETSC_SUCCESS);
   if (MpmSolverHasContact(solver)) {
     PetscCall(MpmContactsAddSquares(disc->contacts, disc->sum, disc->u, &squares));
@@ -398,8 +405,11 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 #define BRACKET_OVERSHOT 0.3 /* so much of the slope, with the other sign, may be left in later iterations */
 #define BRACKET_SLOPE    0.5 /* once there is a bracket, so much of it at most */
 #define BRACKET_EDGE     0.1 /* no trial is nearer to an end than this part of the bracket */
-#define BRACKET_TRIALS   12
-#define BRACKET_GROWTH   2. /* of the residual, where the slope says nothing */
+#define BRACKET_TRIALS   20
+#define BRACKET_FLAT     0.9 /* of the slope, and of the residual: a step that leaves as much is far too short, */
+#define BRACKET_LONGER   4.  /* and is tried so many times as long, */
+#define BRACKET_LONGEST  1e5 /* up to this */
+#define BRACKET_GROWTH   2.  /* of the residual, where the slope says nothing */
 #define BRACKET_HALVES   5
 
 /* Will a new Jacobian be asked for after this iteration? Steps are much like the last one. */
@@ -560,9 +570,13 @@ static PetscErrorCode SearchByWork(MpmSearch *search, PetscBool *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where a line search has been: lengths with a slope downhill and uphill of its zero (-1: none yet), and the slopes. */
+/*
+  Where a line search has been: lengths with a slope downhill and uphill of its zero (-1: none yet), the slopes, and which end moved
+  last (-1: none).
+*/
 typedef struct {
   PetscReal start, at[2], slope[2];
+  PetscInt  moved;
 } Bracket;
 
 /* Is the residual at search->lambda, with this slope there, good enough? */
@@ -578,6 +592,29 @@ static PetscBool IsGood(const MpmSearch *search, const Bracket *bracket, PetscRe
 }
 
 /*
+  Has a length changed nothing, with none yet uphill? So it is where all of a body slides: the zero is where some of it sticks, farther on.
+*/
+static PetscBool IsFlat(const MpmSearch *search, const Bracket *bracket, PetscReal slope)
+{
+  return (PetscBool)(bracket->start > 0. && bracket->at[1] < 0. && slope > BRACKET_FLAT * bracket->start &&
+                     search->norm > BRACKET_FLAT * search->fnorm && search->lambda < BRACKET_LONGEST);
+}
+
+/* The next length in the bracket: by regula falsi; its middle where an end moves twice. */
+static void Narrow(Bracket *bracket, PetscReal slope, PetscReal *lambda)
+{
+  const PetscInt uphill = slope < 0.;
+  PetscReal      part   = 0.5;
+
+  bracket->at[uphill]    = *lambda;
+  bracket->slope[uphill] = slope;
+  if (uphill != bracket->moved) part = bracket->slope[0] / (bracket->slope[0] - bracket->slope[1]);
+  bracket->moved = uphill;
+  *lambda =
+    bracket->at[0] + (bracket->at[1] - bracket->at[0]) * PetscClipInterval(part, BRACKET_EDGE, 1. - BRACKET_EDGE);
+}
+
+/*
   The same with care, for contact. Where it sticks, slips, closes or opens on the way the slope has kinks, often a thousand times as steep behind them
   as before, and full steps may go to and fro over them for ever, with a residual that falls on every other one. So the
   slope's zero is bracketed, by regula falsi that keeps off the ends. Where friction makes the slope negative at the start, it says nothing
@@ -585,7 +622,7 @@ static PetscBool IsGood(const MpmSearch *search, const Bracket *bracket, PetscRe
 */
 static PetscErrorCode SearchByBracket(MpmSearch *search, PetscBool *found)
 {
-  Bracket     bracket = {.at = {0., -1.}};
+  Bracket     bracket = {.at = {0., -1.}, .moved = -1};
   PetscScalar dot;
 
   PetscFunctionBeginUser;
@@ -593,8 +630,6 @@ static PetscErrorCode SearchByBracket(MpmSearch *search, PetscBool *found)
   PetscCall(VecDot(search->F, search->Y, &dot));
   bracket.start = bracket.slope[0] = PetscRealPart(dot);
   for (PetscInt trial = 0;; trial++) {
-    PetscBool uphill;
-
     PetscCall(MpmSearchTry(search));
     if (PetscIsInfOrNanReal(search->norm)) {
       *found = (PetscBool)(trial < BRACKET_TRIALS);
@@ -603,18 +638,19 @@ static PetscErrorCode SearchByBracket(MpmSearch *search, PetscBool *found)
       continue;
     }
     PetscCall(VecDot(search->G, search->Y, &dot));
+    if (trial < BRACKET_TRIALS && IsFlat(search, &bracket, PetscRealPart(dot))) {
+      bracket.at[0]    = search->lambda;
+      bracket.slope[0] = PetscRealPart(dot);
+      search->lambda *= BRACKET_LONGER;
+      continue;
+    }
     if (trial >= BRACKET_TRIALS || IsGood(search, &bracket, PetscRealPart(dot))) break;
     if (bracket.start <= 0.) {
       if (trial >= BRACKET_HALVES) break;
       search->lambda *= 0.5;
       continue;
     }
-    uphill                = (PetscBool)(PetscRealPart(dot) < 0.);
-    bracket.at[uphill]    = search->lambda;
-    bracket.slope[uphill] = PetscRealPart(dot);
-    search->lambda        = bracket.at[0] + (bracket.at[1] - bracket.at[0]) *
-                                       PetscClipInterval(bracket.slope[0] / (bracket.slope[0] - bracket.slope[1]),
-                                                         BRACKET_EDGE, 1. - BRACKET_EDGE);
+    Narrow(&bracket, PetscRealPart(dot), &search->lambda);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

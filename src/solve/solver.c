@@ -698,7 +698,7 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
     }
     PetscCall(SNESSolve(solver->snes, NULL, solver->x));
     MpmContactsEnd(solver->disc->contacts);
-    MpmPairsRelease(solver->disc->pairs);
+    MpmPairsEnd(solver->disc->pairs);
     solver->cache.solving = PETSC_FALSE;
     PetscCall(SNESGetConvergedReason(solver->snes, reason));
     PetscCall(SNESGetIterationNumber(solver->snes, &newton));

@@ -94,7 +94,8 @@ static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
                               .adhesion  = pair->adhesion,
                               .strength  = patch->strength,
                               .stick     = pair->stick,
-                              .parts     = PETSC_TRUE};
+                              .parts     = PETSC_TRUE,
+                              .least     = contacts->least};
   const PetscReal    *n = patch->normal, area = patch->side[0].area;
   PetscReal           along = 0., rate;
 
@@ -435,7 +436,8 @@ PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const
   const PetscInt dim = sum->space->dim;
 
   PetscFunctionBeginUser;
-  MpmPairsRelease(contacts);
+  MpmPairsEnd(contacts);
+  contacts->least = MPM_CONTACT_LEAST;
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair    = &contacts->pairs->at[p];
     PetscBool      touches = PETSC_TRUE;
@@ -471,6 +473,12 @@ void MpmPairsRelease(MpmPairContacts *contacts)
 {
   contacts->holds = PETSC_FALSE;
   for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].held = PETSC_FALSE;
+}
+
+void MpmPairsEnd(MpmPairContacts *contacts)
+{
+  MpmPairsRelease(contacts);
+  contacts->least = 0.;
 }
 
 /* ---- the step is over ---- */

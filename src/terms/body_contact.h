@@ -66,6 +66,7 @@ struct MpmPairContacts {
   PetscBool        starts;         /* the step is the run's first: what overlaps now touches */
   PetscBool        dynamic;        /* the step has inertia */
   PetscBool        holds;          /* patches of some rank are held */
+  PetscReal        least;          /* as at boundaries (MpmContactNewton) */
   PetscReal        give;           /* as at boundaries (MpmContactsGive) */
   const PetscReal *moved;          /* explicit steps: displacements, contact having acted at others; or NULL */
   MPI_Comm         comm;
@@ -96,10 +97,11 @@ PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
 /*
   What patches do at the first of Newton's iterates, as at boundaries (contact_states.c). Bodies that slide over one another have come
   to other facets as a step starts, by more than the depth of a stiff contact: where nothing touches at u any more, Begin holds what slid
-  in the last step, for one iteration. Collective.
+  in the last step, for one iteration: until Release. End: all by the law, with its derivative. Collective.
 */
 PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 void           MpmPairsRelease(MpmPairContacts *contacts);
+void           MpmPairsEnd(MpmPairContacts *contacts);
 void           MpmPairsGive(MpmPairContacts *contacts, PetscReal give);
 /* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
 void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares);

@@ -20,6 +20,7 @@ typedef struct {
   PetscInt  side;   /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
   PetscReal area;   /* projected on the boundary, m^(dim-1) */
   PetscInt  single; /* a patch by itself: an edge of the boundary is near (edge_facets.c) */
+  PetscBool askew;  /* it looks past the boundary, and hardly counts */
   PetscInt  slice;  /* 0, or 1 + its index, of a slice of a face that meets an edge */
   PetscInt  piece;  /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
   PetscReal
@@ -71,6 +72,7 @@ typedef struct {
 typedef struct {
   PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
   PetscBool holds;           /* and it holds patches, of any rank */
+  PetscReal least;           /* stiffness of what slides along its way, over that across (contact_law.h) */
   PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
   PetscBool near; /* in this step there are patches, of any rank and any contact, or bodies that are free */
 } MpmContactNewton;

@@ -12,7 +12,9 @@
 
   What slides is not stiff along its way, so that a body which nothing but friction holds, a strip between two rollers, is free to go while
   all of it slides; Newton's method then throws it from sliding one way to sliding the other. With the secant t/s in place of dt/ds it
-  comes to where some of it sticks; the solver takes that until nothing changes any more between two iterates (contact_states.c).
+  comes to where some of it sticks; the solver takes that until nothing changes any more between two iterates (contact_states.c). Where a
+  body slides to both sides as its weight spreads it, any place within the slips is one of rest: a least stiffness, too small to be felt where
+  anything holds, has it stay where it is, in place of where rounding errors send it.
 
   The barrier is p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1. Source: Li, Fang, Li and Jiang (2022), BFEMP,
   doi:10.1016/j.cma.2021.114350.
@@ -49,7 +51,8 @@ PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pres
     friction->traction[a]    = limit * along;
     friction->by_pressure[a] = growth * along;
     for (PetscInt c = 0; c < dim; c++)
-      friction->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - (law->secant ? 0. : along * slip[c] / size));
+      friction->by_slip[a][c] = limit / size * ((a == c ? 1. : 0.) - (law->secant ? 0. : along * slip[c] / size)) +
+                                law->least * law->stiffness * along * slip[c] / size;
   }
   for (PetscInt a = 0; a < dim; a++) slip[a] = friction->traction[a] / k;
   return PETSC_TRUE;

@@ -4,6 +4,9 @@
 */
 #include "base/base.h"
 
+/* While Newton's method looks for a state: the derivative of what slides along its way, over the stiffness across. */
+#define MPM_CONTACT_LEAST 1e-8
+
 /* What holds between two surfaces. */
 typedef struct {
   PetscReal stiffness;          /* across, Pa/m */
@@ -13,6 +16,7 @@ typedef struct {
   PetscBool stick;              /* the strength bounds the traction; or, where there is none, */
   PetscBool parts;              /* a multiple of the pressure, of what may part */
   PetscBool secant;             /* the derivative by the slip of what slides is its secant, t/s */
+  PetscReal least;              /* or has this part of the stiffness across along its way */
 } MpmContactLaw;
 
 /* Along the surface; the traction is the first body's on the second. */

@@ -83,7 +83,8 @@ static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatc
                                   .strength  = strength,
                                   .stick     = boundary->stick,
                                   .parts     = (PetscBool)(!boundary->bilateral && !patch->held),
-                                  .secant    = contacts->newton.secant};
+                                  .secant    = contacts->newton.secant,
+                                  .least     = contacts->newton.least};
   const PetscReal     pressure = -patch->stiffness * answer->gap;
   MpmContactFriction  friction;
 

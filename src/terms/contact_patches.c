@@ -360,11 +360,13 @@ static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, co
   with a hair of its area, but stands off it by half a domain: in the mean gap that is more than the depth of a stiff contact. It
   comes in by and by as it turns on, or forces would jump. The steps of a cut lattice count.
 */
-static PetscReal Regard(const MpmContacts *contacts, PetscInt b, PetscReal facing, PetscReal square)
+static void RegardFacet(const MpmContacts *contacts, PetscReal square, MpmFacet *facet)
 {
-  const PetscReal t = PetscSqr(facing) / (square * PetscSqr(ASKEW));
+  const PetscReal t = PetscSqr(facet->area) / (square * PetscSqr(ASKEW));
 
-  return contacts->cut[b] ? 1. : t / (1. + t);
+  if (contacts->cut[facet->boundary]) return;
+  facet->area *= t / (1. + t);
+  facet->askew = (PetscBool)(t < 1.);
 }
 
 /* Half of the sides of a face. */
@@ -400,7 +402,7 @@ static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, Pets
       square += PetscSqr(area[a]);
     }
     if (!(slice.area > 0.) || surface.distance > margin) continue;
-    slice.area *= Regard(contacts, whole->boundary, slice.area, square);
+    RegardFacet(contacts, square, &slice);
     PetscCall(MpmContactsAddFacet(contacts, &slice));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -458,7 +460,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       PetscCall(SlicesOfFace(contacts, margin, sides, slices, area, &facet));
       continue;
     }
-    if (!touched) facet.area *= Regard(contacts, b, facet.area, size);
+    if (!touched) RegardFacet(contacts, size, &facet);
     if (!(facet.area > 0.)) continue;
     facet.cell = PatchCell(contacts, grid, points, &facet, arm, &surface);
     PetscCall(MpmContactsAddFacet(contacts, &facet));

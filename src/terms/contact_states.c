@@ -13,6 +13,7 @@
 #include "grid/grid.h"
 #include "space/sum.h"
 #include "terms/contact.h"
+#include "terms/contact_law.h"
 #include "terms/rigid_body.h"
 
 #define TURNED 0.5 /* cosine of the angle by which what slides has turned */
@@ -88,6 +89,7 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
   MpmContactsEnd(contacts);
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->newton.careful = careful;
+  contacts->newton.least   = MPM_CONTACT_LEAST;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch      *patch = &contacts->patch[k];
@@ -145,6 +147,7 @@ void MpmContactsGive(MpmContacts *contacts, PetscReal give)
 void MpmContactsEnd(MpmContacts *contacts)
 {
   contacts->newton.careful = contacts->newton.secant = contacts->newton.holds = PETSC_FALSE;
+  contacts->newton.least                                                      = 0.;
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     contacts->patch[k].held = contacts->patch[k].glides = PETSC_FALSE;
 }

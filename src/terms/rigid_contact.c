@@ -411,6 +411,14 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Is a patch's depth to be taken away? Not where a facet by itself looks past the boundary: no pressure can by an area as small as its own. */
+static PetscBool IsCorrected(const MpmContacts *contacts, const MpmPatch *patch)
+{
+  const MpmFacet *facet = &contacts->facet[patch->begin];
+
+  return (PetscBool)(contacts->boundaries[patch->boundary].augmented && !(facet->single && facet->askew));
+}
+
 /* What a patch says of the converged step; adds to its boundary's reaction, moment and depth. */
 static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                         MpmPatchWork *work, MpmPatchAnswer *answer)
@@ -442,7 +450,8 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
     if (work->beyond[f - patch->begin] != 0.)
       *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
   }
-  *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
+  if (IsCorrected(contacts, patch) || !contacts->boundaries[b].augmented)
+    *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
   if (contacts->moved) MpmPatchKeepSlip(contacts, patch, sum, contacts->moved, work, answer);
   MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
   if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
@@ -466,7 +475,7 @@ static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum,
     MpmPatchAnswer     answer;
 
     shift[k] = 0.;
-    if (!boundary->augmented) continue;
+    if (!IsCorrected(contacts, patch)) continue;
     if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer);
     else MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     if (!answer.active) continue;

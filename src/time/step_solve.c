@@ -137,18 +137,34 @@ PetscErrorCode MpmStepPredict(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define AUGMENTATIONS 40 /* of one step */
+#define AUGMENTATIONS 40  /* of one step */
+#define NEARLY        30. /* times the depth that is wanted: the next correction should be the last */
 
-/* The pressures of boundaries and pairs with method augmented, corrected between solutions until what touches has no depth. */
+/* Does any contact have the method augmented? */
+static PetscBool Augments(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    if (model->scene.boundaries->at[k].augmented) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
+    if (model->scene.pairs->at[k].augmented) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+  The pressures of boundaries and pairs with method augmented, corrected between solutions until what touches has no depth. Only then need
+  these be exact.
+*/
 static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
 {
-  PetscReal worst = PETSC_INFINITY, pairs;
+  MpmEvaluations *cache = &model->solver.cache;
+  PetscReal       worst = PETSC_INFINITY, pairs;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
     PetscCall(MpmContactsAugment(model->disc.contacts, model->disc.sum, model->disc.u, &worst));
     PetscCall(MpmPairsAugment(model->disc.pairs, model->disc.sum, model->disc.u, &pairs));
-    if (PetscMax(worst, pairs) <= 1.) PetscFunctionReturn(PETSC_SUCCESS);
+    if (PetscMax(worst, pairs) <= 1. && !cache->rough) PetscFunctionReturn(PETSC_SUCCESS);
+    cache->rough = (PetscBool)(PetscMax(worst, pairs) > NEARLY);
     PetscCall(MpmSolverSolve(&model->solver, reason));
   }
   if (*reason >= 0) *reason = SNES_DIVERGED_MAX_IT;
@@ -161,9 +177,11 @@ PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryab
   PetscReal           most;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  *why                      = NULL;
+  model->solver.cache.rough = Augments(model);
   PetscCall(Solve(model, &reason));
   PetscCall(Augment(model, &reason));
+  model->solver.cache.rough = PETSC_FALSE;
   if (reason < 0) {
     *retryable = PETSC_TRUE;
     *why       = MpmNewtonReason(reason);

@@ -27,7 +27,8 @@
 
 #define MOTIONS_MOST 6
 #define ZERO         1e-10 /* of sums of numbers about 1 */
-#define PUSHED       1e-3  /* of a loose piece's loads: normals of facets turn with them */
+#define PUSHED       1e-3  /* of a loose piece's loads: normals of facets turn with them, */
+#define TURNS        0.05  /* and so does it as it slides: by less, over its radius, that is a translation */
 
 static const PetscReal units[MPM_MAX_DIM][MPM_MAX_DIM] = {{1., 0., 0.}, {0., 1., 0.}, {0., 0., 1.}};
 
@@ -333,7 +334,7 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
     PetscReal square = 0.;
 
     for (PetscInt k = 0; k < freedom->free_count; k++) square += PetscSqr(freedom->free[k][a]);
-    freedom->axis[a] = (PetscBool)(square > 1. - 1e-6);
+    freedom->axis[a] = (PetscBool)(square > 1. - (pieces->kind == LOOSE ? PetscSqr(TURNS) : 1e-6));
     if (freedom->axis[a] && PetscAbsReal(sums->load[a]) > ZERO * sums->size) freedom->pushed = PETSC_TRUE;
   }
   for (PetscInt k = 0; pieces->kind == LOOSE && k < freedom->free_count; k++) {
@@ -349,7 +350,7 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
 static PetscBool IsOblique(const Pieces *pieces, const PetscReal motion[])
 {
   for (PetscInt k = pieces->dim; k < pieces->motions; k++)
-    if (PetscAbsReal(motion[k]) > 1e-6) return PETSC_FALSE;
+    if (PetscAbsReal(motion[k]) > (pieces->kind == LOOSE ? TURNS : 1e-6)) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 

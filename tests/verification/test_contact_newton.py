@@ -4,6 +4,7 @@ touches a rough floor, its Jacobian is solved as the symmetric one that it is. A
 
 Quick. Coarse forms of examples.
 """
+import math
 import sys
 from pathlib import Path
 
@@ -82,11 +83,50 @@ def level(test):
             scene.write_text(LEVEL % (more, holds % friction, 0.2 + 9.6 * friction), encoding="utf-8")
             results = test.run(scene, **SHORT).results
             test.check(f"level.{name}_{friction}", results.column("track_block_ux")[-1], 0.0, 1e-4)
+            test.check(f"level.{name}_{friction}.cuts", results.column("cuts").sum(), None, 0)
+
+
+def held(test):
+    """A soft block on a slope just below its angle: it is not thrown down the slope, to come back in many iterations."""
+    slope = math.atan(0.15) - math.radians(0.3)
+    scene = test.folder() / "held.yaml"
+    scene.write_text(LEVEL % ("", FLOOR % 0.15, 1), encoding="utf-8")
+    run = test.run(scene, mpm_load_weight_ramp="0:0,1:1", mpm_load_weight_value=f"0,{-10 * math.cos(slope)}",
+                   mpm_load_side_ramp="0:0,1:1", mpm_load_side_value=f"{-10 * math.sin(slope)},0", mpm_material_r_E=1e5,
+                   mpm_body_block_points_per_cell="3,3", mpm_body_block_lower="1,0.625", mpm_body_block_upper="2,1.125",
+                   mpm_boundary_floor_point="0,0.625", mpm_time_step=0.25, **SHORT)
+    few(test, "held", run, 12)
+
+
+def let_go(test):
+    """Pushed by more, it slides off: the run ends where friction does, and says so."""
+    for name, more, holds in (("floor", "", FLOOR), ("base", ",base", BASE)):
+        scene = test.folder() / "off.yaml"
+        scene.write_text(LEVEL % (more, holds % 0.08, 1.24), encoding="utf-8")
+        run = test.run(scene, status=3, **SHORT)
+        test.check(f"let_go.{name}.says", int("nothing but friction holds body block against translation in x (Newton" in run.errors), 1, 1)
+        test.near(f"let_go.{name}.at", run.results.column("time")[-1], 1.0, absolute=2e-3)
+        test.check(f"let_go.{name}.way", run.results.column("track_block_ux")[-1], 0.0, 2e-4)
+
+
+def spread(test):
+    """Its weight has all of a soft block slide, to both sides: what holds it in its place is no rounding error."""
+    scene = test.folder() / "spread.yaml"
+    scene.write_text(LEVEL % ("", FLOOR % 0.04, 0.4), encoding="utf-8")
+    soft = {"mpm_material_r_E": 5e6, "mpm_material_r_nu": 0.45, "mpm_shape": "gimp_bspline2",
+            "mpm_body_block_points_per_cell": "3,3", **SHORT}
+    runs = [test.run(scene, ranks=ranks, **soft) for ranks in (1, 3)]
+    one, other = (run.results.column("track_block_ux") for run in runs)
+    test.check("spread.start", abs(one[3]), None, 1e-9)
+    test.check("spread.ranks", abs(one - other).max(), None, 1e-9)
 
 
 with Test() as check:
     fall(check)
     level(check)
+    held(check)
+    let_go(check)
+    spread(check)
     stiff = check.run(example("shallow_ironing"), mpm_grid_cells="48,18", mpm_time_end=1.6, mpm_boundary_die_penalty=500,
                       mpm_boundary_die_motion_table=EXAMPLES / "shallow_ironing" / "motion.csv", **SHORT)
     few(check, "stiff", stiff, 5.0)

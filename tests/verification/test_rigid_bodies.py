@@ -54,6 +54,25 @@ mpm:
   output: {prefix: plate, every: 0}
 """
 
+# A box on ground that is wider, pressed and then slid along it.
+SLED = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "4,2", cells: "16,8"}
+  materials: soil
+  material_soil: {type: hencky, E: 1e7, nu: 0.3, density: 1000}
+  bodies: block
+  body_block: {region: box, lower: "0,0", upper: "4,1", points_per_cell: "2,2", material: soil}
+  bcs: base,side
+  bc_base: {region: box, lower: "0,0", upper: "4,0", components: "x,y"}
+  bc_side: {region: box, lower: "0,0", upper: "0,2", components: "x"}
+  boundaries: sled
+  boundary_sled: {type: box, lower: "1,1", upper: "2,1.5", friction: 0.3, method: augmented, free: "y", load: "0,-2e4",
+                  load_ramp: "0:0,0.25:1", motion: "0.3,0", ramp: "0.25:0,1:1"}
+  time: {end: 1, step: 0.05}
+  output: {prefix: sled, every: 0}
+"""
+
 
 # A smooth disc that rests, and a body beside it that is blown out of the grid: the line tells of that.
 BESIDE = """
@@ -149,6 +168,23 @@ def augmented(test):
         test.near(f"augmented_restart.{name}", again.results.column(name)[-1], first.results.column(name)[-1])
 
 
+def sled(test):
+    """Faces come in at one edge and go at the other, and still no depth is left; its sliding is over restarts and ranks the same."""
+    scene = test.folder() / "sled.yaml"
+    scene.write_text(SLED, encoding="utf-8")
+    run = test.run(scene, mpm_quiet=None, mpm_checkpoint_every=9, mpm_checkpoint_keep=9)
+    size = np.hypot(0.5, 0.25)
+    test.check("sled.depth", np.max(run.results.column("depth_sled")) / size, None, 1e-8)
+    test.check("sled.newton", np.mean(run.newton), None, 8)
+    test.check("sled.balance", np.max(np.abs(run.results.column("reaction_sled_y")[5:] / 2e4 + 1)), None, BALANCE)
+    half = test.folder() / "half.h5"
+    shutil.copy(f"{run.prefix}_checkpoint_000009.h5", half)
+    for label, ranks, more in (("ranks", 3, {}), ("restart", 2, {"mpm_restart": half, "mpm_output_prefix": "again"})):
+        other = test.run(scene, ranks=ranks, mpm_quiet=None, **more)
+        for name in ("position_sled_y", "reaction_sled_x"):
+            test.near(f"sled_{label}.{name}", other.results.column(name)[-1], run.results.column(name)[-1], relative=RANKS)
+
+
 def disc(test):
     path = example("two_supports")
     alone = test.run(path, mpm_quiet=None, mpm_output_every=0, mpm_checkpoint_every=1)
@@ -237,6 +273,7 @@ with Test() as check:
     lid(check)
     plate(check)
     augmented(check)
+    sled(check)
     mass(check)
     refusals(check)
     beside(check)
