@@ -474,8 +474,8 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here,
-                                         PetscInt **removed, PetscInt *count)
+PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here, PetscInt **outside,
+                                       PetscInt *count)
 {
   PetscInt  *index, local;
   PetscReal *x;
@@ -486,20 +486,26 @@ PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid 
   PetscCall(PetscMalloc1(local, &index));
   PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
   for (PetscInt p = 0; p < local; p++) {
-    PetscBool outside = PETSC_FALSE;
+    PetscBool out = PETSC_FALSE;
 
     for (PetscInt a = 0; a < grid->dim; a++) {
       const PetscReal at = x[p * grid->dim + a];
 
-      if (!(at >= grid->lower[a] && at <= grid->upper[a])) outside = PETSC_TRUE;
+      if (!(at >= grid->lower[a] && at <= grid->upper[a])) out = PETSC_TRUE;
     }
-    if (outside) index[(*here)++] = p;
+    if (out) index[(*here)++] = p;
   }
   PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
-  for (PetscInt k = *here - 1; k >= 0; k--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[k]));
-  *removed = index;
+  *outside = index;
   PetscCall(MPIU_Allreduce(here, count, 1, MPIU_INT, MPI_SUM, grid->comm));
-  if (*count) PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRemoveAt(MpmParticles *particles, PetscInt count, const PetscInt place[])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = count - 1; k >= 0; k--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, place[k]));
+  PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

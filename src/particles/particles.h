@@ -56,11 +56,12 @@ PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
 /*
-  Takes those out that stand outside of the grid: `count` over all ranks, `here` of this one, at the places `removed`, in ascending order, to be
-  freed. From the last of these on, the last of all takes a removed one's place. The arrays are not lent.
+  Points outside of the grid: `here` of this rank, at the places `outside`, in ascending order, to be freed; `count` over all ranks. And takes points
+  out, on all ranks: from the last of these places on, the last of all points takes a removed one's place. The arrays are not lent.
 */
-PetscErrorCode MpmParticlesRemoveOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here,
-                                         PetscInt **removed, PetscInt *count);
+PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here, PetscInt **outside,
+                                       PetscInt *count);
+PetscErrorCode MpmParticlesRemoveAt(MpmParticles *particles, PetscInt count, const PetscInt place[]);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 /*

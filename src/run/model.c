@@ -498,8 +498,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
          model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && m < model->scene.materials->count && !MpmOptionsHelp();
          m++) {
       MpmCheckInput(model->scene.materials->at[m].density > 0.,
-                    "-mpm_material_%s_density is missing: load %s is gravity", model->scene.materials->names[m],
-                    model->scene.loads->names[l]);
+                    "-mpm_material_%s_density: must be > 0, kg/m3: load %s is gravity",
+                    model->scene.materials->names[m], model->scene.loads->names[l]);
     }
   }
   PetscCall(MpmSurfacesRead(model, options));

@@ -241,17 +241,22 @@ void MpmStepClip(MpmModel model)
 
 PetscErrorCode MpmStepRemoveGone(MpmModel model)
 {
-  PetscInt here, *removed, gone;
+  PetscInt here, *outside, gone;
 
   PetscFunctionBeginUser;
   if (!MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesRemoveOutside(model->state.particles, model->disc.grid, &here, &removed, &gone));
-  PetscCall(MpmSpaceRemovePoints(model->disc.space, here, removed)); /* energies and the grid's output are still summed over it */
-  PetscCall(PetscFree(removed));
-  if (gone)
+  PetscCall(MpmParticlesFindOutside(model->state.particles, model->disc.grid, &here, &outside, &gone));
+  if (gone) {
+    PetscCall(MpmEnergyMark(model));
+    PetscCall(MpmParticlesRemoveAt(model->state.particles, here, outside));
+    PetscCall(
+      MpmSpaceRemovePoints(model->disc.space, here, outside)); /* the step's rows and grid are still summed over it */
+    PetscCall(MpmEnergyRebase(model));
     PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
                              gone, gone > 1 ? "s" : "", model->state.particles->total,
                              model->state.particles->total == 1 ? "s" : ""));
+  }
+  PetscCall(PetscFree(outside));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

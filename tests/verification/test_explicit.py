@@ -159,6 +159,7 @@ def leaving(test):
         results = test.run(scene, ranks=ranks, mpm_quiet=None, mpm_time_integrator=name, **more).results
         energy, momentum = results.column("energy_kinetic"), results.column("momentum_x")
         test.check(f"leaving.{name}.{ranks}.energy", np.abs(energy / momentum / 0.75 - 1.0).max(), None, 1e-11)
+        test.check(f"leaving.{name}.{ranks}.balance", np.abs(results.column("energy_balance")).max() / energy[0], None, 1e-11)
         left = results.state("last")["mass"].sum()
         test.near(f"leaving.{name}.{ranks}.left", left * 1.5, momentum[-1], relative=1e-11)
         test.check(f"leaving.{name}.{ranks}.some", left / (momentum[0] / 1.5), 0.3, 0.6)
