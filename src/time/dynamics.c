@@ -19,9 +19,10 @@
   as they are at its end; surfaces of bodies, too, by the mean of the load's factors.
 
   Newmark's balance with alpha_m = alpha_f = 1 - gamma is that of two times, weighted as accelerations are for the velocity: where
-  nothing touches steps are the same. With contact as at the end the change of momentum is dt times the contact's force there, the work
-  of a step that of a force which the penalty has reached, never less than what the penalty then stores: no energy comes from contact.
-  In the balance at the end half the force of a contact that has opened would still push in the step after.
+  nothing touches and the first acceleration is in balance steps are the same. With contact as at the end the change of momentum is
+  dt times the contact's force there, the work of a step that of a force which the penalty has reached, never less than what the
+  penalty then stores: no energy comes from contact. In the balance at the end half the force of a contact that has opened would
+  still push in the step after.
 
   Velocities and accelerations at the step's start are the points', weighted by mass. At the end the points take them by the
   weights of the step's start, and then move with u.
