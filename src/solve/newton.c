@@ -406,6 +406,7 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 #define BRACKET_SLOPE    0.5 /* once there is a bracket, so much of it at most */
 #define BRACKET_EDGE     0.1 /* no trial is nearer to an end than this part of the bracket */
 #define BRACKET_TRIALS   20
+#define BRACKET_REFUSED  12  /* trials until one has an answer */
 #define BRACKET_FLAT     0.9 /* of the slope, and of the residual: a step that leaves as much is far too short, */
 #define BRACKET_LONGER   4.  /* and is tried so many times as long, */
 #define BRACKET_LONGEST  1e5 /* up to this */
@@ -597,7 +598,8 @@ static PetscBool IsGood(const MpmSearch *search, const Bracket *bracket, PetscRe
 static PetscBool IsFlat(const MpmSearch *search, const Bracket *bracket, PetscReal slope)
 {
   return (PetscBool)(bracket->start > 0. && bracket->at[1] < 0. && slope > BRACKET_FLAT * bracket->start &&
-                     search->norm > BRACKET_FLAT * search->fnorm && search->lambda < BRACKET_LONGEST);
+                     search->norm > BRACKET_FLAT * search->fnorm && search->lambda >= 1. &&
+                     search->lambda < BRACKET_LONGEST);
 }
 
 /* The next length in the bracket: by regula falsi; its middle where an end moves twice. */
@@ -632,7 +634,7 @@ static PetscErrorCode SearchByBracket(MpmSearch *search, PetscBool *found)
   for (PetscInt trial = 0;; trial++) {
     PetscCall(MpmSearchTry(search));
     if (PetscIsInfOrNanReal(search->norm)) {
-      *found = (PetscBool)(trial < BRACKET_TRIALS);
+      *found = (PetscBool)(trial < BRACKET_REFUSED);
       if (!*found) break;
       search->lambda = 0.5 * (bracket.at[0] + search->lambda);
       continue;

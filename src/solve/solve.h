@@ -44,7 +44,7 @@ typedef struct {
   PetscBool         solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscBool         ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal         fnorm_last;
-  PetscBool         rough;    /* a tolerance that will do until contact's pressures have been corrected, until it is better */
+  PetscBool         rough;    /* this tolerance will do: contact's pressures are yet to be corrected */
   PetscBool         hasty;    /* Newton's method is given up when it gets nowhere: it will be tried in another way */
   PetscReal         least;    /* the least residual so far, or 10 % more, */
   PetscInt          least_at; /* and after how many iterations */

@@ -48,6 +48,7 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
   PetscFunctionBeginUser;
   contacts->boundary_count = count;
   contacts->boundaries     = boundaries;
+  contacts->newton.give    = 1.; /* bodies settle before the first step is prepared */
   PetscCall(PetscCalloc1(count, &contacts->before));
   PetscCall(PetscCalloc1(count, &contacts->after));
   PetscCall(PetscCalloc1(count, &contacts->reaction));
