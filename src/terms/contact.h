@@ -73,6 +73,7 @@ typedef struct {
   PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
   PetscBool holds;           /* and it holds patches, of any rank */
   PetscReal least;           /* stiffness of what slides along its way, over that across (contact_law.h) */
+  PetscReal raised;          /* augmented: the stiffness in this step, over that of the penalty */
   PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
   PetscBool near; /* in this step there are patches, of any rank and any contact, or bodies that are free */
 } MpmContactNewton;

@@ -615,6 +615,7 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     contacts->most = PetscMax(contacts->most, patch->end - patch->begin);
   }
   for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].stiffness /= contacts->patch[k].area;
+  contacts->newton.raised = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -457,8 +457,9 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
   if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
 }
 
-#define SLOW  0.1 /* of the depth that a correction leaves at most, or the penalty is raised */
-#define RAISE 10.
+#define SLOW  0.1  /* of the depth that a correction leaves at most, or the penalty is raised */
+#define RAISE 10.  /* by this, and */
+#define MOST  100. /* by no more than this in all: multigrid gives up beyond 1000 */
 
 /* Depths over what is wanted, the worst of all, and the shifts that would make up for them. */
 static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal shift[],
@@ -491,7 +492,7 @@ PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, cons
 {
   const PetscReal last = *worst;
   PetscReal      *shift;
-  PetscBool       any = PETSC_FALSE;
+  PetscBool       any = PETSC_FALSE, raise;
 
   PetscFunctionBeginUser;
   *worst = 0.;
@@ -499,12 +500,14 @@ PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, cons
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(contacts->patch_count, &shift));
   PetscCall(FindShifts(contacts, sum, u, shift, worst));
+  raise = (PetscBool)(*worst > 1. && *worst >= SLOW * last && contacts->newton.raised < MOST);
+  if (raise) contacts->newton.raised *= RAISE;
   for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) {
     MpmPatch          *patch    = &contacts->patch[k];
     const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
 
     patch->shift = shift[k];
-    if (!boundary->augmented || boundary->tangential || *worst < SLOW * last) continue; /* slips are measured by it */
+    if (!raise || !boundary->augmented || boundary->tangential) continue; /* slips are measured by it */
     patch->stiffness *= RAISE;
     patch->shift /= RAISE;
   }

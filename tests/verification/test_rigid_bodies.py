@@ -73,6 +73,23 @@ mpm:
   output: {prefix: sled, every: 0}
 """
 
+# A box that lands above a block, tilted: few of the faces beneath it stay in touch.
+TILTED = """
+mpm:
+  dim: 3
+  grid: {lower: "0,0,0", upper: "2,2,1.5", cells: "6,6,4"}
+  materials: soil
+  material_soil: {type: hencky, E: 1e6, nu: 0.3, density: 2000}
+  bodies: block
+  body_block: {region: box, lower: "0,0,0", upper: "2,2,1", points_per_cell: "2,2,2", material: soil}
+  bcs: base
+  bc_base: {region: box, lower: "0,0,0", upper: "2,2,0", components: "x,y,z"}
+  boundaries: box
+  boundary_box: {type: box, lower: "0.4,0.5,1.05", upper: "1.6,1.5,1.3", free: "z,rx,ry", load: "0,0,-1e4", moment: "300,-200,0",
+                 method: augmented}
+  time: {end: 0.5, step: 0.25}
+  output: {prefix: tilted, every: 0}
+"""
 
 # A smooth disc that rests, and a body beside it that is blown out of the grid: the line tells of that.
 BESIDE = """
@@ -176,6 +193,19 @@ def augmented(test):
     again = test.run(scene, mpm_restart=half, mpm_output_prefix="again", **options)
     for name in ("position_plate_y", "rotation_plate_z"):
         test.near(f"augmented_restart.{name}", again.results.column(name)[-1], first.results.column(name)[-1])
+
+
+def tilted(test):
+    """Stiffness is raised no further than multigrid goes, and no depth is left."""
+    scene = test.folder() / "tilted.yaml"
+    scene.write_text(TILTED, encoding="utf-8")
+    size, places = 0.5 * np.linalg.norm([1.2, 1.0, 0.25]), []
+    for solver in ("direct", "amg"):
+        run = test.run(scene, mpm_solver=solver, mpm_quiet=None)
+        test.check(f"tilted_{solver}.depth", np.max(run.results.column("depth_box")) / size, None, 1e-8)
+        test.check(f"tilted_{solver}.cuts", run.results.column("cuts").sum(), None, 0)
+        places.append(column(run, ["position_box_z", "rotation_box_x", "rotation_box_y"])[-1])
+    test.check("tilted.places_differ", np.ptp(places, axis=0).max(), None, 3e-8)
 
 
 def sled(test):
@@ -285,6 +315,7 @@ with Test() as check:
     plate(check)
     rubs(check)
     augmented(check)
+    tilted(check)
     sled(check)
     mass(check)
     refusals(check)
