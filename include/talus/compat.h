@@ -1,6 +1,6 @@
 #pragma once
 /*
-  One header hides the differences between the PETSc releases that Talus builds with, 3.18 to 3.26. Written for the
+  One header hides the differences between the PETSc releases that Talus builds with, 3.18 to 3.25. Written for the
   newer names; this file supplies what the older release lacks.
 */
 #include <petscsys.h>

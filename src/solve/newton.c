@@ -516,6 +516,29 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
 }
 
 /*
+  Where a line search has been: lengths with a slope downhill and uphill of its zero (-1: none yet), the slopes, and which end moved
+  last (-1: none).
+*/
+typedef struct {
+  PetscReal start, at[2], slope[2];
+  PetscInt  moved;
+} Bracket;
+
+/* The next length in the bracket: by regula falsi; its middle where an end moves twice. */
+static void Narrow(Bracket *bracket, PetscReal slope, PetscReal *lambda)
+{
+  const PetscInt uphill = slope < 0.;
+  PetscReal      part   = 0.5;
+
+  bracket->at[uphill]    = *lambda;
+  bracket->slope[uphill] = slope;
+  if (uphill != bracket->moved) part = bracket->slope[0] / (bracket->slope[0] - bracket->slope[1]);
+  bracket->moved = uphill;
+  *lambda =
+    bracket->at[0] + (bracket->at[1] - bracket->at[0]) * PetscClipInterval(part, BRACKET_EDGE, 1. - BRACKET_EDGE);
+}
+
+/*
   By the work: the full step costs one residual and is taken when the residual falls or the slope of the work, G . Y, does;
   otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step. `found`: there is one.
 
@@ -525,20 +548,22 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
 
   Where contact sticks, slips or opens from one iterate to the next, full steps may go to and fro over a kink for ever, each
   with a slope as large as the last and of the other sign, and a residual that falls on every other one. So there the slope
-  has to be less after a step than before.
+  has to be less after a step than before. Between two that slide to and fro the zero is a kink, where it sticks: one interpolation
+  gets a part of the way there, 1/2, 1/3, 1/4 ... from one iteration to the next, and the bracket is narrowed instead.
 */
 static PetscErrorCode SearchByWork(MpmSearch *search, PetscBool *found)
 {
-  const PetscReal ratio = search->it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
-  FullStep        step  = {.norm_start = search->fnorm};
+  const PetscReal ratio   = search->it < LINE_SEARCH_PATIENT ? LINE_SEARCH_RATIO : LINE_SEARCH_LATER;
+  FullStep        step    = {.norm_start = search->fnorm};
+  Bracket         bracket = {.at = {0., -1.}, .moved = -1};
   PetscScalar     dot;
-  PetscBool       take, back = PETSC_FALSE;
+  PetscBool       take, stalls, back = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   *found = PETSC_TRUE;
   if (!search->it) PetscCall(MpmExcursionEnd(&search->solver->excursion));
   PetscCall(VecDot(search->F, search->Y, &dot));
-  step.start = PetscRealPart(dot);
+  step.start = bracket.start = bracket.slope[0] = PetscRealPart(dot);
   for (PetscInt trial = 0;; trial++) {
     PetscCall(MpmSearchTry(search));
     if (PetscIsInfOrNanReal(search->norm)) {
@@ -561,8 +586,16 @@ static PetscErrorCode SearchByWork(MpmSearch *search, PetscBool *found)
         continue;
       }
     }
+    stalls = (PetscBool)(MpmSolverHasContact(search->solver) && bracket.at[1] >= 0. &&
+                         step.slope > BRACKET_SLOPE * step.start);
+    if (stalls || (!take && step.slope <= 0. && bracket.at[0] > 0.)) {
+      Narrow(&bracket, step.slope, &search->lambda);
+      continue;
+    }
     if (take || step.slope > 0.) break; /* slope > 0: still downhill */
     /* overshot: the zero lies between 0 and this length */
+    bracket.at[1]        = search->lambda;
+    bracket.slope[1]     = step.slope;
     const PetscReal next = search->lambda * step.start / (step.start - step.slope);
 
     if (next < LINE_SEARCH_SHORTEST) break;
@@ -570,15 +603,6 @@ static PetscErrorCode SearchByWork(MpmSearch *search, PetscBool *found)
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/*
-  Where a line search has been: lengths with a slope downhill and uphill of its zero (-1: none yet), the slopes, and which end moved
-  last (-1: none).
-*/
-typedef struct {
-  PetscReal start, at[2], slope[2];
-  PetscInt  moved;
-} Bracket;
 
 /* Is the residual at search->lambda, with this slope there, good enough? */
 static PetscBool IsGood(const MpmSearch *search, const Bracket *bracket, PetscReal slope)
@@ -600,20 +624,6 @@ static PetscBool IsFlat(const MpmSearch *search, const Bracket *bracket, PetscRe
   return (PetscBool)(bracket->start > 0. && bracket->at[1] < 0. && slope > BRACKET_FLAT * bracket->start &&
                      search->norm > BRACKET_FLAT * search->fnorm && search->lambda >= 1. &&
                      search->lambda < BRACKET_LONGEST);
-}
-
-/* The next length in the bracket: by regula falsi; its middle where an end moves twice. */
-static void Narrow(Bracket *bracket, PetscReal slope, PetscReal *lambda)
-{
-  const PetscInt uphill = slope < 0.;
-  PetscReal      part   = 0.5;
-
-  bracket->at[uphill]    = *lambda;
-  bracket->slope[uphill] = slope;
-  if (uphill != bracket->moved) part = bracket->slope[0] / (bracket->slope[0] - bracket->slope[1]);
-  bracket->moved = uphill;
-  *lambda =
-    bracket->at[0] + (bracket->at[1] - bracket->at[0]) * PetscClipInterval(part, BRACKET_EDGE, 1. - BRACKET_EDGE);
 }
 
 /*
