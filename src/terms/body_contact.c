@@ -528,7 +528,8 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     if (contacts->pairs->at[contacts->patch[k].pair].augmented)
       contacts->patch[k].shift = answer.pressure / contacts->patch[k].stiffness;
   }
-  PetscCall(MpmPairPatchesKeep(contacts, slip, particles));
+  if (contacts->near || !contacts->bare) PetscCall(MpmPairPatchesKeep(contacts, slip, particles));
+  contacts->bare = (PetscBool)!contacts->near;
   PetscCall(PetscFree(slip));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->force, (PetscMPIInt)(contacts->pairs->count * MPM_MAX_DIM),
                            MPIU_REAL, MPIU_SUM, contacts->comm));

@@ -66,6 +66,7 @@ struct MpmPairContacts {
   PetscBool        starts;         /* the step is the run's first: what overlaps now touches */
   PetscBool        dynamic;        /* the step has inertia */
   PetscBool        holds;          /* patches of some rank are held */
+  PetscBool        near, bare;     /* as at boundaries (MpmContactNewton) */
   PetscReal        least;          /* as at boundaries (MpmContactNewton) */
   PetscReal        give;           /* as at boundaries (MpmContactsGive) */
   const PetscReal *moved;          /* explicit steps: displacements, contact having acted at others; or NULL */

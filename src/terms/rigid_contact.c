@@ -580,9 +580,12 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   for (PetscInt b = 0; b < count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
-  PetscCall(KeepSlips(contacts, sum, answers, particles));
-  PetscCall(KeepPressures(contacts, sum, answers, particles));
-  PetscCall(KeepGaps(contacts, sum, answers, particles));
+  if (contacts->newton.near || !contacts->newton.bare) {
+    PetscCall(KeepSlips(contacts, sum, answers, particles));
+    PetscCall(KeepPressures(contacts, sum, answers, particles));
+    PetscCall(KeepGaps(contacts, sum, answers, particles));
+  }
+  contacts->newton.bare = (PetscBool)!contacts->newton.near;
   PetscCall(PetscFree(answers));
   PetscCall(MpmPatchWorkDestroy(&work));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));

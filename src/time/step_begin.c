@@ -92,6 +92,7 @@ static PetscErrorCode FindNear(MpmModel model)
   if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_size(model->comm, &size));
   if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, near, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  model->disc.pairs->near = *near;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
