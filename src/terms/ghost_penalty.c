@@ -61,31 +61,51 @@ struct MpmFace {
   PetscReal   along[MPM_MAX_DIM][FACE_WIDTH * FACE_WIDTH]; /* the matrix is their Kronecker product */
 };
 
-/* The material pieces around this rank's nodes: 0 where there is none, or a mark. */
+/*
+  The material pieces around this rank's nodes: 0 where there is none, or a mark. Layers across the last axis, along which bodies' parts
+  lie apart, are empty until something in them is marked.
+*/
 typedef struct {
   const MpmSpace *space;
   PetscInt        dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
   PetscInt       *mark;
+  PetscBool      *used; /* layers; marks of others are not set */
 } CellMap;
 
-static PetscInt *CellAt(const CellMap *map, const PetscInt cell[])
+static PetscInt LayerSize(const CellMap *map)
+{
+  return map->dim == 3 ? map->size[0] * map->size[1] : map->size[0];
+}
+
+static PetscErrorCode MapCreate(CellMap *map)
+{
+  const PetscInt layers = map->size[map->dim - 1];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((map->size[0] * map->size[1] * map->size[2]), &map->mark, layers, &map->used));
+  PetscCall(PetscArrayzero(map->used, layers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where in the map: -1 outside. */
+static inline PetscInt CellIndex(const CellMap *map, const PetscInt cell[])
 {
   PetscInt i = 0;
 
   for (PetscInt a = map->dim - 1; a >= 0; a--) {
     const PetscInt k = cell[a] - map->lower[a];
 
-    if (k < 0 || k >= map->size[a]) return NULL;
+    if (k < 0 || k >= map->size[a]) return -1;
     i = i * map->size[a] + k;
   }
-  return &map->mark[i];
+  return i;
 }
 
-static PetscBool IsMaterial(const CellMap *map, const PetscInt cell[])
+static inline PetscInt MarkAt(const CellMap *map, const PetscInt cell[])
 {
-  const PetscInt *mark = CellAt(map, cell);
+  const PetscInt i = CellIndex(map, cell);
 
-  return (PetscBool)(mark && *mark);
+  return i >= 0 && map->used[cell[map->dim - 1] - map->lower[map->dim - 1]] ? map->mark[i] : 0;
 }
 
 /* The edges about the middle of a piece, in the indices of its part. */
@@ -115,7 +135,7 @@ static PetscBool IsEdge(const CellMap *map, const MpmRules *rules, const PetscIn
   for (PetscInt a = 0; a < map->dim; a++) {
     for (PetscInt side = -1; side <= 1; side += 2) {
       next[a] = cell[a] + side;
-      if (IsMaterial(map, next)) continue;
+      if (MarkAt(map, next)) continue;
       PieceEdges(map->space, rules, map->degree, cell, lower, upper);
       if (next[a] >= lower[a] && next[a] < upper[a] + more) return PETSC_TRUE;
     }
@@ -138,9 +158,13 @@ static PetscBool MarkIsSparse(PetscInt mark)
 /* Adds a mark to a piece's. */
 static void Mark(const CellMap *map, const MpmMaterial materials[], const PetscInt cell[], PetscInt added)
 {
-  PetscInt *mark = CellAt(map, cell), material = MarkMaterial(added);
+  const PetscInt at = CellIndex(map, cell), layer = cell[map->dim - 1] - map->lower[map->dim - 1];
+  const PetscInt each = LayerSize(map);
+  PetscInt      *mark = &map->mark[at], material = MarkMaterial(added);
 
-  if (!mark) return;
+  if (at < 0) return;
+  if (!map->used[layer]) (void)memset(&map->mark[layer * each], 0, (size_t)each * sizeof(PetscInt));
+  map->used[layer] = PETSC_TRUE;
   if (!*mark) *mark = added;
   if (materials[MarkMaterial(*mark)].penalty >= materials[material].penalty) material = MarkMaterial(*mark);
   *mark = 1 + 2 * material + (MarkIsSparse(*mark) || MarkIsSparse(added));
@@ -204,7 +228,7 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
 static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
                                     PetscInt margin, CellMap *map)
 {
-  PetscInt upper[MPM_MAX_DIM] = {0, 0, 0}, lower[MPM_MAX_DIM], count[MPM_MAX_DIM], cell[MPM_MAX_DIM], total = 1;
+  PetscInt upper[MPM_MAX_DIM] = {0, 0, 0}, lower[MPM_MAX_DIM], count[MPM_MAX_DIM], cell[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
   map->space  = space;
@@ -223,9 +247,8 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     if (a >= space->dim) map->lower[a] = 0;
     map->size[a] = a >= space->dim ? 1 : space->group_count ? upper[a] - map->lower[a] : 0;
-    total *= map->size[a];
   }
-  PetscCall(PetscCalloc1(total, &map->mark));
+  PetscCall(MapCreate(map));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
@@ -257,11 +280,11 @@ static PetscInt RanksAround(const MpmSpace *space, const MpmGrid *grid, const Pe
 }
 
 /* Widens the map to hold the cells of received marks: a rank may own cells that none of its own points is near. */
-static PetscErrorCode Widen(const MpmLists *received, CellMap *map)
+static PetscErrorCode Widen(const MpmLists *received, const MpmMaterial materials[], CellMap *map)
 {
   const PetscInt stride = map->dim + 1, end = received->offset[received->count];
   CellMap        wide = *map;
-  PetscInt       cell[MPM_MAX_DIM], total = 1, upper[MPM_MAX_DIM];
+  PetscInt       cell[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscBool      wider = PETSC_FALSE;
 
   PetscFunctionBeginUser;
@@ -276,13 +299,15 @@ static PetscErrorCode Widen(const MpmLists *received, CellMap *map)
     wider         = PETSC_TRUE;
   }
   if (!wider) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    wide.size[a] = upper[a] - wide.lower[a];
-    total *= wide.size[a];
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) wide.size[a] = upper[a] - wide.lower[a];
+  PetscCall(MapCreate(&wide));
+  FOR_BOX(map->lower, map->size, cell)
+  {
+    const PetscInt mark = MarkAt(map, cell);
+
+    if (mark) Mark(&wide, materials, cell, mark);
   }
-  PetscCall(PetscCalloc1(total, &wide.mark));
-  FOR_BOX(map->lower, map->size, cell) * CellAt(&wide, cell) = *CellAt(map, cell);
-  PetscCall(PetscFree(map->mark));
+  PetscCall(PetscFree2(map->mark, map->used));
   *map = wide;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -301,7 +326,7 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
   for (PetscInt pass = 0; pass < 2; pass++) {
     FOR_BOX(map->lower, map->size, cell)
     {
-      const PetscInt mark = *CellAt(map, cell), ranks = mark ? RanksAround(map->space, grid, cell, around) : 0;
+      const PetscInt mark = MarkAt(map, cell), ranks = mark ? RanksAround(map->space, grid, cell, around) : 0;
 
       for (PetscInt r = 0; r < ranks; r++) {
         if (around[r] == grid->rank) continue;
@@ -331,7 +356,7 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
     PetscCall(PetscMalloc1(sent.offset[sent.count], &sent.data));
   }
   PetscCall(MpmListsExchange(grid->comm, &sent, &received));
-  PetscCall(Widen(&received, map));
+  PetscCall(Widen(&received, materials, map));
   for (PetscInt k = 0; k < received.offset[received.count]; k += grid->dim + 1) {
     PetscInt at[MPM_MAX_DIM] = {0, 0, 0};
 
@@ -443,29 +468,49 @@ static PetscBool FaceBox(const MpmSpace *space, const MpmRules *rules, const Pet
   return Jump(face, box, jump);
 }
 
-/* Lists the faces whose lower piece this rank owns; counts them where `faces` is NULL. */
-static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, MpmFace faces[], MpmGroup boxes[])
+static void PieceCell(const CellMap *map, PetscInt at, PetscInt cell[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; at /= map->size[a], a++) cell[a] = map->lower[a] + at % map->size[a];
+}
+
+/* The material pieces that this rank owns, by their places in the map; returns their number. */
+static PetscInt OwnPieces(const CellMap *map, const MpmGrid *grid, PetscInt pieces[])
+{
+  const PetscInt layers = map->size[map->dim - 1], each = LayerSize(map);
+  PetscInt       cell[MPM_MAX_DIM], at[MPM_MAX_DIM], count = 0;
+
+  for (PetscInt layer = 0; layer < layers; layer++) {
+    for (PetscInt i = layer * each; map->used[layer] && i < (layer + 1) * each; i++) {
+      if (!map->mark[i]) continue;
+      PieceCell(map, i, cell);
+      MpmSpaceAt(map->space, cell, at);
+      if (MpmGridNodeOwner(grid, at) == grid->rank) pieces[count++] = i;
+    }
+  }
+  return count;
+}
+
+/* Lists the faces whose lower piece is one of these; counts them where `faces` is NULL. */
+static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, PetscInt piece_count, const PetscInt pieces[],
+                          MpmFace faces[], MpmGroup boxes[])
 {
   const MpmGrid     *grid      = rules->grid;
   const MpmMaterial *materials = rules->materials;
-  PetscInt           cell[MPM_MAX_DIM], count = 0;
+  PetscInt           count     = 0;
 
-  FOR_BOX(map->lower, map->size, cell)
-  {
-    PetscInt at[MPM_MAX_DIM];
+  for (PetscInt k = 0; k < piece_count; k++) {
+    PetscInt cell[MPM_MAX_DIM];
 
-    if (!IsMaterial(map, cell)) continue;
-    MpmSpaceAt(map->space, cell, at);
-    if (MpmGridNodeOwner(grid, at) != grid->rank) continue;
+    PieceCell(map, pieces[k], cell);
     for (PetscInt axis = 0; axis < map->dim; axis++) {
       PetscInt next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]};
       MpmFace  face              = {.axis = axis, .degree = map->degree};
       MpmGroup box               = {0};
 
       next[axis]++;
-      if (!IsMaterial(map, next)) continue;
-      const PetscInt here = *CellAt(map, cell), there = *CellAt(map, next);
+      const PetscInt here = map->mark[pieces[k]], there = MarkAt(map, next);
 
+      if (!there) continue;
       if (MarkIsSparse(here) || MarkIsSparse(there)) face.gamma = PetscMax(rules->ghost, rules->sparse);
       else if (IsEdge(map, rules, cell) || IsEdge(map, rules, next)) face.gamma = rules->ghost;
       if (!(face.gamma > 0. || rules->interior > 0.) || !FaceBox(map->space, rules, cell, &face, &box)) continue;
@@ -488,18 +533,22 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
 {
   CellMap   map;
   MpmGroup *boxes;
+  PetscInt *pieces, count;
 
   PetscFunctionBeginUser;
   (void)ctx;
   if (!(rules->ghost > 0. || rules->interior > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MarkOwnPoints(space, rules, points, rules->grid->size > 1 ? 3 : 0, &map));
   if (rules->grid->size > 1) PetscCall(ExchangeMarks(rules->grid, rules->materials, &map));
-  space->face_count = ListFaces(&map, rules, NULL, NULL);
+  PetscCall(PetscMalloc1((map.size[0] * map.size[1] * map.size[2]), &pieces));
+  count             = OwnPieces(&map, rules->grid, pieces);
+  space->face_count = ListFaces(&map, rules, count, pieces, NULL, NULL);
   space->face_begin = space->box_count;
   PetscCall(MpmSpaceAppendBoxes(space, space->face_count, &boxes));
   PetscCall(PetscMalloc1(space->face_count, &space->faces));
-  (void)ListFaces(&map, rules, space->faces, boxes);
-  PetscCall(PetscFree(map.mark));
+  (void)ListFaces(&map, rules, count, pieces, space->faces, boxes);
+  PetscCall(PetscFree(pieces));
+  PetscCall(PetscFree2(map.mark, map.used));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
