@@ -20,18 +20,21 @@ PetscErrorCode MpmTextFileReserve(MpmTextFile *text, size_t more)
 
 PetscErrorCode MpmTextFileAppend(MpmTextFile *text, const char *format, ...)
 {
-  va_list arguments;
-  int     length;
+  const size_t room = text->capacity - text->length;
+  va_list      arguments;
+  int          length;
 
   PetscFunctionBeginUser;
   va_start(arguments, format);
-  length = vsnprintf(NULL, 0, format, arguments);
+  length = vsnprintf(room ? text->data + text->length : NULL, room, format, arguments);
   va_end(arguments);
   PetscCheck(length >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "cannot format '%s'", format);
-  PetscCall(MpmTextFileReserve(text, (size_t)length));
-  va_start(arguments, format);
-  (void)vsnprintf(text->data + text->length, (size_t)length + 1, format, arguments);
-  va_end(arguments);
+  if ((size_t)length >= room) { /* that was too little: once more */
+    PetscCall(MpmTextFileReserve(text, (size_t)length));
+    va_start(arguments, format);
+    (void)vsnprintf(text->data + text->length, (size_t)length + 1, format, arguments);
+    va_end(arguments);
+  }
   text->length += (size_t)length;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

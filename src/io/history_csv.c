@@ -36,7 +36,6 @@ static void PlaceAdvance(MpmHistoryPlace *place, const char *text, size_t length
 static PetscErrorCode WriteLine(MpmHistory history, MpmTextFile *line)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmTextFileAppend(line, "\n"));
   (void)fwrite(line->data, 1, line->length, history->file);
   PlaceAdvance(&history->place, line->data, line->length);
   PetscCall(MpmTextFileDestroy(line));
@@ -46,7 +45,7 @@ static PetscErrorCode WriteLine(MpmHistory history, MpmTextFile *line)
 static PetscErrorCode HeaderText(PetscInt columns, const char *const names[], MpmTextFile *line)
 {
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < columns; ++i) PetscCall(MpmTextFileAppend(line, "%s%s", i ? "," : "", names[i]));
+  for (PetscInt i = 0; i < columns; ++i) PetscCall(MpmTextFileAppend(line, "%s%c", names[i], i + 1 < columns ? ',' : '\n'));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,7 +121,7 @@ static PetscErrorCode CompareHistory(FILE *file, const MpmHistoryPlace *place, c
   PlaceAdvance(&now, text, size);
   if (now.length != place->length) *why = "it is shorter than it was";
   else if (now.hash != place->hash) *why = "it is not what it was";
-  else if (size <= header->length || memcmp(text, header->data, header->length) || text[header->length] != '\n')
+  else if (size < header->length || memcmp(text, header->data, header->length))
     *why = "it has other columns";
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -183,13 +182,23 @@ PetscErrorCode MpmHistoryMark(MpmHistory history, MpmHistoryPlace *place)
 
 /* 2^53: from here on doubles are integers that no longer count every one. */
 #define LARGEST_COUNT 9007199254740992.
+#define COLUMN_WIDTH  25 /* of a number with its separator */
 
-static PetscErrorCode AppendValue(MpmTextFile *line, double value)
+/* Most columns of most rows are 0 or a small count: those ask for no printf. */
+static PetscErrorCode AppendValue(MpmTextFile *line, double value, char separator)
 {
+  const PetscBool count = (PetscBool)(value == floor(value) && fabs(value) < LARGEST_COUNT);
+
   PetscFunctionBeginUser;
-  if (value == floor(value) && fabs(value) < LARGEST_COUNT)
-    PetscCall(MpmTextFileAppend(line, "%lld", (long long)value));
-  else PetscCall(MpmTextFileAppend(line, "%.17g", value));
+  if (count && value >= 0. && value < 10.) {
+    const char text[] = {(char)('0' + (int)value), separator};
+
+    PetscCall(MpmTextFileReserve(line, sizeof(text)));
+    (void)memcpy(line->data + line->length, text, sizeof(text));
+    line->length += sizeof(text);
+    line->data[line->length] = 0;
+  } else if (count) PetscCall(MpmTextFileAppend(line, "%lld%c", (long long)value, separator));
+  else PetscCall(MpmTextFileAppend(line, "%.17g%c", value, separator));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -210,10 +219,9 @@ PetscErrorCode MpmHistoryAppend(MpmHistory history, const PetscReal values[])
   if (history->file) {
     MpmTextFile line = MPM_TEXT_FILE_EMPTY;
 
-    for (PetscInt i = 0; i < history->columns; ++i) {
-      if (i) PetscCall(MpmTextFileAppend(&line, ","));
-      PetscCall(AppendValue(&line, (double)values[i]));
-    }
+    PetscCall(MpmTextFileReserve(&line, (size_t)history->columns * COLUMN_WIDTH));
+    for (PetscInt i = 0; i < history->columns; ++i)
+      PetscCall(AppendValue(&line, (double)values[i], i + 1 < history->columns ? ',' : '\n'));
     PetscCall(WriteLine(history, &line));
     failure = HistoryFlush(history->file);
   }

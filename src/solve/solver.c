@@ -309,13 +309,13 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Can it be told by forces that nothing touches? Not where a boundary holds, or is a body, whose contacts are summed with its own. */
+/* Can it be told by forces that nothing touches? Not where a boundary holds. */
 static PetscBool ServesAtRest(const MpmSolver *solver)
 {
   const MpmContacts *contacts = solver->disc->contacts;
 
   for (PetscInt k = 0; k < contacts->boundary_count; k++)
-    if (contacts->boundaries[k].freedom || contacts->boundaries[k].bilateral) return PETSC_FALSE;
+    if (contacts->boundaries[k].bilateral) return PETSC_FALSE;
   return (PetscBool)(solver->symmetric && !solver->disc->layout->saddle &&
                      solver->jacobian_type != MPM_JACOBIAN_MATFREE);
 }
