@@ -758,7 +758,7 @@ static PetscErrorCode SetUp(MpmModel model)
   model->solver.cache.minimisation.on = MpmStagesMinimise(model);
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));
-  if (MpmStagesSolve(model)) PetscCall(MpmSolverChoose(&model->solver, unknowns));
+  if (MpmStagesSolve(model)) PetscCall(MpmSolverChoose(&model->solver, unknowns, MpmStagesAreImplicit(model)));
   else {
     PetscCall(PetscFree(model->solver.name));
     PetscCall(PetscStrallocpy("none", &model->solver.name));

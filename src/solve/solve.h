@@ -162,8 +162,8 @@ PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options);
-/* Settles `auto` for about so many unknowns, and applies the preset. */
-PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns);
+/* Settles `auto` for about so many unknowns, and applies the preset; have some of the steps inertia? */
+PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns, PetscBool inertia);
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver);
 /*
   Which solver suits: as a step `begins`, by what the last one was; otherwise by whether anything touches at the local unknowns

@@ -320,7 +320,13 @@ static PetscBool ServesAtRest(const MpmSolver *solver)
                      solver->jacobian_type != MPM_JACOBIAN_MATFREE);
 }
 
-PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
+/*
+  Steps of motion add up what each leaves: to PETSc's 1e-8 they would drift apart by as much with the number of ranks. A direct solver's last
+  iteration goes far below that anyway; with the preconditioner kept, another iteration or two of multigrid cost 10 % of a step.
+*/
+#define RTOL_WITH_INERTIA "1e-12"
+
+PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns, PetscBool inertia)
 {
   const PetscBool contacts = (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
   const char     *name     = solver->name;
@@ -346,6 +352,7 @@ PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns)
   else {
     PetscBool chosen;
 
+    if (inertia) PetscCall(OptionDefault("-snes_rtol", RTOL_WITH_INERTIA));
     PetscCall(PetscOptionsHasName(NULL, NULL, "-ksp_type", &chosen));
     solver->may_be_indefinite = (PetscBool)((solver->symmetric || solver->at_rest.serves) && !chosen);
     PetscCall(OptionAtRest(solver, "-ksp_type", "cg", solver->symmetric ? "cg" : "gmres"));
