@@ -8,6 +8,7 @@
 
 #define STRAIGHT 1e-9  /* sine of the angle between two edges that are one */
 #define NOISE    1e-15 /* of a place's distance from an axis, over that from a point of the axis */
+#define TIE      1e-10 /* of sizes: what is as near by so much is as near, and the first counts, whatever rounding says */
 
 /* The part of r across an axis, and its part along; what is rounding alone is nothing. */
 static PetscReal SplitAlong(PetscInt dim, const PetscReal axis[], PetscReal r[])
@@ -28,7 +29,8 @@ static PetscReal SplitAlong(PetscInt dim, const PetscReal axis[], PetscReal r[])
 
 /*
   With q = |x - centre| - half lengths: outside, the distance from the nearest place of a face (one q > 0), an edge (two)
-  or a corner, round the latter two; inside, the nearest face counts.
+  or a corner, round the latter two; inside, the nearest face counts. A symmetric load puts places on the diagonals inside and on the edges:
+  there rounding must not choose, for it is another one on other ranks.
 */
 static void BoxDistance(const MpmSolid *solid, const PetscReal r[], MpmSurface *surface)
 {
@@ -37,9 +39,11 @@ static void BoxDistance(const MpmSolid *solid, const PetscReal r[], MpmSurface *
   PetscInt       outside = 0, nearest = 0;
 
   for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal tie = TIE * (solid->half[a] + solid->half[nearest]);
+
     q[a] = PetscAbsReal(r[a]) - solid->half[a];
-    if (q[a] > q[nearest]) nearest = a;
-    if (q[a] <= 0.) continue;
+    if (q[a] > q[nearest] + (a ? tie : 0.)) nearest = a;
+    if (q[a] <= tie) continue;
     outside++;
     beyond[a] = r[a] < 0. ? -q[a] : q[a];
   }
@@ -50,7 +54,7 @@ static void BoxDistance(const MpmSolid *solid, const PetscReal r[], MpmSurface *
   }
   MpmSurfaceRound(dim, beyond, 0., NULL, surface);
   for (PetscInt a = 0; a < dim; a++) /* along an edge it is straight */
-    if (q[a] <= 0.) surface->second[a][a] = 0.;
+    if (beyond[a] == 0.) surface->second[a][a] = 0.;
 }
 
 /* ---- cone ---- */
@@ -168,7 +172,7 @@ static void PolygonDistance(const MpmSolid *solid, const PetscReal x[], MpmSurfa
       best    = corner;
       nearest = i;
     }
-    if (along > 0. && along < length && PetscAbsReal(across) <= best) {
+    if (along > 0. && along < length && PetscAbsReal(across) <= best - (nearest < 0 ? TIE * length : 0.)) {
       best               = PetscAbsReal(across);
       nearest            = -1;
       surface->distance  = across;
