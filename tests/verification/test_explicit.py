@@ -110,8 +110,9 @@ def going_on(test):
     for name in ("track_tip_ux", "track_tip_vx", "reaction_wall_x", "energy_kinetic"):
         one = whole.results.column(name)
         after = rest.results.column(name)
+        first = several.results.column(name)[:-1]  # the last step ends the stage
         test.check(f"restart.{name}", difference(one, np.concatenate((one[: -after.size], after))), None, 1e-12)
-        test.check(f"ranks.{name}", difference(one[: len(several.results.column(name))], several.results.column(name)), None, 1e-11)
+        test.check(f"ranks.{name}", difference(one[: first.size], first), None, 1e-11)
     options = {"mpm_quiet": None, "mpm_time_step": 0.02, "mpm_output_every": 1000}
     whole = test.run(BAR, mpm_time_end=0.3, **options)
     half = test.run(BAR, mpm_time_end=0.14, mpm_checkpoint_every=1000, **options)
