@@ -100,7 +100,7 @@ def inclined_roller(test):
                          mpm_material_block_type="linear_elastic", mpm_loads="weight", mpm_load_weight_type="gravity",
                          mpm_load_weight_value="0,-10", snes_rtol=1e-13, mpm_stabilization_ghost="off",
                          **options)
-                for ranks, jacobian in ((1, "local"), (2, "matfree"), (3, "coloring"))]
+                for ranks, jacobian in ((1, "local"), (2, "matfree"), (4, "coloring"))]
         support = weight / 2.0 / n[1]
         for k, run in enumerate(runs):
             label = f"roller_{angle:g}_{k}"
