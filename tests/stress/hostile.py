@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ENVIRONMENT, Run, Test  # noqa: E402
+from talus_test import ENVIRONMENT, Run, Test, alone  # noqa: E402
 from results import ResultsError  # noqa: E402  (talus_test makes the folder known)
 
 GRACE = 5.0  # s that a run which is told to stop has for it
@@ -38,7 +38,8 @@ class Ended(Run):
             command += ["-" + name] if value is None else ["-" + name, value]
         self.folder, self.command = Path(folder), [str(word) for word in command]
         self.hung = self.completed = False
-        with subprocess.Popen(self.command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE,
+        environment = ENVIRONMENT if ranks > 1 else {**ENVIRONMENT, **alone()}
+        with subprocess.Popen(self.command, cwd=folder, env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
             try:
                 self.output, self.errors = process.communicate(timeout=limit)

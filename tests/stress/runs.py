@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from talus_test import ENVIRONMENT, TIME_LIMIT, Results
+from talus_test import ENVIRONMENT, TIME_LIMIT, Results, alone
 
 # Sums that are zero but for rounding are compared with the largest number of their kind.
 KINDS = ("reaction_", "track_")
@@ -25,7 +25,8 @@ class Background:
         self.command, self.ranks = command, ranks
         self.output = open(self.folder / "log", "a+", encoding="utf-8")  # a file: a full pipe would stop the run
         self.start = self.output.tell()
-        self.process = subprocess.Popen(command, cwd=folder, env=ENVIRONMENT, stdout=self.output, stderr=subprocess.STDOUT)
+        environment = ENVIRONMENT if ranks > 1 else {**ENVIRONMENT, **alone()}
+        self.process = subprocess.Popen(command, cwd=folder, env=environment, stdout=self.output, stderr=subprocess.STDOUT)
 
     def steps(self):
         """Rows of the history so far."""

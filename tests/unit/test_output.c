@@ -1,8 +1,10 @@
 /*
-  What a run leaves behind: points as HDF5 and XDMF, history as CSV, summary as JSON. Ranks: 1 2 4
+  What a run leaves behind: points as HDF5 and XDMF, history as CSV, summary as JSON.
 
   Ids are distributed over the ranks at random, with rank 1 left empty; every value of a row can be computed from its id, so
   that the file alone shows whether each row arrived where it belongs.
+
+  Ranks: 1 2 4
 */
 #include <math.h>
 #include <stdio.h>

@@ -488,7 +488,7 @@ static void CheckGradients(void)
   const PetscReal eps = 1e-6;
 
   for (int type = 0; type < MPM_SHAPE_COUNT; type++) {
-    for (PetscInt i = 0; i < 20000; i++) {
+    for (PetscInt i = 0; i < (UNIT_SANITIZED ? 2000 : 20000); i++) {
       const PetscReal xi = Uniform(0.01, 5.99), most = Uniform(0.001, 3.),
                       l = PetscMin(most, PetscMin(xi, 6. - xi) - 2. * eps);
       const Shape s     = Evaluate((MpmShapeType)type, xi, l, 0, 6);

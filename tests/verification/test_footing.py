@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import Test, example  # noqa: E402
 
 LIMIT = 2.0 + np.pi
-FINE, COARSE = "40,48", "20,24"  # cells of 1/8 m and 1/4 m
+FINE, COARSE = "30,36", "15,18"  # cells of 1/6 m and 1/3 m
 STIFF = {"mpm_material_clay_E": 100e6, "mpm_bc_footing_value": "0,-0.004"}  # the geometry hardly changes
 
 

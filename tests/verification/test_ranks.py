@@ -39,5 +39,5 @@ def run_on(test, scene, path, counts, **options):
 
 with Test() as test:
     for scene, path in SCENES.items():
-        run_on(test, scene, path, (2, 3, 4))
+        run_on(test, scene, path, (2, 3))
     run_on(test, "open", example("slump3d"), (4,), **OPEN)

@@ -58,11 +58,11 @@ def unused(test):
 
 def slide(test):
     """Newton's method gives up and says what may help; the rescue finds sand at rest below its angle of friction, the same on any ranks."""
-    bounded = {ranks: test.run(HEAP, status=3, ranks=ranks, mpm_relaxation_steps=200) for ranks in (1, 2, 4)}
+    bounded = {ranks: test.run(HEAP, status=3, ranks=ranks, mpm_relaxation_steps=200) for ranks in (1, 3)}
     errors = bounded[1].errors
     test.check("slide.bounded", "has not come to rest in 200 steps: K_F is" in errors, 1, 1)
     test.check("slide.bounded.lines", len(errors.strip().splitlines()), 1, 1)
-    test.check("slide.ranks", all(errors.strip() in bounded[ranks].errors for ranks in (2, 4)), 1, 1)
+    test.check("slide.ranks", errors.strip() in bounded[3].errors, 1, 1)
     one = test.run(HEAP)
     test.check("slide.told", told(one), 1, 4)
     state = one.results.state("last")
@@ -70,7 +70,7 @@ def slide(test):
     rows = [x[np.abs(y - middle) < 0.25].max() for middle in (0.75, 1.25, 1.75, 2.25)]
     test.check("slide.angle", np.degrees(np.arctan(-1 / np.polyfit((0.75, 1.25, 1.75, 2.25), rows, 1)[0])), 15.0, 27.0)
     test.near("slide.weight", one.results.column("reaction_base_y")[-1], one.results.initial["mass"].sum() * 9.81 * 0.5, relative=0.01)
-    on = test.run(HEAP, mpm_restart=f"{bounded[2].prefix}_checkpoint.h5").results
+    on = test.run(HEAP, mpm_restart=f"{bounded[3].prefix}_checkpoint.h5").results
     for column in ("track_crest_uy", "energy_external", "energy_balance", "K_F", "resets", "cuts"):
         test.check(f"slide.restart.{column}", difference(on.column(column), one.results.column(column)), None, 1e-6)
 

@@ -16,9 +16,8 @@ def dam(test):
     test.check_example("dam", run, "dam_break")
     short = {**options, "mpm_output_every": 0, "mpm_time_end": 0.2}
     one = test.run(example("dam_break"), **short)
-    for ranks in (2, 3):
-        other = test.run(example("dam_break"), ranks=ranks, **short)
-        test.check(f"dam.ranks_{ranks}", difference(other.results.column("track_toe_ux"), one.results.column("track_toe_ux")), None, 1e-8)
+    other = test.run(example("dam_break"), ranks=3, **short)
+    test.check("dam.ranks_3", difference(other.results.column("track_toe_ux"), one.results.column("track_toe_ux")), None, 1e-8)
 
 
 def viscous(test):
@@ -57,7 +56,7 @@ def slope(test):
 
 def repose(test):
     """Cells of 4 m come to rest at the angle of friction, with their area; the same on any ranks."""
-    runs = [test.run(example("relaxation_slope"), ranks=ranks, mpm_grid_cells="80,11", mpm_stabilization_smooth=0.8, mpm_output_every=100000, mpm_quiet=None) for ranks in (1, 3)]
+    runs = [test.run(example("relaxation_slope"), ranks=ranks, mpm_grid_cells="80,11", mpm_stabilization_smooth=0.8, mpm_output_every=100000, mpm_quiet=None) for ranks in (1, 2)]
     test.check_example("repose", runs[0], "relaxation_slope")
     ends = [np.sort(run.results.state("last")["position"][:, 0])[-20:].mean() for run in runs]
     test.near("repose.ranks", ends[1], ends[0], relative=1e-2)
