@@ -45,7 +45,8 @@ static PetscErrorCode WriteLine(MpmHistory history, MpmTextFile *line)
 static PetscErrorCode HeaderText(PetscInt columns, const char *const names[], MpmTextFile *line)
 {
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < columns; ++i) PetscCall(MpmTextFileAppend(line, "%s%c", names[i], i + 1 < columns ? ',' : '\n'));
+  for (PetscInt i = 0; i < columns; ++i)
+    PetscCall(MpmTextFileAppend(line, "%s%c", names[i], i + 1 < columns ? ',' : '\n'));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -121,8 +122,7 @@ static PetscErrorCode CompareHistory(FILE *file, const MpmHistoryPlace *place, c
   PlaceAdvance(&now, text, size);
   if (now.length != place->length) *why = "it is shorter than it was";
   else if (now.hash != place->hash) *why = "it is not what it was";
-  else if (size < header->length || memcmp(text, header->data, header->length))
-    *why = "it has other columns";
+  else if (size < header->length || memcmp(text, header->data, header->length)) *why = "it has other columns";
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

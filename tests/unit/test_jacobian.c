@@ -342,7 +342,8 @@ static void CheckAll(PetscInt dim)
         /* other laws would tell nothing new of conditions; and surfaces that are round, or only push, are not linear */
         if (held >= INCLINED && l != 2 && l != 4) continue;
         /* any two of shape, law and variant meet */
-        if (UNIT_SANITIZED && (held < INCLINED ? (shape + (PetscInt)l + held) % 3 : (shape + (PetscInt)l / 2 + held) % 2))
+        if (UNIT_SANITIZED &&
+            (held < INCLINED ? (shape + (PetscInt)l + held) % 3 : (shape + (PetscInt)l / 2 + held) % 2))
           continue;
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], held, &model));
         SCENE_CALL(Look(model, &laws[l], 0., &plastic, &verdict));

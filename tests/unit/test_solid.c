@@ -565,10 +565,37 @@ START_TEST(motions_refused)
 }
 END_TEST
 
+/* Places on a diagonal, which rounding moves to either side: the same face counts on all of them. */
+START_TEST(ties)
+{
+  static const char *const texts[] = {"-mpm_a_type box -mpm_a_lower -1,-1 -mpm_a_upper 1,1",
+                                      "-mpm_a_type polygon -mpm_a_vertices -1,-1,1,-1,1,1,-1,1"};
+
+  for (PetscInt k = 0; k < 2; k++) {
+    const MpmSolid solid = Make(2, texts[k]);
+
+    for (PetscInt corner = 0; corner < 4; corner++) {
+      const PetscReal sign[2] = {corner % 2 ? -1. : 1., corner / 2 ? -1. : 1.};
+
+      for (PetscInt depth = 0; depth < 2; depth++) {
+        const PetscReal at = depth ? 0.75 : 1.; /* inside; on the corner itself, rounding is nothing */
+        MpmSurface      one, other;
+
+        if (!depth && k) continue; /* a polygon's vertices are round */
+        MpmSolidDistance(&solid, 0., (PetscReal[]){sign[0] * at, sign[1] * (at + 1e-13), 0.}, &one);
+        MpmSolidDistance(&solid, 0., (PetscReal[]){sign[0] * (at + 1e-13), sign[1] * at, 0.}, &other);
+        for (PetscInt a = 0; a < 2; a++) ck_assert_double_eq(one.normal[a], other.normal[a]);
+        ck_assert_double_eq_tol(one.distance, other.distance, 1e-12);
+      }
+    }
+  }
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {round_and_flat, boxes,     flat_faces,        cones,   polygons,
-                                poses,          rotations, turned_boundaries, motions, motions_refused};
+  const TTest *const tests[] = {round_and_flat,    boxes,   flat_faces,      cones, polygons, poses, rotations,
+                                turned_boundaries, motions, motions_refused, ties};
 
   return UnitRun(&argc, &argv, "solid", sizeof(tests) / sizeof(tests[0]), tests);
 }
