@@ -42,7 +42,7 @@ static void BoxDistance(const MpmSolid *solid, const PetscReal r[], MpmSurface *
     const PetscReal tie = TIE * (solid->half[a] + solid->half[nearest]);
 
     q[a] = PetscAbsReal(r[a]) - solid->half[a];
-    if (q[a] > q[nearest] + (a ? tie : 0.)) nearest = a;
+    if (q[a] > q[nearest] + tie) nearest = a;
     if (q[a] <= tie) continue;
     outside++;
     beyond[a] = r[a] < 0. ? -q[a] : q[a];

@@ -160,9 +160,10 @@ static void Mark(const CellMap *map, const MpmMaterial materials[], const PetscI
 {
   const PetscInt at = CellIndex(map, cell), layer = cell[map->dim - 1] - map->lower[map->dim - 1];
   const PetscInt each = LayerSize(map);
-  PetscInt      *mark = &map->mark[at], material = MarkMaterial(added);
+  PetscInt      *mark, material = MarkMaterial(added);
 
   if (at < 0) return;
+  mark = &map->mark[at];
   if (!map->used[layer]) (void)memset(&map->mark[layer * each], 0, (size_t)each * sizeof(PetscInt));
   map->used[layer] = PETSC_TRUE;
   if (!*mark) *mark = added;

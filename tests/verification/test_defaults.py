@@ -134,4 +134,4 @@ with Test() as test:
         rubber(test, 2, nu, 16 if full else 4)
         rubber(test, 3, nu, 8 if full else 4)
     rubber_unstable(test, 2, 16 if full else 8, 0.544)
-    rubber_unstable(test, 3, 6 if full else 4, 0.444)
+    rubber_unstable(test, 3, 6, 0.444)
