@@ -93,7 +93,7 @@ PetscErrorCode MpmBodyMotionSelect(const MpmBodyMotion *motion, const MpmBodies 
   PetscFunctionBeginUser;
   MpmBodyGetIds(bodies->at[motion->body], &first, &end);
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(DMSwarmGetField(particles->swarm, motion->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesGetField(particles, motion->share_field, &share));
   for (PetscInt p = 0; p < points.count; p++) {
     const PetscBool ours = (PetscBool)(points.id[p] >= first && points.id[p] < end &&
                                        MpmRegionContains(motion->region, &points.x0[p * particles->dim]));
@@ -101,7 +101,7 @@ PetscErrorCode MpmBodyMotionSelect(const MpmBodyMotion *motion, const MpmBodies 
     share[p] = ours ? 1. : 0.;
     found += ours;
   }
-  PetscCall(DMSwarmRestoreField(particles->swarm, motion->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(
     MPIU_Allreduce(MPI_IN_PLACE, &found, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
@@ -159,10 +159,10 @@ PetscErrorCode MpmBodyMotionsTouch(const MpmBodyMotions *motions, const MpmActin
     PetscReal *share;
 
     if (!acting[m].active) continue;
-    PetscCall(DMSwarmGetField(particles->swarm, motions->at[m].share_field, NULL, NULL, (void **)&share));
+    PetscCall(MpmParticlesGetField(particles, motions->at[m].share_field, &share));
     for (PetscInt g = 0; g < space->group_count; g++)
       TouchNodes(space, grid->h, &space->groups[g], share, motions->count, &(*marks)[m]);
-    PetscCall(DMSwarmRestoreField(particles->swarm, motions->at[m].share_field, NULL, NULL, (void **)&share));
+    PetscCall(MpmParticlesRestoreField(particles, &share));
   }
   PetscCall(MpmSpaceAddToOwners(space, motions->count, *marks));
   PetscCall(MpmSpaceToGhosts(space, motions->count, *marks));

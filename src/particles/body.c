@@ -462,6 +462,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   for (PetscInt b = 0; b < body_count; b++) {
     MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it", bodies[b]->name);
   }
+  PetscCall(MpmParticlesRelease(particles));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, MPM_PARTICLES_SPARE));
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));

@@ -225,7 +225,7 @@ PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid)
   MpmPoints   points;
 
   PetscFunctionBeginUser;
-  if (!particles->has_faces) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmParticlesHaveField(particles, "faces")) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesDistribute(particles, grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
   PetscCall(MpmParticlesGetArrays(particles, &points));

@@ -44,6 +44,8 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   PetscCall(DMSwarmSetType(swarm, DMSWARM_BASIC));
   particles->swarm       = swarm;
   particles->field_count = 0;
+  particles->lent        = 0;
+  PetscCall(PetscNew(&particles->held));
   PetscCall(PetscCalloc1((OWN_FIELDS + fields->extra_count), &particles->fields));
   PetscCall(Register(particles, "id", 1, PETSC_INT));
   PetscCall(Register(particles, "material", 1, PETSC_INT));
@@ -76,26 +78,19 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
     particles->fields[k].shared = (PetscBool)((extra >= 0 && extra < fields->shared) ||
                                               !strcmp(field->name, "volume0") || !strcmp(field->name, "mass"));
   }
-  particles->dim              = dim;
-  particles->stress_size      = MpmSymSize(dim);
-  particles->state_size       = fields->state_size;
-  particles->own_size         = fields->own_size;
-  particles->rates            = fields->rates;
-  particles->has_half_length  = fields->half_length;
-  particles->has_faces        = fields->faces;
-  particles->has_divisions    = fields->divisions;
-  particles->has_origin       = fields->origin;
-  particles->has_part         = fields->part;
-  particles->has_increment    = fields->increment;
-  particles->has_velocity     = fields->velocity;
-  particles->has_affine       = fields->affine;
-  particles->has_acceleration = fields->acceleration;
+  particles->dim         = dim;
+  particles->stress_size = MpmSymSize(dim);
+  particles->state_size  = fields->state_size;
+  particles->own_size    = fields->own_size;
+  particles->rates       = fields->rates;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
 {
   PetscFunctionBeginUser;
+  if (particles->held) PetscCall(MpmParticlesRelease(particles));
+  PetscCall(PetscFree(particles->held));
   PetscCall(DMDestroy(&particles->swarm));
   for (PetscInt k = 0; k < particles->field_count; k++) PetscCall(PetscFree(particles->fields[k].name));
   PetscCall(PetscFree(particles->fields));
@@ -103,84 +98,121 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
+/* NULL: it is not registered. */
+static const MpmPointField *FindField(const MpmParticles *particles, const char name[])
 {
-  DM swarm = particles->swarm;
+  for (PetscInt k = 0; k < particles->field_count; k++)
+    if (!strcmp(particles->fields[k].name, name)) return &particles->fields[k];
+  return NULL;
+}
+
+PetscBool MpmParticlesHaveField(const MpmParticles *particles, const char name[])
+{
+  return (PetscBool)(FindField(particles, name) != NULL);
+}
+
+static void *HeldArray(const MpmParticles *particles, const char name[])
+{
+  const MpmPointField *field = FindField(particles, name);
+
+  return field ? field->array : NULL;
+}
+
+/*
+  Takes all fields from the swarm, which looks each up by name: a step of a small scene cannot afford that again and again. They are held until
+  the number of points changes.
+*/
+static PetscErrorCode Hold(MpmParticles *particles)
+{
+  MpmPoints *points = particles->held;
 
   PetscFunctionBeginUser;
+  if (points->lent) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < particles->field_count; k++)
+    PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, &particles->fields[k].array));
+  points->lent = PETSC_TRUE;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &points->count));
+  points->id             = HeldArray(particles, "id");
+  points->material       = HeldArray(particles, "material");
+  points->x              = HeldArray(particles, "position");
+  points->x0             = HeldArray(particles, "position0");
+  points->origin         = MpmParticlesHaveField(particles, "origin") ? HeldArray(particles, "origin") : points->x0;
+  points->F              = HeldArray(particles, "F");
+  points->volume0        = HeldArray(particles, "volume0");
+  points->stress         = HeldArray(particles, "stress");
+  points->mass           = HeldArray(particles, "mass");
+  points->half_length    = HeldArray(particles, "half_length");
+  points->state          = HeldArray(particles, "state");
+  points->own            = HeldArray(particles, "own");
+  points->increment      = HeldArray(particles, "increment");
+  points->faces          = HeldArray(particles, "faces");
+  points->divisions      = HeldArray(particles, "divisions");
+  points->part           = HeldArray(particles, "part");
+  points->cut            = HeldArray(particles, "cut");
+  points->value          = HeldArray(particles, "value");
+  points->value_gradient = HeldArray(particles, "value_gradient");
+  points->velocity       = HeldArray(particles, "velocity");
+  points->affine         = HeldArray(particles, "affine");
+  points->acceleration   = HeldArray(particles, "acceleration");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRelease(MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!particles->lent, PETSC_COMM_SELF, PETSC_ERR_ORDER, "the points' fields are lent %" PetscInt_FMT " times",
+             particles->lent);
+  if (!particles->held->lent) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < particles->field_count; k++)
+    PetscCall(
+      DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &particles->fields[k].array));
+  PetscCall(PetscMemzero(particles->held, sizeof(*particles->held)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
+{
+  PetscFunctionBeginUser;
   PetscCall(PetscMemzero(points, sizeof(*points)));
-  PetscCall(DMSwarmGetLocalSize(swarm, &points->count));
-  PetscCall(DMSwarmGetField(swarm, "id", NULL, NULL, (void **)&points->id));
-  PetscCall(DMSwarmGetField(swarm, "material", NULL, NULL, (void **)&points->material));
-  PetscCall(DMSwarmGetField(swarm, "position", NULL, NULL, (void **)&points->x));
-  PetscCall(DMSwarmGetField(swarm, "position0", NULL, NULL, (void **)&points->x0));
-  points->origin = points->x0;
-  if (particles->has_origin) PetscCall(DMSwarmGetField(swarm, "origin", NULL, NULL, (void **)&points->origin));
-  PetscCall(DMSwarmGetField(swarm, "F", NULL, NULL, (void **)&points->F));
-  PetscCall(DMSwarmGetField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
-  PetscCall(DMSwarmGetField(swarm, "stress", NULL, NULL, (void **)&points->stress));
-  if (particles->has_mass) PetscCall(DMSwarmGetField(swarm, "mass", NULL, NULL, (void **)&points->mass));
-  if (particles->has_half_length)
-    PetscCall(DMSwarmGetField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
-  if (particles->state_size) PetscCall(DMSwarmGetField(swarm, "state", NULL, NULL, (void **)&points->state));
-  if (particles->own_size) PetscCall(DMSwarmGetField(swarm, "own", NULL, NULL, (void **)&points->own));
-  if (particles->has_increment) PetscCall(DMSwarmGetField(swarm, "increment", NULL, NULL, (void **)&points->increment));
-  if (particles->has_faces) PetscCall(DMSwarmGetField(swarm, "faces", NULL, NULL, (void **)&points->faces));
-  if (particles->has_divisions) PetscCall(DMSwarmGetField(swarm, "divisions", NULL, NULL, (void **)&points->divisions));
-  if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "part", NULL, NULL, (void **)&points->part));
-  if (particles->has_part) PetscCall(DMSwarmGetField(swarm, "cut", NULL, NULL, (void **)&points->cut));
-  if (particles->rates) PetscCall(DMSwarmGetField(swarm, "value", NULL, NULL, (void **)&points->value));
-  if (particles->rates)
-    PetscCall(DMSwarmGetField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));
-  if (particles->has_velocity) PetscCall(DMSwarmGetField(swarm, "velocity", NULL, NULL, (void **)&points->velocity));
-  if (particles->has_affine) PetscCall(DMSwarmGetField(swarm, "affine", NULL, NULL, (void **)&points->affine));
-  if (particles->has_acceleration)
-    PetscCall(DMSwarmGetField(swarm, "acceleration", NULL, NULL, (void **)&points->acceleration));
+  PetscCall(Hold(particles));
+  particles->lent++;
+  *points = *particles->held;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points)
 {
-  DM swarm = particles->swarm;
+  PetscFunctionBeginUser;
+  if (!points->lent) PetscFunctionReturn(PETSC_SUCCESS);
+  particles->lent--;
+  PetscCall(PetscMemzero(points, sizeof(*points)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesGetField(MpmParticles *particles, const char name[], void *array)
+{
+  const MpmPointField *field = FindField(particles, name);
 
   PetscFunctionBeginUser;
-  if (!points->id && !points->count) PetscFunctionReturn(PETSC_SUCCESS); /* nothing is lent */
-  PetscCall(DMSwarmRestoreField(swarm, "id", NULL, NULL, (void **)&points->id));
-  PetscCall(DMSwarmRestoreField(swarm, "material", NULL, NULL, (void **)&points->material));
-  PetscCall(DMSwarmRestoreField(swarm, "position", NULL, NULL, (void **)&points->x));
-  PetscCall(DMSwarmRestoreField(swarm, "position0", NULL, NULL, (void **)&points->x0));
-  if (particles->has_origin) PetscCall(DMSwarmRestoreField(swarm, "origin", NULL, NULL, (void **)&points->origin));
-  PetscCall(DMSwarmRestoreField(swarm, "F", NULL, NULL, (void **)&points->F));
-  PetscCall(DMSwarmRestoreField(swarm, "volume0", NULL, NULL, (void **)&points->volume0));
-  PetscCall(DMSwarmRestoreField(swarm, "stress", NULL, NULL, (void **)&points->stress));
-  if (particles->has_mass) PetscCall(DMSwarmRestoreField(swarm, "mass", NULL, NULL, (void **)&points->mass));
-  if (particles->has_half_length)
-    PetscCall(DMSwarmRestoreField(swarm, "half_length", NULL, NULL, (void **)&points->half_length));
-  if (particles->state_size) PetscCall(DMSwarmRestoreField(swarm, "state", NULL, NULL, (void **)&points->state));
-  if (particles->own_size) PetscCall(DMSwarmRestoreField(swarm, "own", NULL, NULL, (void **)&points->own));
-  if (particles->has_increment)
-    PetscCall(DMSwarmRestoreField(swarm, "increment", NULL, NULL, (void **)&points->increment));
-  if (particles->has_faces) PetscCall(DMSwarmRestoreField(swarm, "faces", NULL, NULL, (void **)&points->faces));
-  if (particles->has_divisions)
-    PetscCall(DMSwarmRestoreField(swarm, "divisions", NULL, NULL, (void **)&points->divisions));
-  if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "part", NULL, NULL, (void **)&points->part));
-  if (particles->has_part) PetscCall(DMSwarmRestoreField(swarm, "cut", NULL, NULL, (void **)&points->cut));
-  if (particles->rates) PetscCall(DMSwarmRestoreField(swarm, "value", NULL, NULL, (void **)&points->value));
-  if (particles->rates)
-    PetscCall(DMSwarmRestoreField(swarm, "value_gradient", NULL, NULL, (void **)&points->value_gradient));
-  if (particles->has_velocity)
-    PetscCall(DMSwarmRestoreField(swarm, "velocity", NULL, NULL, (void **)&points->velocity));
-  if (particles->has_affine) PetscCall(DMSwarmRestoreField(swarm, "affine", NULL, NULL, (void **)&points->affine));
-  if (particles->has_acceleration)
-    PetscCall(DMSwarmRestoreField(swarm, "acceleration", NULL, NULL, (void **)&points->acceleration));
-  PetscCall(PetscMemzero(points, sizeof(*points)));
+  PetscCheck(field, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "the points have no field %s", name);
+  PetscCall(Hold(particles));
+  particles->lent++;
+  *(void **)array = field->array;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRestoreField(MpmParticles *particles, void *array)
+{
+  PetscFunctionBeginUser;
+  particles->lent--;
+  *(void **)array = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmParticlesLendArrays(MpmParticles *particles, MpmPoints *points)
 {
   PetscFunctionBeginUser;
-  if (!points->id) PetscCall(MpmParticlesGetArrays(particles, points));
+  if (!points->lent) PetscCall(MpmParticlesGetArrays(particles, points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -225,7 +257,7 @@ static PetscErrorCode FindMissing(MpmParticles *particles, const MpmGrid *grid, 
 
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &local));
-  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesGetField(particles, "id", &id));
   for (PetscInt p = 0; p < local; p++) ids = PetscMax(ids, id[p] + 1); /* bodies that were taken away leave holes */
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &ids, 1, MPIU_INT, MPI_MAX, grid->comm));
   PetscCall(PetscLayoutCreateFromSizes(grid->comm, PETSC_DECIDE, ids, 1, &layout));
@@ -233,7 +265,7 @@ static PetscErrorCode FindMissing(MpmParticles *particles, const MpmGrid *grid, 
   PetscCall(PetscLayoutGetRange(layout, &first, NULL));
   PetscCall(PetscSFCreate(grid->comm, &sf));
   PetscCall(PetscSFSetGraphLayout(sf, layout, local, NULL, PETSC_COPY_VALUES, id));
-  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesRestoreField(particles, &id));
   PetscCall(PetscCalloc1(rows, &found));
   PetscCall(PetscMalloc1(local, &once));
   for (PetscInt p = 0; p < local; p++) once[p] = 1;
@@ -288,9 +320,9 @@ static PetscErrorCode Address(MpmParticles *particles, const MpmGrid *grid, Pets
 
   PetscFunctionBeginUser;
   *leaving = 0;
-  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesGetField(particles, "position", &x));
   PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
-  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesGetField(particles, "id", &id));
   stray = dim == 2 ? FindStray(2, grid, count, x) : FindStray(3, grid, count, x);
   for (PetscInt p = 0; p < count && stray < 0 && grid->size > 1; p++) {
     PetscInt cell[MPM_MAX_DIM];
@@ -301,9 +333,9 @@ static PetscErrorCode Address(MpmParticles *particles, const MpmGrid *grid, Pets
   }
   *astray = (PetscBool)(stray >= 0);
   if (*astray) Describe(particles, id[stray], "is not in the grid but at", &x[stray * dim]);
-  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesRestoreField(particles, &id));
   PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
-  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -314,18 +346,19 @@ static PetscErrorCode Send(MpmParticles *particles, const MpmGrid *grid, PetscIn
   PetscInt  *rank, *id, n = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesGetField(particles, "position", &x));
   PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
-  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesGetField(particles, "id", &id));
   for (PetscInt p = 0; p < count; p++) {
     if (rank[p] == grid->rank) continue;
     travellers[n].id = id[p];
     for (PetscInt a = 0; a < grid->dim; a++) travellers[n].x[a] = x[p * grid->dim + a];
     n++;
   }
-  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesRestoreField(particles, &id));
   PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, (void **)&rank));
-  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
+  PetscCall(MpmParticlesRelease(particles));
   PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -369,9 +402,9 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
   most = (PetscReal)count;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPIU_MAX, grid->comm));
   if (!always && most * grid->size <= grid->balance * (PetscReal)particles->total) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesGetField(particles, "position", &x));
   PetscCall(MpmGridPartition(grid, count, x, always ? PETSC_MAX_REAL : most / BALANCE_GAIN, moved));
-  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
   if (*moved && !always) particles->rebalances++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -429,12 +462,11 @@ static PetscErrorCode CopyRows(MpmParticles *particles, PetscInt count, const Pe
   PetscCall(PetscMalloc1(particles->field_count, &fields));
   for (PetscInt k = 0; k < particles->field_count; k++) {
     bytes += FieldBytes(&particles->fields[k]);
-    PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, &fields[k]));
+    PetscCall(MpmParticlesGetField(particles, particles->fields[k].name, &fields[k]));
   }
   for (PetscInt k = 0; k < count; k++)
     PetscCall(CopyRow(particles, fields, index ? index[k] : first + k, data + (size_t)k * bytes, out));
-  for (PetscInt k = 0; k < particles->field_count; k++)
-    PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &fields[k]));
+  for (PetscInt k = 0; k < particles->field_count; k++) PetscCall(MpmParticlesRestoreField(particles, &fields[k]));
   PetscCall(PetscFree(fields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -457,16 +489,17 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   PetscCall(PetscMalloc1(count, &index));
-  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesGetField(particles, "id", &id));
   for (PetscInt p = 0; p < count; p++)
     if (id[p] >= first && id[p] < end) index[found++] = p;
-  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesRestoreField(particles, &id));
   if (parked) {
     for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
     parked->count = found;
     PetscCall(PetscMalloc1(((size_t)found * bytes), &parked->data));
     PetscCall(CopyRows(particles, found, index, 0, parked->data, PETSC_TRUE));
   }
+  PetscCall(MpmParticlesRelease(particles));
   /* the last point takes the place of the one that goes, so from the end */
   while (found--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[found]));
   PetscCall(PetscFree(index));
@@ -484,7 +517,7 @@ PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *g
   *here = 0;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &local));
   PetscCall(PetscMalloc1(local, &index));
-  PetscCall(DMSwarmGetField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesGetField(particles, "position", &x));
   for (PetscInt p = 0; p < local; p++) {
     PetscBool out = PETSC_FALSE;
 
@@ -495,7 +528,7 @@ PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *g
     }
     if (out) index[(*here)++] = p;
   }
-  PetscCall(DMSwarmRestoreField(particles->swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
   *outside = index;
   PetscCall(MPIU_Allreduce(here, count, 1, MPIU_INT, MPI_SUM, grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -504,6 +537,7 @@ PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *g
 PetscErrorCode MpmParticlesRemoveAt(MpmParticles *particles, PetscInt count, const PetscInt place[])
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRelease(particles));
   for (PetscInt k = count - 1; k >= 0; k--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, place[k]));
   PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -521,14 +555,15 @@ PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const 
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &first));
   PetscCall(PetscMalloc1(((size_t)count * bytes), &data));
   PetscCall(CopyRows(particles, count, index, 0, data, PETSC_TRUE));
+  PetscCall(MpmParticlesRelease(particles));
   if (count) PetscCall(DMSwarmAddNPoints(particles->swarm, count));
   PetscCall(CopyRows(particles, count, NULL, first, data, PETSC_FALSE));
   PetscCall(PetscFree(data));
   for (PetscInt k = 0; k < particles->field_count; k++) {
     if (!particles->fields[k].shared) continue;
-    PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, (void **)&amount));
+    PetscCall(MpmParticlesGetField(particles, particles->fields[k].name, &amount));
     for (PetscInt i = 0; i < count; i++) amount[first + i] = amount[index[i]] *= 0.5;
-    PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, (void **)&amount));
+    PetscCall(MpmParticlesRestoreField(particles, &amount));
   }
   PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -541,6 +576,7 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &first));
   if (parked->count) {
+    PetscCall(MpmParticlesRelease(particles));
     PetscCall(DMSwarmAddNPoints(particles->swarm, parked->count));
     PetscCall(CopyRows(particles, parked->count, NULL, first, parked->data, PETSC_FALSE));
   }

@@ -5,6 +5,7 @@
 #include <petscdmswarm.h>
 #include "base/base.h"
 #include "base/types.h"
+#include "particles/points.h"
 
 /* A field of the swarm, by its name there. */
 typedef struct {
@@ -12,6 +13,7 @@ typedef struct {
   PetscInt  components;
   PetscBool integer;
   PetscBool shared; /* an amount: where a point is divided each half has half of it */
+  void     *array;  /* while the swarm's fields are held */
 } MpmPointField;
 
 typedef struct MpmParticles {
@@ -19,8 +21,8 @@ typedef struct MpmParticles {
   PetscInt       field_count;
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
-  PetscBool      has_half_length, has_increment, has_faces, has_part, has_velocity, has_affine, has_acceleration;
-  PetscBool      has_divisions, has_origin;
+  MpmPoints     *held; /* the fields, from the first time that they are asked for until the number of points changes */
+  PetscInt       lent; /* so often */
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
   PetscReal      imbalance; /* points on the fullest rank over their mean, the most so far */
@@ -44,10 +46,19 @@ typedef struct {
 } MpmParticleFields;
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
+/*
+  The fields, all of them or one by its name (`array` is the address of a pointer), may be lent several times at once. What changes the
+  number of points on a rank is an error while any is. Restore does nothing with arrays that are not lent.
+*/
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
-/* Get, unless these arrays are lent already: fields are looked up by name, which costs small scenes more than their points do. */
+PetscErrorCode MpmParticlesGetField(MpmParticles *particles, const char name[], void *array);
+PetscErrorCode MpmParticlesRestoreField(MpmParticles *particles, void *array);
+PetscBool      MpmParticlesHaveField(const MpmParticles *particles, const char name[]);
+/* Get, unless these arrays are lent already. */
 PetscErrorCode MpmParticlesLendArrays(MpmParticles *particles, MpmPoints *points);
+/* Gives the fields back to the swarm: to be called before the swarm itself is asked to change the number of its points. */
+PetscErrorCode MpmParticlesRelease(MpmParticles *particles);
 /*
   Sends every point to the rank that owns its cell, however far. Points are counted before and after; one that is missing
   or not in the grid is told of in particles->lost, the same text on all ranks.

@@ -9,6 +9,7 @@
 
 /* The points' fields, lent by MpmParticlesGetArrays(); NULL where a field is not registered. */
 typedef struct MpmPoints {
+  PetscBool  lent;
   PetscInt   count;
   PetscInt  *id, *material;
   PetscReal *x, *x0;      /* position now and at the start, or where displacements began anew, m */

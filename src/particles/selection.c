@@ -146,7 +146,7 @@ PetscErrorCode MpmPointsChoose(const MpmBodies *bodies, PetscInt body, MpmRegion
   PetscFunctionBeginUser;
   if (body >= 0) MpmBodyGetIds(bodies->at[body], &first, &end);
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&choice));
+  PetscCall(MpmParticlesGetField(particles, field, &choice));
   *chosen = 0;
   for (PetscInt p = 0; p < points.count; p++) {
     const PetscBool in = (PetscBool)(points.id[p] >= first && points.id[p] < end &&
@@ -155,7 +155,7 @@ PetscErrorCode MpmPointsChoose(const MpmBodies *bodies, PetscInt body, MpmRegion
     choice[p] = in ? 1. : 0.;
     *chosen += in;
   }
-  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&choice));
+  PetscCall(MpmParticlesRestoreField(particles, &choice));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(
     MPIU_Allreduce(MPI_IN_PLACE, chosen, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));

@@ -103,7 +103,7 @@ PetscErrorCode MpmModelGetPoints(MpmModel model, const char name[], PetscInt *co
 
   PetscFunctionBeginUser;
   PetscCall(FindField(model, name, &count));
-  PetscCall(DMSwarmGetField(model->state.particles->swarm, name, NULL, NULL, (void **)array));
+  PetscCall(MpmParticlesGetField(model->state.particles, name, array));
   if (components) *components = count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,7 +114,7 @@ PetscErrorCode MpmModelRestorePoints(MpmModel model, const char name[], PetscInt
 
   PetscFunctionBeginUser;
   PetscCall(FindField(model, name, &count));
-  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, name, NULL, NULL, (void **)array));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, array));
   if (components) *components = 0;
   *array = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -124,15 +124,14 @@ static PetscErrorCode GetIntegers(MpmModel model, const char name[], const Petsc
 {
   PetscFunctionBeginUser;
   PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
-  PetscCall(DMSwarmGetField(model->state.particles->swarm, name, NULL, NULL, (void **)(uintptr_t)array));
+  PetscCall(MpmParticlesGetField(model->state.particles, name, array));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RestoreIntegers(MpmModel model, const char name[], const PetscInt **array)
+static PetscErrorCode RestoreIntegers(MpmModel model, const PetscInt **array)
 {
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, name, NULL, NULL, (void **)(uintptr_t)array));
-  *array = NULL;
+  PetscCall(MpmParticlesRestoreField(model->state.particles, array));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -146,7 +145,7 @@ PetscErrorCode MpmModelGetPointIds(MpmModel model, const PetscInt **id)
 PetscErrorCode MpmModelRestorePointIds(MpmModel model, const PetscInt **id)
 {
   PetscFunctionBeginUser;
-  PetscCall(RestoreIntegers(model, "id", id));
+  PetscCall(RestoreIntegers(model, id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,7 +159,7 @@ PetscErrorCode MpmModelGetPointMaterials(MpmModel model, const PetscInt **materi
 PetscErrorCode MpmModelRestorePointMaterials(MpmModel model, const PetscInt **material)
 {
   PetscFunctionBeginUser;
-  PetscCall(RestoreIntegers(model, "material", material));
+  PetscCall(RestoreIntegers(model, material));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

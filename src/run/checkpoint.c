@@ -207,10 +207,10 @@ static PetscErrorCode BesideDestroy(Beside *beside)
 /* The points into the file; `failed` is the error code of a write that did not work. */
 static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, PetscErrorCode *failed)
 {
-  const MpmParticles *particles = model->state.particles;
-  PetscInt            count, fields = particles->field_count, *place;
-  MpmDataset         *set;
-  void              **array;
+  MpmParticles *particles = model->state.particles;
+  PetscInt      count, fields = particles->field_count, *place;
+  MpmDataset   *set;
+  void        **array;
 
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
@@ -218,7 +218,7 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
   for (PetscInt k = 0; k < fields; k++) {
     const MpmPointField *field = &particles->fields[k];
 
-    PetscCall(DMSwarmGetField(particles->swarm, field->name, NULL, NULL, &array[k]));
+    PetscCall(MpmParticlesGetField(particles, field->name, &array[k]));
     if (!k) continue; /* the ids tell the rows */
     set[k - 1] = (MpmDataset){.name       = field->name,
                               .components = field->components,
@@ -236,8 +236,7 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
 
     *failed = MpmStateWrite(model->comm, state, &table, NULL);
   }
-  for (PetscInt k = 0; k < fields; k++)
-    PetscCall(DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &array[k]));
+  for (PetscInt k = 0; k < fields; k++) PetscCall(MpmParticlesRestoreField(particles, &array[k]));
   PetscCall(PetscFree3(set, array, place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

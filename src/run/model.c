@@ -670,9 +670,9 @@ static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
 
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
-  PetscCall(DMSwarmGetField(model->state.particles->swarm, "volume0", NULL, NULL, (void **)&volume0));
+  PetscCall(MpmParticlesGetField(model->state.particles, "volume0", &volume0));
   for (PetscInt p = 0; p < count; p++) volume += volume0[p];
-  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, "volume0", NULL, NULL, (void **)&volume0));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &volume0));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, model->comm));
   for (PetscInt a = 0; a < model->disc.dim; a++) volume /= model->disc.h[a];
   *unknowns = volume * (PetscReal)model->disc.block;

@@ -149,8 +149,7 @@ PetscErrorCode MpmProfileEvaluate(MpmProfile *profile, const MpmGrid *grid, MpmP
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(profile->count, &fits));
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  if (profile->chosen_field)
-    PetscCall(DMSwarmGetField(particles->swarm, profile->chosen_field, NULL, NULL, (void **)&chosen));
+  if (profile->chosen_field) PetscCall(MpmParticlesGetField(particles, profile->chosen_field, &chosen));
   for (PetscInt p = 0; p < points.count; p++) {
     PetscInt begin, end;
 
@@ -161,7 +160,7 @@ PetscErrorCode MpmProfileEvaluate(MpmProfile *profile, const MpmGrid *grid, MpmP
       AddPoint(grid, x, &points, p, profile->size, &fits[k]);
     }
   }
-  if (chosen) PetscCall(DMSwarmRestoreField(particles->swarm, profile->chosen_field, NULL, NULL, (void **)&chosen));
+  if (chosen) PetscCall(MpmParticlesRestoreField(particles, &chosen));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, fits,
                            (PetscMPIInt)(profile->count * (PetscInt)(sizeof(Fit) / sizeof(PetscReal))), MPIU_REAL,

@@ -265,24 +265,22 @@ static PetscErrorCode ReadBlock(MpmModel model, PetscInt first, PetscInt rows, P
   PetscInt      bad       = particles->field_count + 2;
   MpmPointField before[]  = {{.name = (char[]){"rank"}, .components = 1, .integer = PETSC_TRUE},
                              {.name = (char[]){"place"}, .components = 1, .integer = PETSC_TRUE}};
-  void         *array;
+  void         *array, *to[] = {NULL, place};
   hid_t         file = H5I_INVALID_HID, group = H5I_INVALID_HID;
 
   PetscFunctionBeginUser;
   if (rows) group = OpenPoints(restart->path, &file);
+  PetscCall(DMSwarmGetField(particles->swarm, DMSwarmField_rank, NULL, NULL, &to[0]));
   for (PetscInt k = 0; k < particles->field_count + 2 && rows; k++) {
     const PetscInt       own   = k - particles->field_count;
     const MpmPointField *field = own < 0 ? &particles->fields[k] : &before[own];
-    const char          *name  = own < 0 ? field->name : DMSwarmField_rank;
 
-    if (own == 1) {
-      if (!ReadField(restart, group, field, first, rows, place)) bad = PetscMin(bad, k);
-      continue;
-    }
-    PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, &array));
+    if (own >= 0) array = to[own];
+    else PetscCall(MpmParticlesGetField(particles, field->name, &array));
     if (!ReadField(restart, group, field, first, rows, array)) bad = PetscMin(bad, k);
-    PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, &array));
+    if (own < 0) PetscCall(MpmParticlesRestoreField(particles, &array));
   }
+  PetscCall(DMSwarmRestoreField(particles->swarm, DMSwarmField_rank, NULL, NULL, &to[0]));
   if (group >= 0) (void)H5Gclose(group);
   if (file >= 0) (void)H5Fclose(file);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT, MPI_MIN, model->comm));
@@ -329,10 +327,10 @@ static PetscErrorCode OrderPoints(MpmParticles *particles, PetscInt count, Petsc
     void                *array;
 
     PetscCall(PetscMalloc1(((size_t)count * size), &copy));
-    PetscCall(DMSwarmGetField(particles->swarm, field->name, NULL, NULL, &array));
+    PetscCall(MpmParticlesGetField(particles, field->name, &array));
     for (PetscInt p = 0; p < count; p++) memcpy(copy + (size_t)p * size, (char *)array + (size_t)from[p] * size, size);
     if (count) memcpy(array, copy, (size_t)count * size);
-    PetscCall(DMSwarmRestoreField(particles->swarm, field->name, NULL, NULL, &array));
+    PetscCall(MpmParticlesRestoreField(particles, &array));
     PetscCall(PetscFree(copy));
   }
   PetscCall(PetscFree(from));
@@ -356,10 +354,12 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
     rows  = (PetscInt)((PetscInt64)restart->points * (model->rank + 1) / model->size) - first;
   } else if (model->rank) rows = 0;
   PetscCall(PetscMalloc1(rows, &place));
+  PetscCall(MpmParticlesRelease(particles));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, rows, MPM_PARTICLES_SPARE));
   PetscCall(ReadBlock(model, first, rows, place));
   particles->total = restart->points;
   PetscCall(RestorePartition(model, &same));
+  PetscCall(MpmParticlesRelease(particles));
   if (same && model->size > 1) PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
   PetscCall(MpmMovingGridFollow(model, &why));
   if (!same) {
@@ -368,10 +368,10 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   }
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   PetscCall(PetscMalloc1(count, &key));
-  PetscCall(DMSwarmGetField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesGetField(particles, "id", &id));
   if (same) PetscCall(FetchPlaces(model, rows, place, count, id, key));
   else PetscCall(PetscArraycpy(key, id, count));
-  PetscCall(DMSwarmRestoreField(particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesRestoreField(particles, &id));
   PetscCall(OrderPoints(particles, count, key));
   PetscCall(PetscFree(key));
   PetscCall(PetscFree(place));

@@ -41,9 +41,9 @@ PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesGetField(particles, track->share_field, &share));
   PetscCall(MpmSelectionShare(&track->where, grid, &points, particles->total, "track", track->name, share));
-  PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -59,16 +59,16 @@ static PetscErrorCode Mean(const MpmTrack *track, MpmParticles *particles, const
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < dim; a++) mean[a] = 0.;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
-  PetscCall(DMSwarmGetField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
-  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&x));
-  if (base) PetscCall(DMSwarmGetField(particles->swarm, base, NULL, NULL, (void **)&x0));
+  PetscCall(MpmParticlesGetField(particles, track->share_field, &share));
+  PetscCall(MpmParticlesGetField(particles, field, &x));
+  if (base) PetscCall(MpmParticlesGetField(particles, base, &x0));
   for (PetscInt p = 0; p < count; p++) {
     if (share[p] == 0.) continue;
     for (PetscInt a = 0; a < dim; a++) mean[a] += share[p] * (x0 ? x[p * dim + a] - x0[p * dim + a] : x[p * dim + a]);
   }
-  if (base) PetscCall(DMSwarmRestoreField(particles->swarm, base, NULL, NULL, (void **)&x0));
-  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&x));
-  PetscCall(DMSwarmRestoreField(particles->swarm, track->share_field, NULL, NULL, (void **)&share));
+  if (base) PetscCall(MpmParticlesRestoreField(particles, &x0));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, mean, (PetscMPIInt)dim, MPIU_REAL, MPIU_SUM,
                            PetscObjectComm((PetscObject)particles->swarm)));
   PetscFunctionReturn(PETSC_SUCCESS);

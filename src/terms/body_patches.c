@@ -466,7 +466,7 @@ static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, 
   PetscReal *value;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)&value));
+  PetscCall(MpmParticlesGetField(particles, name, &value));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPairPatch *patch = &contacts->patch[k];
 
@@ -480,7 +480,7 @@ static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, 
       mean[k] += PetscAbsReal(area) / patch->side[0].area * value[facet->point];
     }
   }
-  PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)&value));
+  PetscCall(MpmParticlesRestoreField(particles, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -584,7 +584,7 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
       PetscReal        *value;
 
       if (!name) continue;
-      PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)&value));
+      PetscCall(MpmParticlesGetField(particles, name, &value));
       if (a != MPM_MAX_DIM) PetscCall(MpmPointsClear(points, value));
       for (PetscInt k = 0; k < contacts->patch_count; k++) {
         const MpmPairPatch *patch = &contacts->patch[k];
@@ -593,7 +593,7 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
         for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
           value[contacts->facet[contacts->list[f]].point] = kept[a];
       }
-      PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)&value));
+      PetscCall(MpmParticlesRestoreField(particles, &value));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -605,7 +605,7 @@ PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points,
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     PetscReal *value;
 
-    PetscCall(DMSwarmGetField(particles->swarm, contacts->pairs->at[p].gap_field, NULL, NULL, (void **)&value));
+    PetscCall(MpmParticlesGetField(particles, contacts->pairs->at[p].gap_field, &value));
     for (PetscInt k = 0; k < points; k++) value[k] = UNKNOWN;
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPairPatch *patch = &contacts->patch[k];
@@ -613,7 +613,7 @@ PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points,
       for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
         value[contacts->facet[contacts->list[f]].point] = patch->gap - patch->touches - patch->closed;
     }
-    PetscCall(DMSwarmRestoreField(particles->swarm, contacts->pairs->at[p].gap_field, NULL, NULL, (void **)&value));
+    PetscCall(MpmParticlesRestoreField(particles, &value));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

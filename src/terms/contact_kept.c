@@ -25,12 +25,12 @@ static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *
   PetscReal         *kept, *gap = NULL;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&kept));
+  PetscCall(MpmParticlesGetField(particles, field, &kept));
   for (PetscInt f = 0; f < contacts->facet_count; f++)
     if (contacts->facet[f].boundary == b) value[f] = Kept(contacts, f, kept, slot);
-  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&kept));
+  PetscCall(MpmParticlesRestoreField(particles, &kept));
   if (!contacts->drawn[b]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(DMSwarmGetField(particles->swarm, boundary->gap_field, NULL, NULL, (void **)&gap));
+  PetscCall(MpmParticlesGetField(particles, boundary->gap_field, &gap));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
     PetscReal       sum = 0., area = 0.;
@@ -44,7 +44,7 @@ static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *
     for (PetscInt f = patch->begin; area > 0. && f < patch->end; f++)
       if (Kept(contacts, f, gap, MPM_PIECE_GAP) == 0.) value[f] = sum / area;
   }
-  PetscCall(DMSwarmRestoreField(particles->swarm, boundary->gap_field, NULL, NULL, (void **)&gap));
+  PetscCall(MpmParticlesRestoreField(particles, &gap));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

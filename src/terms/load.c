@@ -208,10 +208,10 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
   PetscFunctionBeginUser;
   if (load->type == MPM_LOAD_GRAVITY) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(DMSwarmGetField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesGetField(particles, load->share_field, &share));
   if (load->type == MPM_LOAD_TRACTION) PetscCall(SelectFace(load, grid, &points, share));
   else PetscCall(MpmSelectionShare(&load->where, grid, &points, particles->total, "load", load->name, share));
-  PetscCall(DMSwarmRestoreField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -385,7 +385,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
 
   PetscFunctionBeginUser;
   if (factor == 0.) PetscFunctionReturn(PETSC_SUCCESS);
-  if (load->share_field) PetscCall(DMSwarmGetField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  if (load->share_field) PetscCall(MpmParticlesGetField(particles, load->share_field, &share));
   PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
   for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
   for (PetscInt g = 0; g < space->group_count; g++) {
@@ -408,7 +408,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
     }
   }
   PetscCall(PetscFree(storage));
-  if (share) PetscCall(DMSwarmRestoreField(particles->swarm, load->share_field, NULL, NULL, (void **)&share));
+  if (share) PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

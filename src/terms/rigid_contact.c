@@ -397,15 +397,14 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
     for (PetscInt a = 0; contacts->boundaries[b].tangential && a < sum->space->dim; a++) {
       PetscReal *slip;
 
-      PetscCall(DMSwarmGetField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+      PetscCall(MpmParticlesGetField(particles, contacts->boundaries[b].slip_field[a], &slip));
       PetscCall(MpmPointsClear(sum->points->count, slip));
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
           if (answers[k].active)
             Keep(&contacts->facet[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
                  slip); /* a corner may not touch as its faces do */
-      PetscCall(
-        DMSwarmRestoreField(particles->swarm, contacts->boundaries[b].slip_field[a], NULL, NULL, (void **)&slip));
+      PetscCall(MpmParticlesRestoreField(particles, &slip));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -525,7 +524,7 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
     PetscReal  *pressure;
 
     if (!contacts->boundaries[b].augmented) continue;
-    PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&pressure));
+    PetscCall(MpmParticlesGetField(particles, field, &pressure));
     PetscCall(MpmPointsClear(sum->points->count, pressure));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPatch *patch = &contacts->patch[k];
@@ -533,7 +532,7 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
       for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
         Keep(&contacts->facet[f], -patch->stiffness * answers[k].gap, pressure);
     }
-    PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&pressure));
+    PetscCall(MpmParticlesRestoreField(particles, &pressure));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -548,7 +547,7 @@ static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, c
     PetscReal  *gap;
 
     if (!contacts->boundaries[b].bilateral) continue;
-    PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&gap));
+    PetscCall(MpmParticlesGetField(particles, field, &gap));
     PetscCall(MpmPointsClear(sum->points->count, gap));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPatch *patch = &contacts->patch[k];
@@ -556,7 +555,7 @@ static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, c
       for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
         Keep(&contacts->facet[f], answers[k].gap + patch->shift, gap);
     }
-    PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&gap));
+    PetscCall(MpmParticlesRestoreField(particles, &gap));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

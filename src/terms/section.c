@@ -538,7 +538,7 @@ static PetscErrorCode Begin(MpmSections *sections, MpmParticles *particles, Pass
 
     plane->section = &sections->at[k];
     if (plane->section->chosen_field)
-      PetscCall(DMSwarmGetField(particles->swarm, plane->section->chosen_field, NULL, NULL, (void **)&plane->chosen));
+      PetscCall(MpmParticlesGetField(particles, plane->section->chosen_field, &plane->chosen));
     PetscCall(PetscCalloc2(plane->section->count, &plane->ramps, (plane->section->count * SUMS), &plane->sums));
     PetscCall(PlaceRamps(pass, plane));
   }
@@ -566,8 +566,7 @@ PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmSum *sum, con
                              sum->grid->comm));
     for (PetscInt c = 0; c < section->count; c++)
       Settle(dim, section, &plane->ramps[c], &plane->sums[c * SUMS], &section->cuts[c]);
-    if (plane->chosen)
-      PetscCall(DMSwarmRestoreField(particles->swarm, section->chosen_field, NULL, NULL, (void **)&plane->chosen));
+    if (plane->chosen) PetscCall(MpmParticlesRestoreField(particles, &plane->chosen));
     PetscCall(PetscFree2(plane->ramps, plane->sums));
   }
   PetscCall(PetscFree(pass.planes));

@@ -272,10 +272,10 @@ static PetscErrorCode LoadField(MpmContacts *contacts, PetscInt b, const char *f
   PetscReal *kept;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetField(particles->swarm, field, NULL, NULL, (void **)&kept));
+  PetscCall(MpmParticlesGetField(particles, field, &kept));
   for (PetscInt k = 0; k < contacts->piece_own; k++)
     if (contacts->piece[k].boundary == b) contacts->piece[k].kept[slot] = kept[contacts->piece[k].point];
-  PetscCall(DMSwarmRestoreField(particles->swarm, field, NULL, NULL, (void **)&kept));
+  PetscCall(MpmParticlesRestoreField(particles, &kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -58,7 +58,6 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   energy[0] = MpmPointsKinetic(&points, model->scene.materials->at, model->disc.dim);
   energy[1] = BY_DIM(Elastic, model->disc.dim, model, &points);
@@ -229,8 +228,7 @@ PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
   MpmMotionSums           sums = {.mass = 0.};
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmParticlesGetArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   if (motion->type != MPM_EXPLICIT && !motion->lumped) transfer.type = MPM_TRANSFER_FLIP;
   if (moves) PetscCall(MpmMotionSum(model->disc.sum, &transfer, &sums));
   sum[0] = sums.kinetic;

@@ -155,19 +155,19 @@ const char *MpmMovingGridField(const MpmModel model)
 
 PetscErrorCode MpmMovingGridSelect(MpmModel model)
 {
-  PetscInt   count, *id, first, end;
-  PetscReal *share;
-  DM         swarm = model->state.particles->swarm;
+  MpmParticles *particles = model->state.particles;
+  PetscInt      count, *id, first, end;
+  PetscReal    *share;
 
   PetscFunctionBeginUser;
   if (!MpmMovingGridField(model)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmBodyGetIds(model->scene.bodies->at[model->scene.follow.index], &first, &end);
-  PetscCall(DMSwarmGetLocalSize(swarm, &count));
-  PetscCall(DMSwarmGetField(swarm, FIELD, NULL, NULL, (void **)&share));
-  PetscCall(DMSwarmGetField(swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(MpmParticlesGetField(particles, FIELD, &share));
+  PetscCall(MpmParticlesGetField(particles, "id", &id));
   for (PetscInt p = 0; p < count; p++) share[p] = id[p] >= first && id[p] < end ? 1. : 0.;
-  PetscCall(DMSwarmRestoreField(swarm, "id", NULL, NULL, (void **)&id));
-  PetscCall(DMSwarmRestoreField(swarm, FIELD, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreField(particles, &id));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,22 +175,22 @@ PetscErrorCode MpmMovingGridSelect(MpmModel model)
 static PetscErrorCode MeanPlace(MpmModel model, const char *field, const PetscReal from[], PetscReal mean[],
                                 PetscBool *there)
 {
-  const PetscInt dim   = model->disc.dim;
-  DM             swarm = model->state.particles->swarm;
+  const PetscInt dim       = model->disc.dim;
+  MpmParticles  *particles = model->state.particles;
   PetscReal     *share, *x, sum[MPM_MAX_DIM + 1] = {0., 0., 0., 0.};
   PetscInt       count;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetLocalSize(swarm, &count));
-  PetscCall(DMSwarmGetField(swarm, field, NULL, NULL, (void **)&share));
-  PetscCall(DMSwarmGetField(swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(MpmParticlesGetField(particles, field, &share));
+  PetscCall(MpmParticlesGetField(particles, "position", &x));
   for (PetscInt p = 0; p < count; p++) {
     if (share[p] == 0.) continue;
     sum[MPM_MAX_DIM] += 1.;
     for (PetscInt a = 0; a < dim; a++) sum[a] += x[p * dim + a] - from[a];
   }
-  PetscCall(DMSwarmRestoreField(swarm, "position", NULL, NULL, (void **)&x));
-  PetscCall(DMSwarmRestoreField(swarm, field, NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, MPM_MAX_DIM + 1, MPIU_REAL, MPIU_SUM, model->comm));
   *there = (PetscBool)(sum[MPM_MAX_DIM] > 0.);
   for (PetscInt a = 0; a < dim && *there; a++) mean[a] = sum[a] / sum[MPM_MAX_DIM];
@@ -247,7 +247,7 @@ static PetscErrorCode MeanIncrement(MpmModel model, PetscReal mean[])
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((most * MPM_BASES), &storage));
   for (PetscInt b = 0; b < MPM_BASES; b++) basis.basis[b] = storage + most * b;
-  PetscCall(DMSwarmGetField(model->state.particles->swarm, Field(model), NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesGetField(model->state.particles, Field(model), &share));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
@@ -260,7 +260,7 @@ static PetscErrorCode MeanIncrement(MpmModel model, PetscReal mean[])
         for (PetscInt a = 0; a < dim; a++) sum[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
     }
   }
-  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, Field(model), NULL, NULL, (void **)&share));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
   PetscCall(PetscFree(storage));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, MPM_MAX_DIM + 1, MPIU_REAL, MPIU_SUM, model->comm));
   for (PetscInt a = 0; a < dim; a++) mean[a] = sum[MPM_MAX_DIM] > 0. ? sum[a] / sum[MPM_MAX_DIM] : 0.;
@@ -331,21 +331,21 @@ PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next)
 /* Points that stand on the grid's edge but for rounding are put there. */
 static PetscErrorCode ForgiveRounding(MpmModel model)
 {
-  const MpmGrid *grid  = model->disc.grid;
-  DM             swarm = model->state.particles->swarm;
+  const MpmGrid *grid      = model->disc.grid;
+  MpmParticles  *particles = model->state.particles;
   PetscReal     *x;
   PetscInt       count;
 
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetLocalSize(swarm, &count));
-  PetscCall(DMSwarmGetField(swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(MpmParticlesGetField(particles, "position", &x));
   for (PetscInt k = 0; k < count * grid->dim; k++) {
     const PetscInt  a    = k % grid->dim;
     const PetscReal edge = PetscMin(PetscMax(x[k], grid->lower[a]), grid->upper[a]);
 
     if (PetscAbsReal(x[k] - edge) <= MPM_GRID_SLACK * grid->h[a]) x[k] = edge;
   }
-  PetscCall(DMSwarmRestoreField(swarm, "position", NULL, NULL, (void **)&x));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -560,9 +560,9 @@ static PetscErrorCode ClearShares(MpmModel model)
     PetscReal  *share;
 
     if (!field) continue;
-    PetscCall(DMSwarmGetField(model->state.particles->swarm, field, NULL, NULL, (void **)&share));
+    PetscCall(MpmParticlesGetField(model->state.particles, field, &share));
     PetscCall(PetscArrayzero(share, count));
-    PetscCall(DMSwarmRestoreField(model->state.particles->swarm, field, NULL, NULL, (void **)&share));
+    PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

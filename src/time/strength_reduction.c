@@ -120,12 +120,12 @@ static PetscErrorCode EachAxis(MpmModel model, const MpmPoints *points, PetscRea
   for (PetscInt a = 0; a < dim; a++) {
     PetscReal *start;
 
-    PetscCall(DMSwarmGetField(model->state.particles->swarm, MpmReductionFields[a], NULL, NULL, (void **)&start));
+    PetscCall(MpmParticlesGetField(model->state.particles, MpmReductionFields[a], &start));
     for (PetscInt p = 0; p < points->count; p++) {
       if (moved) moved[p] += PetscSqr(points->x[p * dim + a] - start[p]);
       else start[p] = points->x[p * dim + a];
     }
-    PetscCall(DMSwarmRestoreField(model->state.particles->swarm, MpmReductionFields[a], NULL, NULL, (void **)&start));
+    PetscCall(MpmParticlesRestoreField(model->state.particles, &start));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

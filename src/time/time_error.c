@@ -51,16 +51,14 @@ PetscErrorCode MpmTimeErrorBegin(MpmModel model)
 {
   PetscReal *start;
   MpmPoints  points;
-  DM         swarm = model->state.particles->swarm;
 
   PetscFunctionBeginUser;
   model->state.scheme.largest = 0.;
   if (!MpmStagesControlError(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(DMSwarmGetField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  PetscCall(MpmParticlesGetField(model->state.particles, MpmTimeErrorField, &start));
   for (PetscInt p = 0; p < points.count; p++) start[p] = points.value[p * model->disc.layout->rates];
-  PetscCall(DMSwarmRestoreField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &start));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -125,13 +123,12 @@ static PetscErrorCode ChangeSquare(MpmModel model, PetscInt c, PetscReal *square
 {
   const MpmPoints *points = model->disc.points;
   const PetscInt   rates  = model->disc.layout->rates;
-  DM               swarm  = model->state.particles->swarm;
   PetscReal       *value, *start;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((points->count * rates), &value));
   PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.u, value));
-  PetscCall(DMSwarmGetField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  PetscCall(MpmParticlesGetField(model->state.particles, MpmTimeErrorField, &start));
   *square = 0.;
   for (PetscInt p = 0; p < points->count; p++) {
     const PetscReal scale =
@@ -139,7 +136,7 @@ static PetscErrorCode ChangeSquare(MpmModel model, PetscInt c, PetscReal *square
 
     *square += points->volume0[p] * PetscSqr((value[p * rates] - start[p]) / scale);
   }
-  PetscCall(DMSwarmRestoreField(swarm, MpmTimeErrorField, NULL, NULL, (void **)&start));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &start));
   PetscCall(PetscFree(value));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, square, 1, MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

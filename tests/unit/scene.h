@@ -355,12 +355,12 @@ static inline PetscErrorCode SceneById(MpmModel model, PetscInt components, cons
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(total, all));
   PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
-  PetscCall(DMSwarmGetField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
-  PetscCall(DMSwarmGetField(model->state.particles->swarm, field, NULL, NULL, (void **)&values));
+  PetscCall(MpmParticlesGetField(model->state.particles, "id", &id));
+  PetscCall(MpmParticlesGetField(model->state.particles, field, &values));
   for (PetscInt k = 0; k < count * components; k++)
     (*all)[id[k / components] * components + k % components] += values[k];
-  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, field, NULL, NULL, (void **)&values));
-  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &values));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &id));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *all, (PetscMPIInt)total, MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -210,8 +210,7 @@ static PetscErrorCode Visit(MpmParticles *particles, const MpmGrid *grid, Task t
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  for (PetscInt e = 0; e < 2; e++)
-    PetscCall(DMSwarmGetField(particles->swarm, extra_fields[e], NULL, NULL, (void **)&extra[e]));
+  for (PetscInt e = 0; e < 2; e++) PetscCall(MpmParticlesGetField(particles, extra_fields[e], &extra[e]));
   ListColumns(particles, &points, extra, columns);
   *wrong = 0;
   for (PetscInt p = 0; p < points.count; p++) {
@@ -233,8 +232,7 @@ static PetscErrorCode Visit(MpmParticles *particles, const MpmGrid *grid, Task t
       if (task == PLACE_TOGETHER) *x = grid->lower[a] + 0.3 * grid->h[a];
     }
   }
-  for (PetscInt e = 0; e < 2; e++)
-    PetscCall(DMSwarmRestoreField(particles->swarm, extra_fields[e], NULL, NULL, (void **)&extra[e]));
+  for (PetscInt e = 0; e < 2; e++) PetscCall(MpmParticlesRestoreField(particles, &extra[e]));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -356,6 +354,7 @@ static PetscErrorCode Befall(MpmParticles *particles, const MpmGrid *grid, Petsc
   if (at >= 0 && mishap == NOWHERE) points.x[at * grid->dim] = (PetscReal)NAN;
   if (at >= 0 && mishap == BEYOND) points.x[at * grid->dim + 1] = grid->upper[1] + 2.;
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscCall(MpmParticlesRelease(particles));
   if (at >= 0 && mishap == REMOVED) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, at));
   if (at >= 0 && mishap == TWICE) {
     PetscInt count;
@@ -454,17 +453,9 @@ START_TEST(one_rank_stays)
 }
 END_TEST
 
-/* Is there a field of this name? Asking for one that is missing is an error. */
-static PetscBool HasField(MpmModel model, const char *name)
+static PetscBool HasField(const MpmModel model, const char *name)
 {
-  const DM  swarm = model->state.particles->swarm;
-  void     *values;
-  UnitError error;
-
-  UNIT_TRY(error, DMSwarmGetField(swarm, name, NULL, NULL, &values));
-  if (error.code) return PETSC_FALSE;
-  SCENE_CALL(DMSwarmRestoreField(swarm, name, NULL, NULL, &values));
-  return PETSC_TRUE;
+  return MpmParticlesHaveField(model->state.particles, name);
 }
 
 /* Only what the scene uses is stored with the points and travels with them. */
@@ -627,14 +618,14 @@ static PetscErrorCode CountTravellers(MpmModel model, PetscInt id_count, PetscBo
 
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
-  PetscCall(DMSwarmGetField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesGetField(model->state.particles, "id", &id));
   if (!travellers) PetscCall(PetscArrayzero(before, id_count));
   else *travellers = 0;
   for (PetscInt p = 0; p < count; p++) {
     if (!travellers) before[id[p]] = PETSC_TRUE;
     else *travellers += !before[id[p]];
   }
-  PetscCall(DMSwarmRestoreField(model->state.particles->swarm, "id", NULL, NULL, (void **)&id));
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &id));
   if (travellers) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, travellers, 1, MPIU_INT, MPI_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

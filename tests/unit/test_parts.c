@@ -87,7 +87,7 @@ static void Compare(PetscInt dim, PetscInt shape, PetscBool fbar, const char *mo
   }
   ck_assert_int_eq(model[2]->disc.parts, 2);
   ck_assert_int_eq(model[0]->disc.parts, 1);
-  ck_assert_int_eq(model[0]->state.particles->has_part, PETSC_FALSE);
+  ck_assert_int_eq(MpmParticlesHaveField(model[0]->state.particles, "part"), PETSC_FALSE);
   CompareField(name, model[2], model, "position", dim);
   CompareField(name, model[2], model, "stress", dim == 2 ? 4 : 6);
   for (PetscInt k = 0; k < 3; k++) SCENE_CALL(MpmModelDestroy(&model[k]));
