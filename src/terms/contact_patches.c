@@ -504,6 +504,7 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
                                        const MpmPoints *points)
 {
   const PetscInt dim = grid->dim;
+  PetscBool      far;
 
   PetscFunctionBeginUser;
   PetscCall(FindDrawn(contacts, b, grid, points));
@@ -511,7 +512,8 @@ static PetscErrorCode FacetsOfBoundary(MpmContacts *contacts, PetscInt b, const 
     PetscCall(MpmSurfaceShares(contacts, b, grid, space, points));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (MpmFaceBoxesAreFar(contacts, b, grid)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmFaceBoxesFind(contacts, b, grid, points, &far));
+  if (far) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(contacts->boxes->search, 0, 0, 0, 0));
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
@@ -680,7 +682,7 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
   if (!contacts->cut) PetscCall(FindCuts(contacts, rules->grid, points));
   SetPoses(contacts, rules->time_n, rules->time);
   MpmRigidBegin(contacts, rules->time, rules->dynamic ? rules->time - rules->time_n : 0., rules->gravity);
-  PetscCall(MpmFaceBoxesMake(contacts, points));
+  PetscCall(MpmFaceBoxesBegin(contacts, points));
   do {
     PetscCall(FindPatches(contacts, rules, points, space));
     if (contacts->bodies) PetscCall(MpmRigidSettle(contacts, rules->grid, &moved));

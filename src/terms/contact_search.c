@@ -1,5 +1,6 @@
 /*
-  Is contact near? Boxes around the points with outer faces answer for many points at once, so that far contact costs a look.
+  Is contact near? A box around all points answers first, and where it may be near boxes around a few points with outer faces, so that far
+  contact costs a look.
 
   No distance from a surface grows faster than the way: what is farther from the middle of a box than half its diagonal and the margin is
   too far from all points in it. So the answers differ in nothing from those that the points give one by one.
@@ -12,8 +13,10 @@
 
 #define SIDE_BY_SIDE 64   /* points of a box, */
 #define TOGETHER     8    /* and boxes that are asked about together first */
+#define HALVINGS     5    /* of the box around all points */
 #define ROUNDING     1e-9 /* of the lengths that are compared */
 #define REACH        3.   /* times half the edges: so far a facet may stand from its point */
+#define MOST_LANES   48   /* numbers that are compared side by side */
 
 static MpmFaceBox None(void)
 {
@@ -78,30 +81,6 @@ MPM_INLINE void BoxOf(const PetscInt dim, const MpmPoints *points, PetscInt begi
   *box = wide;
 }
 
-MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFaceBox boxes[])
-{
-  const PetscInt end  = points->count;
-  MpmFaceBox     wide = None();
-  PetscInt       part = -1; /* whose box that is */
-
-  for (PetscInt p = NextWithFace(points->faces, 0, end); p < end; p = NextWithFace(points->faces, p + 1, end)) {
-    if (points->part[p] != part) {
-      if (part >= 0) boxes[part] = wide;
-      part = points->part[p];
-      wide = boxes[part];
-    }
-    Include(dim, points, p, &wide);
-  }
-  if (part >= 0) boxes[part] = wide;
-}
-
-void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[])
-{
-  for (PetscInt k = 0; k < parts; k++) boxes[k] = None();
-  if (dim == 2) BoxesOfParts(2, points, boxes);
-  else BoxesOfParts(3, points, boxes);
-}
-
 /* Widens a box to hold another. */
 static void Unite(PetscInt dim, const MpmFaceBox *other, MpmFaceBox *box)
 {
@@ -112,6 +91,86 @@ static void Unite(PetscInt dim, const MpmFaceBox *other, MpmFaceBox *box)
   box->square = PetscMax(box->square, other->square);
 }
 
+typedef enum { VALUE, OPPOSITE, SQUARE } Measure;
+
+MPM_INLINE PetscReal MeasureOf(const Measure measure, PetscReal value)
+{
+  return measure == SQUARE ? value * value : measure == OPPOSITE ? -value : value;
+}
+
+/* The largest measure of each of the components of count rows; rows of `abreast` stand side by side, which vectorises. */
+MPM_INLINE void Most(const PetscInt components, const PetscInt abreast, const Measure measure, PetscInt count,
+                     const PetscReal value[], PetscReal most[])
+{
+  PetscReal lane[MOST_LANES];
+  PetscInt  row = 0;
+
+  for (PetscInt k = 0; k < components * abreast; k++) lane[k] = PETSC_NINFINITY;
+  for (; row + abreast <= count; row += abreast) {
+    for (PetscInt k = 0; k < components * abreast; k++) {
+      const PetscReal of = MeasureOf(measure, value[row * components + k]);
+
+      lane[k] = of > lane[k] ? of : lane[k];
+    }
+  }
+  for (PetscInt half = components * abreast / 2; half >= components; half /= 2)
+    for (PetscInt k = 0; k < half; k++) lane[k] = lane[k + half] > lane[k] ? lane[k + half] : lane[k];
+  for (PetscInt k = 0; k < components; k++) most[k] = lane[k];
+  for (; row < count; row++)
+    for (PetscInt k = 0; k < components; k++)
+      most[k] = PetscMax(most[k], MeasureOf(measure, value[row * components + k]));
+}
+
+/*
+  The box of all points [begin, end), with faces or not: to look at every number costs less than to look which points have one. No
+  F is larger than what is largest in each of its entries.
+*/
+MPM_INLINE void BoxOfAll(const PetscInt dim, const MpmPoints *points, PetscInt begin, PetscInt end, MpmFaceBox *box)
+{
+  const PetscInt   count = end - begin;
+  const PetscReal *x     = &points->x[begin * dim];
+  PetscReal        opposite[MPM_MAX_DIM], square[MPM_MAX_DIM * MPM_MAX_DIM], longest;
+
+  Most(dim, 16, VALUE, count, x, box->upper);
+  Most(dim, 16, OPPOSITE, count, x, opposite);
+  Most(dim * dim, dim == 2 ? 8 : 4, SQUARE, count, &points->F[begin * dim * dim], square);
+  Most(1, 32, VALUE, count * dim, &points->half_length[begin * dim], &longest);
+  box->square = 0.;
+  for (PetscInt a = 0; a < dim; a++) box->lower[a] = -opposite[a];
+  for (PetscInt k = 0; k < dim * dim; k++) box->square += square[k] * PetscSqr(longest);
+}
+
+/* The end of the points from `begin` on that are of one part: mostly many. */
+static PetscInt EndOfPart(const PetscInt part[], PetscInt begin, PetscInt count)
+{
+  PetscInt end = begin;
+
+  for (PetscInt other = 0; end + SIDE_BY_SIDE <= count && !other;) {
+    for (PetscInt k = 0; k < SIDE_BY_SIDE; k++) other |= part[end + k] ^ part[begin];
+    if (!other) end += SIDE_BY_SIDE;
+  }
+  while (end < count && part[end] == part[begin]) end++;
+  return end;
+}
+
+MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFaceBox boxes[])
+{
+  MpmFaceBox box = None();
+
+  for (PetscInt begin = 0, end; begin < points->count; begin = end) {
+    end = EndOfPart(points->part, begin, points->count);
+    BoxOfAll(dim, points, begin, end, &box);
+    Unite(dim, &box, &boxes[points->part[begin]]);
+  }
+}
+
+void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[])
+{
+  for (PetscInt k = 0; k < parts; k++) boxes[k] = None();
+  if (dim == 2) BoxesOfParts(2, points, boxes);
+  else BoxesOfParts(3, points, boxes);
+}
+
 PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes)
 {
   PetscFunctionBeginUser;
@@ -120,30 +179,43 @@ PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFaceBoxesMake(MpmContacts *contacts, const MpmPoints *points)
+PetscErrorCode MpmFaceBoxesBegin(MpmContacts *contacts, const MpmPoints *points)
 {
-  const PetscInt count = (points->count + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE, dim = contacts->boundaries[0].dim;
+  const PetscInt dim   = contacts->boundaries[0].dim;
   PetscBool      any   = PETSC_FALSE;
   MpmFaceBoxes  *boxes = contacts->boxes;
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || !contacts->boundaries[b].bilateral);
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  boxes->made = PETSC_FALSE;
+  boxes->all  = None();
+  if (!points->count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (dim == 2) BoxOfAll(2, points, 0, points->count, &boxes->all);
+  else BoxOfAll(3, points, 0, points->count, &boxes->all);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The boxes of few points, where they are asked for. */
+static PetscErrorCode Make(MpmFaceBoxes *boxes, PetscInt dim, const MpmPoints *points)
+{
+  const PetscInt count = (points->count + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE;
+
+  PetscFunctionBeginUser;
+  if (boxes->made) PetscFunctionReturn(PETSC_SUCCESS);
   if (count > boxes->capacity) {
     PetscCall(PetscFree2(boxes->box, boxes->far));
     PetscCall(PetscMalloc2(count, &boxes->box, count, &boxes->far));
     boxes->capacity = count;
   }
   boxes->count = count;
-  boxes->all   = None();
   for (PetscInt k = 0; k < count; k++) {
     const PetscInt begin = k * SIDE_BY_SIDE, end = PetscMin(points->count, begin + SIDE_BY_SIDE);
-    MpmFaceBox    *box = &boxes->box[k];
 
-    if (dim == 2) BoxOf(2, points, begin, end, box);
-    else BoxOf(3, points, begin, end, box);
-    Unite(dim, box, &boxes->all);
+    if (dim == 2) BoxOf(2, points, begin, end, &boxes->box[k]);
+    else BoxOf(3, points, begin, end, &boxes->box[k]);
   }
+  boxes->made = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,13 +275,34 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
   return (PetscBool)(surface.distance * (1. - ROUNDING) > margin * (1. + ROUNDING));
 }
 
-PetscBool MpmFaceBoxesAreFar(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid)
+/* The same, by halves of the box and halves of these where that is not enough: bodies are mostly longer than they are thick. */
+static PetscBool IsFarInHalves(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box,
+                               PetscInt halvings)
 {
-  const MpmFaceBoxes *boxes = contacts->boxes;
-  PetscBool           far   = PETSC_TRUE;
+  MpmFaceBox half[2] = {*box, *box};
+  PetscInt   axis    = 0;
 
-  if (contacts->boundaries[b].bilateral) return PETSC_FALSE;
-  if (BoxIsFar(contacts, b, grid, &boxes->all)) return PETSC_TRUE;
+  if (BoxIsFar(contacts, b, grid, box)) return PETSC_TRUE;
+  if (!halvings) return PETSC_FALSE;
+  for (PetscInt a = 1; a < grid->dim; a++)
+    if (box->upper[a] - box->lower[a] > box->upper[axis] - box->lower[axis]) axis = a;
+  half[0].upper[axis] = half[1].lower[axis] = 0.5 * (box->lower[axis] + box->upper[axis]);
+  return (PetscBool)(IsFarInHalves(contacts, b, grid, &half[0], halvings - 1) &&
+                     IsFarInHalves(contacts, b, grid, &half[1], halvings - 1));
+}
+
+PetscErrorCode MpmFaceBoxesFind(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmPoints *points,
+                                PetscBool *far)
+{
+  MpmFaceBoxes *boxes = contacts->boxes;
+
+  PetscFunctionBeginUser;
+  *far = PETSC_FALSE;
+  if (contacts->boundaries[b].bilateral) PetscFunctionReturn(PETSC_SUCCESS);
+  *far = IsFarInHalves(contacts, b, grid, &boxes->all, HALVINGS);
+  if (*far) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Make(boxes, grid->dim, points));
+  *far = PETSC_TRUE;
   for (PetscInt begin = 0; begin < boxes->count; begin += TOGETHER) {
     const PetscInt end   = PetscMin(boxes->count, begin + TOGETHER);
     MpmFaceBox     whole = None();
@@ -219,10 +312,10 @@ PetscBool MpmFaceBoxesAreFar(const MpmContacts *contacts, PetscInt b, const MpmG
     all = BoxIsFar(contacts, b, grid, &whole);
     for (PetscInt k = begin; k < end; k++) {
       boxes->far[k] = (PetscBool)(all || BoxIsFar(contacts, b, grid, &boxes->box[k]));
-      far           = (PetscBool)(far && boxes->far[k]);
+      *far          = (PetscBool)(*far && boxes->far[k]);
     }
   }
-  return far;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmFaceBoxIsFar(const MpmContacts *contacts, PetscInt b, PetscInt p)
