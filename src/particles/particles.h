@@ -21,7 +21,7 @@ typedef struct MpmParticles {
   PetscInt       field_count;
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
-  MpmPoints     *held; /* the fields, from the first time that they are asked for until the number of points changes */
+  MpmPoints      held; /* the fields, from the first time that they are asked for until the number of points changes */
   PetscInt       lent; /* so often */
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;

@@ -479,6 +479,36 @@ START_TEST(fields_in_use)
 }
 END_TEST
 
+/* Fields may be lent several times; while one is, no point comes or goes. */
+START_TEST(lent_fields)
+{
+  MpmModel      model;
+  MpmParticles *particles;
+  MpmPoints     one, other;
+  PetscReal    *x;
+
+  SCENE_CALL(Create(PETSC_COMM_WORLD, bar, "", &model));
+  particles = model->state.particles;
+  SCENE_CALL(MpmParticlesGetArrays(particles, &one));
+  SCENE_CALL(MpmParticlesGetArrays(particles, &other));
+  SCENE_CALL(MpmParticlesGetField(particles, "position", &x));
+  ck_assert(one.x == x && other.x == x && one.count == other.count);
+  SCENE_CALL(MpmParticlesRestoreArrays(particles, &one));
+  SCENE_CALL(MpmParticlesRestoreArrays(particles, &one));
+  UNIT_FAILS(MpmParticlesRelease(particles), PETSC_ERR_ORDER, "the points' fields are lent 2 times");
+  UNIT_FAILS(MpmParticlesRemoveAt(particles, 0, NULL), PETSC_ERR_ORDER, "the points' fields are lent 2 times");
+  SCENE_CALL(MpmParticlesRestoreArrays(particles, &other));
+  SCENE_CALL(MpmParticlesRestoreField(particles, &x));
+  UNIT_FAILS(MpmParticlesGetField(particles, "nothing", &x), PETSC_ERR_ARG_OUTOFRANGE,
+             "the points have no field nothing");
+  SCENE_CALL(MpmParticlesRelease(particles));
+  SCENE_CALL(MpmParticlesGetArrays(particles, &one));
+  ck_assert(one.lent && one.x && !one.faces);
+  SCENE_CALL(MpmParticlesRestoreArrays(particles, &one));
+  SCENE_CALL(SceneDestroy(&model));
+}
+END_TEST
+
 /* ------------------------------------------------------------------------------------------------------------- node numbers */
 
 static PetscInt Key(const MpmGrid *grid, const MpmSpace *space, PetscInt i)
@@ -747,9 +777,10 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {who_am_i,    ownership,      balance,        migration,     thousand_migrations,
-                                lost_points, far_migration,  one_rank_stays, fields_in_use, numbering,
-                                results_bar, results_moving, results_angle,  results_block, empty_ranks};
+  const TTest *const tests[] = {who_am_i,    ownership,     balance,        migration,     thousand_migrations,
+                                lost_points, far_migration, one_rank_stays, fields_in_use, lent_fields,
+                                numbering,   results_bar,   results_moving, results_angle, results_block,
+                                empty_ranks};
 
   return UnitRun(&argc, &argv, "parallel", sizeof(tests) / sizeof(tests[0]), tests);
 }
