@@ -453,6 +453,8 @@ static PetscErrorCode Switch(MpmSolver *solver, PetscBool at_rest)
   PetscBool gmres = PETSC_FALSE, chosen = PETSC_FALSE;
 
   PetscFunctionBeginUser;
+  if (solver->at_rest.now == at_rest) PetscFunctionReturn(PETSC_SUCCESS);
+  solver->at_rest.now = at_rest;
   for (PetscInt k = 0; k < solver->at_rest.count; k++) {
     const char *value = at_rest ? solver->at_rest.option[k].at_rest : solver->at_rest.option[k].touching;
 
@@ -463,8 +465,6 @@ static PetscErrorCode Switch(MpmSolver *solver, PetscBool at_rest)
       gmres  = (PetscBool)!strcmp(value, "gmres");
     }
   }
-  if (solver->at_rest.now == at_rest) PetscFunctionReturn(PETSC_SUCCESS);
-  solver->at_rest.now = at_rest;
   PetscCall(SNESGetKSP(solver->snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
   if (solver->factorises) PetscCall(PCSetFromOptions(pc));

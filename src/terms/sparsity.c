@@ -137,8 +137,8 @@ static PetscErrorCode MarkFar(MpmPattern *pattern, const MpmSpace *space)
   for (PetscInt i = 0; i < pattern->local; i++) { /* each once; rows move up */
     PetscInt count = start[i + 1] - start[i], *column = &pattern->far_column[start[i]];
 
-    PetscCall(PetscSortRemoveDupsInt(&count, column));
-    PetscCall(PetscArraymove(&pattern->far_column[end], column, count));
+    if (count > 1) PetscCall(PetscSortRemoveDupsInt(&count, column));
+    for (PetscInt k = 0; k < count; k++) pattern->far_column[end + k] = column[k];
     start[i] = end;
     end += count;
   }
