@@ -84,15 +84,16 @@ static MpmRules Rules(MpmModel model, PetscReal time)
 static PetscErrorCode FindNear(MpmModel model)
 {
   MpmContacts *contacts = model->disc.contacts;
-  PetscBool   *near     = &contacts->newton.near;
+  PetscBool   *patches  = &contacts->newton.patches;
   PetscMPIInt  size;
 
   PetscFunctionBeginUser;
-  *near = (PetscBool)(contacts->bodies || contacts->patch_count || model->disc.pairs->patch_count);
+  *patches              = (PetscBool)(contacts->patch_count || model->disc.pairs->patch_count);
+  contacts->newton.near = PETSC_FALSE;
   if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_size(model->comm, &size));
-  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, near, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
-  model->disc.pairs->near = *near;
+  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, patches, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  contacts->newton.near = model->disc.pairs->near = (PetscBool)(contacts->bodies || *patches);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
