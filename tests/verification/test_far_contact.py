@@ -59,6 +59,16 @@ def far(test, dim, label, options):
         test.check(f"{label}.{kind}.looks", looks(run), 0, 0)
 
 
+def free(test, label, options):
+    """A free body with friction far away: an unknown more in the matrix, and the same steps of the same method."""
+    body = boundary(type="sphere", center="28,20", radius=0.5, friction=0.3, free="x", load="0,0", mass=10)
+    start, run = test.run(SCENE, **options), test.run(SCENE, log_view=None, **options, **body)
+    for field in ("displacement", "stress"):
+        test.check(f"free.{label}.{field}", difference(start.table(field), run.table(field)), None, 1e-12)
+    test.check(f"free.{label}.newton", np.abs(start.newton - run.newton).sum(), None, 0)
+    test.check(f"free.{label}.looks", looks(run), 0, 0)
+
+
 def near(test):
     """The same where they are near, but do not touch: it has to look, once a step, and to find nothing."""
     start = test.run(SCENE)
@@ -85,6 +95,8 @@ def main():
         far(test, 2, "newmark", NEWMARK)
         far(test, 3, "space", {**SPACE, "mpm_time_end": 0.5})
         far(test, 3, "space_explicit", {**SPACE, **EXPLICIT, "mpm_time_end": 0.02})
+        free(test, "static", {})
+        free(test, "newmark", NEWMARK)
         near(test)
         ranks(test)
 
