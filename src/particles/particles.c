@@ -45,6 +45,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   particles->swarm       = swarm;
   particles->field_count = 0;
   particles->lent        = 0;
+  PetscCall(PetscNew(&particles->held));
   PetscCall(PetscCalloc1((OWN_FIELDS + fields->extra_count), &particles->fields));
   PetscCall(Register(particles, "id", 1, PETSC_INT));
   PetscCall(Register(particles, "material", 1, PETSC_INT));
@@ -88,7 +89,8 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
 {
   PetscFunctionBeginUser;
-  if (particles->swarm) PetscCall(MpmParticlesRelease(particles));
+  if (particles->held) PetscCall(MpmParticlesRelease(particles));
+  PetscCall(PetscFree(particles->held));
   PetscCall(DMDestroy(&particles->swarm));
   for (PetscInt k = 0; k < particles->field_count; k++) PetscCall(PetscFree(particles->fields[k].name));
   PetscCall(PetscFree(particles->fields));
@@ -122,7 +124,7 @@ static void *HeldArray(const MpmParticles *particles, const char name[])
 */
 static PetscErrorCode Hold(MpmParticles *particles)
 {
-  MpmPoints *points = &particles->held;
+  MpmPoints *points = particles->held;
 
   PetscFunctionBeginUser;
   if (points->lent) PetscFunctionReturn(PETSC_SUCCESS);
@@ -160,11 +162,11 @@ PetscErrorCode MpmParticlesRelease(MpmParticles *particles)
   PetscFunctionBeginUser;
   PetscCheck(!particles->lent, PETSC_COMM_SELF, PETSC_ERR_ORDER, "the points' fields are lent %" PetscInt_FMT " times",
              particles->lent);
-  if (!particles->held.lent) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!particles->held->lent) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < particles->field_count; k++)
     PetscCall(
       DMSwarmRestoreField(particles->swarm, particles->fields[k].name, NULL, NULL, &particles->fields[k].array));
-  PetscCall(PetscMemzero(&particles->held, sizeof(particles->held)));
+  PetscCall(PetscMemzero(particles->held, sizeof(*particles->held)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -174,7 +176,7 @@ PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points)
   PetscCall(PetscMemzero(points, sizeof(*points)));
   PetscCall(Hold(particles));
   particles->lent++;
-  *points = particles->held;
+  *points = *particles->held;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

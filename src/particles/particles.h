@@ -5,7 +5,6 @@
 #include <petscdmswarm.h>
 #include "base/base.h"
 #include "base/types.h"
-#include "particles/points.h"
 
 /* A field of the swarm, by its name there. */
 typedef struct {
@@ -21,7 +20,7 @@ typedef struct MpmParticles {
   PetscInt       field_count;
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
-  MpmPoints      held; /* the fields, from the first time that they are asked for until the number of points changes */
+  MpmPoints     *held; /* the fields, from the first time that they are asked for until the number of points changes */
   PetscInt       lent; /* so often */
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
