@@ -453,7 +453,7 @@ PetscErrorCode MpmSearchTry(MpmSearch *search)
 
 PetscBool MpmSolverHasContact(const MpmSolver *solver)
 {
-  return solver->disc->contacts->newton.patches;
+  return solver->disc->contacts->newton.near;
 }
 
 /* Is there contact, and has a step gone well beyond the zero of the slope? */

@@ -75,8 +75,7 @@ typedef struct {
   PetscReal least;           /* stiffness of what slides along its way, over that across (contact_law.h) */
   PetscReal raised;          /* augmented: the stiffness in this step, over that of the penalty */
   PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
-  PetscBool patches; /* in this step there are some, of any rank and any contact; */
-  PetscBool near;    /* or bodies that are free */
+  PetscBool near; /* in this step there are patches, of any rank and any contact */
   PetscBool bare; /* there were none in the last step that was taken: points keep nothing of contact */
 } MpmContactNewton;
 

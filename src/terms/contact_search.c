@@ -153,14 +153,21 @@ static PetscInt EndOfPart(const PetscInt part[], PetscInt begin, PetscInt count)
   return end;
 }
 
+/* Where parts alternate, as among points that have come from other ranks, they are taken one by one. */
 MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFaceBox boxes[])
 {
   MpmFaceBox box = None();
 
   for (PetscInt begin = 0, end; begin < points->count; begin = end) {
+    MpmFaceBox *whole = &boxes[points->part[begin]];
+
     end = EndOfPart(points->part, begin, points->count);
-    BoxOfAll(dim, points, begin, end, &box);
-    Unite(dim, &box, &boxes[points->part[begin]]);
+    if (end - begin < SIDE_BY_SIDE) {
+      for (PetscInt p = begin; p < end; p++) Include(dim, points, p, whole);
+    } else {
+      BoxOfAll(dim, points, begin, end, &box);
+      Unite(dim, &box, whole);
+    }
   }
 }
 

@@ -358,7 +358,7 @@ static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, 
   *method = MethodOf(model);
   before = model->state.scheme.load_at_start = first ? 1. : method->alpha_f;
   PetscCall(MpmStepPrepare(model, time, dt, again, why));
-  if (*why || !model->disc.contacts->newton.patches) PetscFunctionReturn(PETSC_SUCCESS);
+  if (*why || !model->disc.contacts->newton.near) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.scheme.met = PETSC_TRUE;
   *method                 = MethodOf(model);
   if (method->alpha_f == before || first) PetscFunctionReturn(PETSC_SUCCESS);

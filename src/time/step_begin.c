@@ -84,16 +84,15 @@ static MpmRules Rules(MpmModel model, PetscReal time)
 static PetscErrorCode FindNear(MpmModel model)
 {
   MpmContacts *contacts = model->disc.contacts;
-  PetscBool   *patches  = &contacts->newton.patches;
+  PetscBool   *near     = &contacts->newton.near;
   PetscMPIInt  size;
 
   PetscFunctionBeginUser;
-  *patches              = (PetscBool)(contacts->patch_count || model->disc.pairs->patch_count);
-  contacts->newton.near = PETSC_FALSE;
+  *near = (PetscBool)(contacts->patch_count || model->disc.pairs->patch_count);
   if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_size(model->comm, &size));
-  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, patches, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
-  contacts->newton.near = model->disc.pairs->near = (PetscBool)(contacts->bodies || *patches);
+  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, near, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  model->disc.pairs->near = *near;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,34 +24,6 @@ static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A copy of this rank's values, to be freed: another Vec takes longer to make than to fill in small scenes. */
-static PetscErrorCode Keep(Vec x, PetscScalar *values[])
-{
-  const PetscScalar *from;
-  PetscInt           n;
-
-  PetscFunctionBeginUser;
-  PetscCall(VecGetLocalSize(x, &n));
-  PetscCall(PetscMalloc1(n, values));
-  PetscCall(VecGetArrayRead(x, &from));
-  PetscCall(PetscArraycpy(*values, from, n));
-  PetscCall(VecRestoreArrayRead(x, &from));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PutBack(const PetscScalar values[], Vec x)
-{
-  PetscScalar *to;
-  PetscInt     n;
-
-  PetscFunctionBeginUser;
-  PetscCall(VecGetLocalSize(x, &n));
-  PetscCall(VecGetArrayWrite(x, &to));
-  PetscCall(PetscArraycpy(to, values, n));
-  PetscCall(VecRestoreArrayWrite(x, &to));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   Newton from the prediction and, where that fails or there is none, from rest. With contact it is taken with care, and without, from
   each, but not where loads push along what nothing resists; and all but the last of these are given up when they get nowhere. What
@@ -62,10 +34,13 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
   MpmSolver      *solver    = &model->solver;
   const PetscBool predicted = solver->cache.predicted, contact = MpmSolverHasContact(solver);
   PetscBool       turns = contact;
-  PetscScalar    *start = NULL;
+  Vec             start = NULL;
 
   PetscFunctionBeginUser;
-  if (predicted && contact) PetscCall(Keep(solver->x, &start));
+  if (predicted && contact) {
+    PetscCall(VecDuplicate(solver->x, &start));
+    PetscCall(VecCopy(solver->x, start));
+  }
   for (PetscInt k = 0; k < (predicted ? 4 : 2); k++) {
     const PetscBool rest = (PetscBool)(!predicted || k >= 2);
 
@@ -73,7 +48,7 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
     if (k) {
       if (turns) solver->careful = (PetscBool)!solver->careful;
       if (rest) PetscCall(MpmStepStart(model, PETSC_FALSE));
-      else PetscCall(PutBack(start, solver->x));
+      else PetscCall(VecCopy(start, solver->x));
     }
     solver->cache.hasty = (PetscBool)(contact && k < (predicted ? 3 : 1));
     PetscCall(SolveFrom(model, rest, reason));
@@ -84,7 +59,7 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
     }
   }
   solver->cache.hasty = PETSC_FALSE;
-  PetscCall(PetscFree(start));
+  PetscCall(VecDestroy(&start));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
