@@ -65,6 +65,8 @@ typedef struct {
 #define MPM_UNSUPPORTED (-2) /* one of a field whose shape no point touches the node with: zero */
 #define MPM_HELD        (-3) /* one that no condition prescribes, but the state of the water */
 
+#define MPM_FOLLOWS (-4) /* one that follows others: the space's extension */
+
 /*
   The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement are
   its components in the frame.
@@ -109,6 +111,19 @@ static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, Pe
 {
   return (PetscBool)(constraints->condition[unknown] == MPM_FREE);
 }
+/* Are its row and column summed: is it solved for, or does it follow such ones? */
+static inline PetscBool MpmConstraintsCounts(const MpmConstraints *constraints, PetscInt unknown)
+{
+  return (PetscBool)(constraints->condition[unknown] == MPM_FREE || constraints->condition[unknown] == MPM_FOLLOWS);
+}
+/*
+  Unknowns of small-cut nodes that nothing prescribes follow those of the space's extension, components with the scene's shape; nodes
+  with a frame keep theirs. Extend: values of local nodes, along the axes, from those of the others. Gather: their forces, a rank's
+  part, to the others.
+*/
+void MpmConstraintsFollow(MpmConstraints *constraints, const MpmLayout *layout, const MpmSpace *space);
+void MpmConstraintsExtend(const MpmConstraints *constraints, const MpmSpace *space, PetscReal values[]);
+void MpmConstraintsGather(const MpmConstraints *constraints, const MpmSpace *space, PetscReal forces[]);
 /* Prescribes an unknown that was free. */
 void MpmConstraintsHold(MpmConstraints *constraints, PetscInt unknown, PetscReal value);
 /* Of the first `count` local unknowns: those that are not free become what they are prescribed to be, */

@@ -292,6 +292,58 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmConstraintsFollow(MpmConstraints *constraints, const MpmLayout *layout, const MpmSpace *space)
+{
+  const PetscInt bs = constraints->block;
+
+  for (PetscInt f = 0; f < space->extension.count; f++) {
+    const PetscInt node = space->extension.follower[f];
+
+    if (MpmConstraintsFrame(constraints, node)) continue;
+    for (PetscInt c = 0; c < bs; c++) {
+      if (layout->shape_of[c] || !MpmConstraintsFree(constraints, node * bs + c)) continue;
+      constraints->condition[node * bs + c] = MPM_FOLLOWS;
+      constraints->value[node * bs + c]     = 0.;
+      constraints->any                      = PETSC_TRUE;
+    }
+  }
+}
+
+void MpmConstraintsExtend(const MpmConstraints *constraints, const MpmSpace *space, PetscReal values[])
+{
+  const MpmExtension *extension = &space->extension;
+  const PetscInt      bs        = constraints->block;
+
+  for (PetscInt f = 0; f < extension->count; f++) {
+    for (PetscInt c = 0; c < bs; c++) {
+      const PetscInt at  = extension->follower[f] * bs + c;
+      PetscReal      sum = 0.;
+
+      if (constraints->condition[at] != MPM_FOLLOWS) continue;
+      for (PetscInt k = extension->offset[f]; k < extension->offset[f + 1]; k++)
+        sum += extension->weight[k] * values[extension->master[k] * bs + c];
+      values[at] = sum;
+    }
+  }
+}
+
+void MpmConstraintsGather(const MpmConstraints *constraints, const MpmSpace *space, PetscReal forces[])
+{
+  const MpmExtension *extension = &space->extension;
+  const PetscInt      bs        = constraints->block;
+
+  for (PetscInt f = 0; f < extension->count; f++) {
+    for (PetscInt c = 0; c < bs; c++) {
+      const PetscInt at = extension->follower[f] * bs + c;
+
+      if (constraints->condition[at] != MPM_FOLLOWS) continue;
+      for (PetscInt k = extension->offset[f]; k < extension->offset[f + 1]; k++)
+        forces[extension->master[k] * bs + c] += extension->weight[k] * forces[at];
+      forces[at] = 0.;
+    }
+  }
+}
+
 void MpmConstraintsHold(MpmConstraints *constraints, PetscInt unknown, PetscReal value)
 {
   constraints->condition[unknown] = MPM_HELD;

@@ -384,18 +384,13 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
 PetscErrorCode MpmRestartApply(MpmModel model)
 {
   MpmRestart      restart    = model->results->checkpoint.restart;
-  const PetscBool may_rescue = model->state.rescue.ghost, may_be_indefinite = model->solver.may_be_indefinite;
+  const PetscBool may_be_indefinite = model->solver.may_be_indefinite;
   const PetscBool leaves_dilation = model->state.rescue.dilation;
-  const PetscReal ghost           = model->disc.ghost;
   PetscReal       dt_nominal, start;
 
   PetscFunctionBeginUser;
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmScalarsRestore(&restart->scalars, "", model));
-  if (!may_rescue || model->state.rescue.ghost || model->disc.ghost != MPM_GHOST_RESCUE) {
-    model->disc.ghost         = ghost;
-    model->state.rescue.ghost = may_rescue;
-  }
   if (leaves_dilation && !model->state.rescue.dilation) MpmStepAverageDilation(model, PETSC_TRUE);
   model->state.rescue.dilation    = (PetscBool)(leaves_dilation && model->state.rescue.dilation);
   model->solver.indefinite        = (PetscBool)(model->solver.indefinite && may_be_indefinite);

@@ -40,8 +40,6 @@ static const struct {
   MODEL("newton_iterations", INT64, solver.newton_total),
   MODEL("linear_iterations", INT64, solver.linear_total),
   MODEL("active_dofs_max", INT64, state.active_dofs_max),
-  MODEL("ghost", REAL, disc.ghost),
-  MODEL("ghost_rescue", BOOL, state.rescue.ghost),
   MODEL("leaves_dilation", BOOL, state.rescue.dilation),
   MODEL("averaged_dilation", INT, state.rescue.averaged),
   MODEL("indefinite", BOOL, solver.indefinite),

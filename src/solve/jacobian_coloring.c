@@ -56,7 +56,7 @@ static void PlantSeeds(const Seeds *seeds, const PetscInt color[], PetscInt c)
 
   for (PetscInt i = 0; i < seeds->sum->space->local; i++) {
     for (PetscInt k = 0; k < bs; k++) seeds->du[i * bs + k] = 0.;
-    if (HasColor(seeds, i, color) && MpmConstraintsFree(seeds->constraints, i * bs + c)) seeds->du[i * bs + c] = 1.;
+    if (HasColor(seeds, i, color) && MpmConstraintsCounts(seeds->constraints, i * bs + c)) seeds->du[i * bs + c] = 1.;
   }
   MpmFramesToAxes(seeds->constraints, bs, seeds->sum->space->local, seeds->du);
 }
@@ -81,7 +81,7 @@ static void TakeColumn(const Seeds *seeds, const PetscInt color[], PetscInt c, M
     }
     slot = w >= 0 ? pattern->slot[i * pattern->window + w] : -1;
     for (PetscInt r = 0; r < bs; r++) {
-      if (slot >= 0 && MpmConstraintsFree(constraints, i * bs + r)) {
+      if (slot >= 0 && MpmConstraintsCounts(constraints, i * bs + r)) {
         pattern->value[i][(r * count + slot) * bs + c] += seeds->y[i * bs + r];
       }
       seeds->y[i * bs + r] = 0.;
@@ -102,7 +102,7 @@ static PetscErrorCode AddColumns(Seeds *seeds, const PetscInt color[], PetscInt 
     const PetscInt  j = NodeOfColor(seeds, box, color), node = j < 0 ? -1 : space->group_nodes[box->node_offset + j];
 
     /* dense differentiation is kept honest: it evaluates every point for every column */
-    if (!seeds->dense && (node < 0 || !MpmConstraintsFree(seeds->constraints, node * sum->block + c))) continue;
+    if (!seeds->dense && (node < 0 || !MpmConstraintsCounts(seeds->constraints, node * sum->block + c))) continue;
     PetscCall(MpmActionApplyUnit(&seeds->action, unit, seeds->du, seeds->y, failed));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

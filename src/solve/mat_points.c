@@ -30,6 +30,7 @@ static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
   PetscCall(VecRestoreArrayRead(x, &values));
   PetscCall(MpmSpaceToGhosts(space, bs, local));
   MpmFramesToAxes(free->solver->disc->constraints, bs, space->local, local);
+  MpmConstraintsExtend(free->solver->disc->constraints, space, local);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,6 +49,7 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   PetscCall(Gather(free, x, free->du));
   PetscCall(PetscArrayzero(free->y, solver->disc->space->local * bs));
   PetscCall(MpmActionApply(&free->action, free->du, free->y, &failed));
+  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, free->y);
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs, free->y));
   MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, free->y);
   PetscCall(VecGetArrayRead(x, &from));
@@ -60,6 +62,30 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  What followers' diagonal blocks are to their masters', e^2 K_ss; what couples a follower with others is left out, since it would take
+  all entries of the matrix.
+*/
+static void ExtendBlocks(const MpmConstraints *constraints, const MpmSpace *space, PetscReal blocks[])
+{
+  const MpmExtension *extension = &space->extension;
+  const PetscInt      bs        = constraints->block;
+
+  for (PetscInt f = 0; f < extension->count; f++) {
+    const PetscInt   s    = extension->follower[f];
+    const PetscReal *from = &blocks[s * bs * bs];
+
+    for (PetscInt k = extension->offset[f]; k < extension->offset[f + 1]; k++) {
+      PetscReal *to = &blocks[extension->master[k] * bs * bs];
+
+      for (PetscInt e = 0; e < bs * bs; e++)
+        if (constraints->condition[s * bs + e / bs] == MPM_FOLLOWS &&
+            constraints->condition[s * bs + e % bs] == MPM_FOLLOWS)
+          to[e] += PetscSqr(extension->weight[k]) * from[e];
+    }
+  }
+}
+
 /* Diagonal blocks of the owned nodes, row-major; `blocks` has room for the local nodes. */
 static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
 {
@@ -69,6 +95,7 @@ static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
 
   PetscFunctionBeginUser;
   PetscCall(MpmTermsDiagonal(solver->disc->terms, solver->disc->sum, free->action.u, blocks, &failed));
+  ExtendBlocks(solver->disc->constraints, solver->disc->space, blocks);
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs * bs, blocks));
   MpmFramesRotateBlocks(solver->disc->constraints, bs, solver->disc->space->owned, blocks);
   for (PetscInt i = 0; i < solver->disc->space->owned; i++)
@@ -196,6 +223,7 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x)
   MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, free->du);
   PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, free->du));
   MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, free->du);
+  MpmConstraintsExtend(solver->disc->constraints, solver->disc->space, free->du);
   PetscCall(MpmActionSetState(&free->action, free->du, &failed));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY)); /* tells preconditioners that it has changed */
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));

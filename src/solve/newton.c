@@ -28,6 +28,7 @@ PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
   MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, solver->disc->u);
   PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, solver->disc->u));
   MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, solver->disc->u);
+  MpmConstraintsExtend(solver->disc->constraints, solver->disc->space, solver->disc->u);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,6 +40,7 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
   for (PetscInt k = 0; k < count; k++) solver->disc->residual[k] = -solver->disc->force[k];
   solver->disc->sum->trial = solver->disc->sum->rest ? NULL : solver->disc->trial;
   PetscCall(MpmTermsResidual(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
+  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, solver->disc->residual);
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->residual));
   solver->disc->trial->made   = (PetscBool)(solver->disc->sum->trial != NULL);
   solver->disc->trial->framed = PETSC_FALSE;
@@ -72,6 +74,7 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
   PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, solver->jacobian));
   PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->pattern,
                             solver->disc->residual, failed));
+  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, solver->disc->residual);
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->residual));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -49,8 +49,7 @@ static PetscBool Applies(const MpmSolver *solver)
 {
   for (PetscInt m = 0; m < solver->disc->material_count; m++)
     if (solver->disc->sum->materials[m].state_size) return PETSC_FALSE;
-  /* without ghost penalty, nodes of small cuts lose it for themselves */
-  return (PetscBool)(solver->symmetric && solver->disc->layout->solid && solver->disc->ghost > 0.);
+  return (PetscBool)(solver->symmetric && solver->disc->layout->solid);
 }
 
 /* Does the run end where stability does? */

@@ -6,11 +6,11 @@
 #include "base/types.h"
 #include "grid/shape.h"
 
-#define MPM_GHOST_FACTOR 1e-2 /* of the ghost penalty; */
-#define MPM_GHOST_REST   3e-7 /* in a geostatic stage, with iterative solvers; */
-#define MPM_GHOST_SAFETY 1e-4 /* while strength is reduced and no factor of safety found; */
-#define MPM_GHOST_SPARSE 1e-1 /* where points are sparse; */
-#define MPM_GHOST_RESCUE 1e-1 /* and where a run would give up with less */
+/* Share of the fullest piece beside it, or of a whole one, from which on a piece is well filled (extension.h). */
+#define MPM_FILLED 0.45
+
+/* Factor of the ghost penalty where points are sparse. */
+#define MPM_GHOST_SPARSE 1e-1
 
 /* Share of means over pieces in the strain while strength is reduced and no factor of safety found. */
 #define MPM_SMOOTH_SAFETY 0.8
@@ -36,7 +36,9 @@ typedef struct MpmRules {
   MpmStretch         stretch;
   PetscReal          longest; /* half-length of a domain, cells: what has been drawn further parts; 0: any */
   const MpmMaterial *materials;
+  PetscInt           material_count;
   PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
+  PetscReal          filled;        /* MPM_FILLED, another share, or 0: no node follows others */
   PetscReal          interior;      /* factor of the penalty on the displacement's jumps over all faces, 0: none */
   PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
   PetscBool          mean;   /* points of one cell stand side by side, for means over it */

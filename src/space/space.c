@@ -16,6 +16,8 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
     PetscCall(PetscFree3(space->shape[k].weight, space->shape[k].gradient, space->shape[k].mean));
     PetscCall(PetscFree2(space->shape[k].cross, space->shape[k].slope));
   }
+  PetscCall(PetscFree(space->half));
+  PetscCall(MpmExtensionReset(&space->extension));
   PetscCall(PetscFree(space->support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
@@ -325,6 +327,7 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   PetscFunctionBeginUser;
   PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));
+  PetscCall(MpmExtensionNumber(space));
   PetscCall(FindSupport(space, rules));
   for (PetscInt k = 0; k < space->extra.count; k++)
     for (PetscInt c = 0; c < rules->layout->block; c++) space->unknown_count += space->extra.free[k] >> c & 1;

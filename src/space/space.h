@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "talus/point/tables.h"
+#include "space/extension.h"
 
 /*
   Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side.
@@ -100,6 +101,8 @@ typedef struct MpmSpace {
   PetscSF       sf;            /* roots: owned nodes; leaves: ghosts; NULL on one rank */
   MpmExtraNodes extra;
   MpmParts      parts;
+  PetscReal    *half; /* half-lengths of the points' domains, cells, dim values a point; NULL: shapes without domains */
+  MpmExtension  extension;
 } MpmSpace;
 
 /*

@@ -310,8 +310,8 @@ static PetscBool ListShapes(const MpmRules *rules, PetscReal longest, Shape shap
 PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
                                       PetscInt **box_first, PetscInt **box_count, const char **why)
 {
-  const PetscInt dim  = rules->grid->dim;
-  PetscReal     *half = NULL, longest = 0.;
+  const PetscInt dim     = rules->grid->dim;
+  PetscReal      longest = 0.;
   Shape          shapes[MPM_MAX_SHAPES];
   Lines          lines[MPM_MAX_SHAPES];
 
@@ -322,20 +322,18 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
   space->parts.count  = PetscMax(rules->parts, 1);
   space->parts.stride = rules->parts > 1 ? rules->grid->nodes[dim - 1] + MPM_PART_GAP : 0;
   if (MpmShapeHasDomain(rules->shape)) {
-    PetscCall(PetscMalloc1((points->count * dim), &half));
-    HalfLengths(rules, points, half, &longest);
+    PetscCall(PetscMalloc1((points->count * dim), &space->half));
+    HalfLengths(rules, points, space->half, &longest);
     /* the Jacobian's window, and with it the colours, must be the same on all ranks */
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, rules->grid->comm));
   }
   if (!ListShapes(rules, longest, shapes, lines)) {
     *why = longest < MPM_MAX_WIDTH ? "a point's domain spans too many cells"
                                    : "a point has no stretch, or its domain spans too many cells";
-    PetscCall(PetscFree(half));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt s = 0; s < space->shape_count; s++)
-    PetscCall(EvaluateLines(rules, points, &shapes[s], half, &lines[s]));
-  PetscCall(PetscFree(half));
+    PetscCall(EvaluateLines(rules, points, &shapes[s], space->half, &lines[s]));
   space->first = lines[0].first;
   space->count = lines[0].count;
   if (space->shape_count > 1) {

@@ -530,6 +530,14 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, PetscInt pi
   return count;
 }
 
+/* May points of any material be sparse? */
+static PetscBool AnySparse(const MpmRules *rules)
+{
+  for (PetscInt m = 0; rules->sparse > 0. && m < rules->material_count; m++)
+    if (rules->materials[m].spacing >= SPARSE_LEAST) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
 {
   CellMap   map;
@@ -538,7 +546,7 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
 
   PetscFunctionBeginUser;
   (void)ctx;
-  if (!(rules->ghost > 0. || rules->interior > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(rules->ghost > 0. || rules->interior > 0. || AnySparse(rules))) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MarkOwnPoints(space, rules, points, rules->grid->size > 1 ? 3 : 0, &map));
   if (rules->grid->size > 1) PetscCall(ExchangeMarks(rules->grid, rules->materials, &map));
   PetscCall(PetscMalloc1((map.size[0] * map.size[1] * map.size[2]), &pieces));

@@ -156,7 +156,7 @@ MPM_INLINE void AddRows(const MpmMassMatrix *mass, const MpmSpace *space, PetscI
         continue;
       }
       for (PetscInt c = 0; c < dim; c++)
-        if (MpmConstraintsFree(constraints, i * dim + c) && MpmConstraintsFree(constraints, j * dim + c))
+        if (MpmConstraintsCounts(constraints, i * dim + c) && MpmConstraintsCounts(constraints, j * dim + c))
           to[c * (width + 1)] += value;
     }
   }

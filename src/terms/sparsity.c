@@ -21,6 +21,7 @@ PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
   PetscCall(PetscFree(pattern->row));
   PetscCall(PetscFree(pattern->column));
   PetscCall(PetscFree(pattern->slot));
+  PetscCall(PetscFree(pattern->neighbour));
   PetscCall(PetscFree(pattern->far_start));
   PetscCall(PetscFree2(pattern->far_column, pattern->far_slot));
   PetscCall(PetscFree(pattern->value));
@@ -42,6 +43,21 @@ static PetscInt WindowOffsets(const MpmPattern *pattern, const MpmGroup *group, 
     for (PetscInt j = 0; j < group->count[1]; j++)
       for (PetscInt i = 0; i < group->count[0]; i++) offset[n++] = (k * side + j) * side + i;
   return (pattern->window - 1) / 2;
+}
+
+PetscInt *MpmPatternSlot(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column)
+{
+  const PetscInt dim = pattern->dim, side = 2 * pattern->reach + 1;
+  PetscInt       at = (pattern->window - 1) / 2, stride = 1;
+
+  if (MpmSpaceIsExtra(space, row) || MpmSpaceIsExtra(space, column)) return NULL;
+  for (PetscInt a = 0; a < dim; a++, stride *= side) {
+    const PetscInt apart = space->node[column * dim + a] - space->node[row * dim + a];
+
+    if (PetscAbsInt(apart) > pattern->reach) return NULL;
+    at += stride * apart;
+  }
+  return pattern->slot[row * pattern->window + at] < 0 ? NULL : &pattern->slot[row * pattern->window + at];
 }
 
 /* Marks the entries that this rank's groups touch: slot 0 where there is one, -1 elsewhere. */
@@ -70,22 +86,73 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the columns to the rows of as many nodes: counts them in fill[row], or puts them at `at` in column. */
-static void AddFar(PetscInt rows, const PetscInt row[], PetscInt columns, const PetscInt node[], PetscInt fill[],
-                   PetscInt column[])
+/* Where far entries go: counted in fill[row], or put at fill[row] in column. */
+typedef struct {
+  const MpmPattern *pattern;
+  const MpmSpace   *space;
+  PetscInt         *fill, *column;
+} Far;
+
+/* The node, or those that it follows and itself: its number of targets. */
+static PetscInt Targets(const MpmSpace *space, const PetscInt *node, const PetscInt **masters)
 {
-  for (PetscInt i = 0; i < rows; i++) {
-    for (PetscInt j = 0; row[i] >= 0 && j < columns; j++) {
-      if (node[j] < 0) continue;
-      if (column) column[fill[row[i]]] = node[j];
-      fill[row[i]]++;
+  const MpmExtension *extension = &space->extension;
+  const PetscInt      f         = extension->of ? extension->of[*node] : -1;
+
+  *masters = f < 0 ? NULL : &extension->master[extension->offset[f]];
+  return 1 + (f < 0 ? 0 : extension->offset[f + 1] - extension->offset[f]);
+}
+
+/* The entries of what a pair of nodes is coupled by: those of their masters, too. */
+static void AddFarPair(const Far *far, PetscInt row, PetscInt column, PetscBool outside)
+{
+  const PetscInt *rows, *columns, row_count = Targets(far->space, &row, &rows);
+  const PetscInt  column_count = Targets(far->space, &column, &columns);
+
+  for (PetscInt i = 0; i < row_count; i++) {
+    const PetscInt k = i ? rows[i - 1] : row;
+
+    for (PetscInt j = 0; j < column_count; j++) {
+      const PetscInt l = j ? columns[j - 1] : column;
+
+      if (outside && MpmPatternSlot(far->pattern, far->space, k, l)) continue;
+      if (far->column) far->column[far->fill[k]] = l;
+      far->fill[k]++;
+    }
+  }
+}
+
+/* Adds the columns to the rows of as many nodes. */
+static void AddFar(const Far *far, PetscInt rows, const PetscInt row[], PetscInt columns, const PetscInt node[])
+{
+  for (PetscInt i = 0; i < rows; i++)
+    for (PetscInt j = 0; row[i] >= 0 && j < columns; j++)
+      if (node[j] >= 0) AddFarPair(far, row[i], node[j], PETSC_FALSE);
+}
+
+/* Entries that followers' masters have beside those of boxes. */
+static void AddFollowers(const Far *far, const PetscInt neighbour[])
+{
+  const MpmExtension *extension = &far->space->extension;
+  const PetscInt      window    = far->pattern->window;
+
+  for (PetscInt f = 0; f < extension->count; f++) {
+    const PetscInt s = extension->follower[f];
+
+    for (PetscInt w = 0; w < window; w++) {
+      if (far->pattern->slot[s * window + w] < 0) continue;
+      const PetscInt j = neighbour[s * window + w];
+
+      AddFarPair(far, s, j, PETSC_TRUE);
+      if (extension->of[j] < 0) AddFarPair(far, j, s, PETSC_TRUE);
     }
   }
 }
 
 /* All entries that links and couples ask for, in no order, some more than once. */
-static void AddAllFar(const MpmSpace *space, PetscInt fill[], PetscInt column[])
+static void AddAllFar(const Far *far, const PetscInt neighbour[])
 {
+  const MpmSpace      *space = far->space;
   const MpmExtraNodes *extra = &space->extra;
 
   for (PetscInt k = 0; k < extra->link_count; k++) {
@@ -99,11 +166,11 @@ static void AddAllFar(const MpmSpace *space, PetscInt fill[], PetscInt column[])
       for (PetscInt o = 0; o < link->count; o++) {
         const PetscInt other = extra->begin + link->first + o;
 
-        AddFar(1, &one, 1, &other, fill, column);
+        AddFar(far, 1, &one, 1, &other);
       }
       if (!box) continue;
-      AddFar(1, &one, box->node_count, nodes, fill, column);
-      AddFar(box->node_count, nodes, 1, &one, fill, column);
+      AddFar(far, 1, &one, box->node_count, nodes);
+      AddFar(far, box->node_count, nodes, 1, &one);
     }
   }
   for (PetscInt k = 0; k < space->parts.couple_count; k++) {
@@ -111,29 +178,34 @@ static void AddAllFar(const MpmSpace *space, PetscInt fill[], PetscInt column[])
       const MpmGroup *one   = &space->groups[space->parts.couple[k].box[side]];
       const MpmGroup *other = &space->groups[space->parts.couple[k].box[1 - side]];
 
-      AddFar(one->node_count, &space->group_nodes[one->node_offset], other->node_count,
-             &space->group_nodes[other->node_offset], fill, column);
+      AddFar(far, one->node_count, &space->group_nodes[one->node_offset], other->node_count,
+             &space->group_nodes[other->node_offset]);
     }
   }
+  AddFollowers(far, neighbour);
 }
 
-/* Lists the entries of extra nodes and of coupled boxes, by row. */
-static PetscErrorCode MarkFar(MpmPattern *pattern, const MpmSpace *space)
+/* Lists the entries of extra nodes, of coupled boxes and of masters, by row. */
+static PetscErrorCode MarkFar(MpmPattern *pattern, const MpmSpace *space, const PetscInt neighbour[])
 {
+  Far       far = {.pattern = pattern, .space = space};
   PetscInt *start, *fill, end = 0;
 
   PetscFunctionBeginUser;
-  if (!space->extra.link_count && !space->parts.couple_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!space->extra.link_count && !space->parts.couple_count && !space->extension.count)
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1((pattern->local + 1), &pattern->far_start));
   PetscCall(PetscCalloc1(pattern->local, &fill));
-  start = pattern->far_start;
-  AddAllFar(space, fill, NULL);
+  start    = pattern->far_start;
+  far.fill = fill;
+  AddAllFar(&far, neighbour);
   for (PetscInt i = 0; i < pattern->local; i++) {
     start[i + 1] = start[i] + fill[i];
     fill[i]      = start[i];
   }
   PetscCall(PetscMalloc2(start[pattern->local], &pattern->far_column, start[pattern->local], &pattern->far_slot));
-  AddAllFar(space, fill, pattern->far_column);
+  far.column = pattern->far_column;
+  AddAllFar(&far, neighbour);
   for (PetscInt i = 0; i < pattern->local; i++) { /* each once; rows move up */
     PetscInt count = start[i + 1] - start[i], *column = &pattern->far_column[start[i]];
 
@@ -332,15 +404,16 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_C
   pattern->local  = space->local;
   pattern->owned  = space->owned;
   PetscCall(MarkEntries(pattern, space));
-  PetscCall(MarkFar(pattern, space));
   PetscCall(FindNeighbours(pattern, space, &found));
+  PetscCall(MarkFar(pattern, space, found.neighbour));
   if (space->sf) {
     PetscCall(ExchangeGhostRows(pattern, space, comm, &found, &received));
     PetscCall(SortForeign(pattern, &received, &foreign));
   }
   PetscCall(ListColumns(pattern, space, &found, space->sf ? &foreign : NULL));
   PetscCall(PetscMalloc1(pattern->local, &pattern->value));
-  PetscCall(PetscFree(found.neighbour));
+  if (space->extension.count) pattern->neighbour = found.neighbour;
+  else PetscCall(PetscFree(found.neighbour));
   PetscCall(PetscFree(foreign.start));
   PetscCall(PetscFree(foreign.column));
   PetscCall(MpmListsDestroy(&received));
@@ -452,12 +525,12 @@ static void AddBlockWithHoles(MpmPattern *pattern, const PetscInt nodes[], const
   for (PetscInt k = 0; k < n * bs * bs; k++) {
     const PetscInt i = k / (bs * bs), c = k / bs % bs, d = k % bs;
 
-    if (nodes[i] < 0 || !MpmConstraintsFree(constraints, nodes[i] * bs + c)) continue;
+    if (nodes[i] < 0 || !MpmConstraintsCounts(constraints, nodes[i] * bs + c)) continue;
     const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
     const PetscInt  width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
 
     for (PetscInt j = 0; j < n; j++) {
-      if (nodes[j] < 0 || !MpmConstraintsFree(constraints, nodes[j] * bs + d)) continue;
+      if (nodes[j] < 0 || !MpmConstraintsCounts(constraints, nodes[j] * bs + d)) continue;
       pattern->value[nodes[i]][c * width + slot[offset[j]] * bs + d] += element[k * n + j];
     }
   }
@@ -479,7 +552,7 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   if (constraints->any) {
     for (PetscInt i = 0; i < n; i++) {
       for (PetscInt c = 0; c < bs; c++) {
-        if (MpmConstraintsFree(constraints, nodes[i] * bs + c)) continue;
+        if (MpmConstraintsCounts(constraints, nodes[i] * bs + c)) continue;
         for (PetscInt k = 0; k < n * bs; k++) {
           element[(i * bs + c) * bs * n + k] = 0.; /* the row of (i, c) */
           element[(k * bs + c) * n + i]      = 0.; /* its column */
@@ -502,20 +575,13 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   }
 }
 
-/* Where a local node stands in the row of another. */
-static PetscInt Position(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column)
+PetscInt MpmPatternPosition(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column)
 {
-  const PetscInt  dim = pattern->dim, far = pattern->far_start ? pattern->far_start[row] : 0;
-  PetscInt        at = (pattern->window - 1) / 2, stride = 1, low = 0, high = FarCount(pattern, row);
-  const PetscBool near = (PetscBool)(!MpmSpaceIsExtra(space, row) && !MpmSpaceIsExtra(space, column));
+  const PetscInt  far  = pattern->far_start ? pattern->far_start[row] : 0;
+  const PetscInt *slot = MpmPatternSlot(pattern, space, row, column);
+  PetscInt        low = 0, high = FarCount(pattern, row);
 
-  for (PetscInt a = 0; a < dim && near; a++, stride *= 2 * pattern->reach + 1) {
-    const PetscInt apart = space->node[column * dim + a] - space->node[row * dim + a];
-
-    at = at < 0 || PetscAbsInt(apart) > pattern->reach ? -1 : at + stride * apart;
-  }
-  if (near && at >= 0 && pattern->slot[row * pattern->window + at] >= 0)
-    return pattern->slot[row * pattern->window + at];
+  if (slot) return *slot;
   while (high - low > 1) {
     const PetscInt middle = (low + high) / 2;
 
@@ -538,12 +604,13 @@ void MpmPatternAddNodes(MpmPattern *pattern, const MpmSpace *space, PetscInt n, 
 
     for (PetscInt j = 0; j < n; j++) {
       if (nodes[j] < 0) continue;
-      PetscReal *block = pattern->value[nodes[i]] + Position(pattern, space, nodes[i], nodes[j]) * bs;
+      PetscReal *block = pattern->value[nodes[i]] + MpmPatternPosition(pattern, space, nodes[i], nodes[j]) * bs;
 
       for (PetscInt k = 0; k < bs * bs; k++) {
         const PetscInt c = k / bs, d = k % bs;
 
-        if (MpmConstraintsFree(constraints, nodes[i] * bs + c) && MpmConstraintsFree(constraints, nodes[j] * bs + d))
+        if (MpmConstraintsCounts(constraints, nodes[i] * bs + c) &&
+            MpmConstraintsCounts(constraints, nodes[j] * bs + d))
           block[c * width + d] += element[((i * bs + c) * bs + d) * n + j];
       }
     }
@@ -600,7 +667,7 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
   MpmFramesRotateVector(constraints, bs, n, nodes, b);
   MpmFramesRotateVector(constraints, bs, n, nodes, c);
   for (PetscInt k = 0; constraints->any && k < n * bs; k++)
-    if (nodes[k / bs] >= 0 && !MpmConstraintsFree(constraints, nodes[k / bs] * bs + k % bs)) a[k] = b[k] = c[k] = 0.;
+    if (nodes[k / bs] >= 0 && !MpmConstraintsCounts(constraints, nodes[k / bs] * bs + k % bs)) a[k] = b[k] = c[k] = 0.;
   for (PetscInt i = 0; i < n; i++) {
     if (nodes[i] < 0) continue;
     const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
@@ -753,6 +820,7 @@ PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, Mat mat
   Mat own, other;
 
   PetscFunctionBeginUser;
+  MpmPatternEliminate(pattern, space);
   for (PetscInt i = 0; i < pattern->local && pattern->constraints->scaled; i++)
     MpmUnitsTimesRows(pattern->constraints, pattern->row[i + 1] - pattern->row[i], pattern->value[i]);
   SetConstrainedDiagonal(pattern, pattern->constraints);

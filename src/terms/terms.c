@@ -37,6 +37,7 @@ PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const 
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < terms->count; k++)
     if (terms->term[k]->boxes) PetscCall(terms->term[k]->boxes(terms->ctx[k], rules, points, space));
+  PetscCall(MpmExtensionBoxes(rules, points, space));
   PetscCall(MpmSpaceEnd(space, rules));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -173,7 +173,7 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
 
 /* ---- equilibrium ---- */
 
-/* After a failed step: is there something to try? A smaller part of the loads, then a firmer ghost penalty. */
+/* After a failed step: is there a smaller part of the loads to try? */
 static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, const char *why, PetscBool *again)
 {
   const PetscReal duration = model->state.time_end - model->state.time_start;
@@ -181,12 +181,6 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
   PetscFunctionBeginUser;
   *grow *= 0.5;
   *again = (PetscBool)(part < 1. && *grow * duration >= model->state.dt_min);
-  if (!*again && model->state.rescue.ghost) {
-    PetscCall(MpmStepRaiseGhost(model, why));
-    *grow  = PetscMin(model->state.dt_nominal / duration, 1.);
-    *again = PETSC_TRUE;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   model->state.cuts++;
   model->state.cuts_total++;
   if (*again) PetscCall(MpmMonitorNote(&model->monitor, "%s; the loads grow by parts of %.4g", why, (double)*grow));
@@ -253,7 +247,6 @@ static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt so
 
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
 {
-  const PetscReal ghost = model->disc.ghost;
   PetscInt        solved;
   MpmPoints       points;
   MpmRest         rest;
@@ -270,12 +263,8 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   model->state.scheme.water_held = PETSC_TRUE;
   if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
-  /* what the penalty holds back in one iteration is left for the next ones; contacts may press on small-cut nodes */
-  if (model->state.rescue.ghost)
-    model->disc.ghost = model->solver.factorises && !model->scene.pairs->count ? 0. : MPM_GHOST_REST;
   PetscCall(FindEquilibrium(model, &rest, &solved, why));
   model->state.scheme.water_held = PETSC_FALSE;
-  if (model->disc.ghost < ghost) model->disc.ghost = ghost;
   if (!*why) {
     PetscCall(PrintRest(model, &rest, solved));
     model->state.time = model->state.time_end;

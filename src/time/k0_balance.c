@@ -38,8 +38,6 @@
 #define BALANCE_MODULUS      1e3
 #define BALANCE_REGULAR      1e-8
 #define BALANCE_REGULAR_MORE 1e-4
-/* The ghost penalty, which has no part in the balance, for iterative solvers. */
-#define BALANCE_GHOST 1e-4
 
 /* ---- the weight above ---- */
 
@@ -289,7 +287,6 @@ static PetscErrorCode SecondCreate(Balance *balance)
   second->scene.materials = &balance->materials;
   PetscCall(MpmDiscretizationCreate(model->comm, model->disc.grid, model->disc.layout, &second->disc));
   PetscCall(MpmDiscretizationSize(&second->disc));
-  second->disc.ghost    = model->solver.factorises ? 0. : PetscMin(model->disc.ghost, BALANCE_GHOST);
   second->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
   PetscCall(MpmDiscretizationSetUp(&second->disc, second->scene.materials, second->scene.boundaries,
                                    second->scene.bodies, second->scene.pairs, second->state.placements,

@@ -47,8 +47,6 @@ typedef struct {
 
 /* What is left to try where steps fail again and again. */
 typedef struct {
-  PetscBool ghost_auto; /* nobody has set the ghost penalty */
-  PetscBool ghost;      /* a firmer ghost penalty */
   PetscBool dilation;   /* F-bar leaves dilation to the points: it may average that, too */
   PetscInt  averaged;   /* steps that did so alone */
   PetscBool smooth;     /* strains are smoothed while a factor of safety is sought: they may be the points' own */

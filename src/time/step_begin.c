@@ -19,17 +19,6 @@
 #include "time/time.h"
 #include "time/water_state.h"
 
-/*
-  The ghost penalty's factor. It is a part of Young's modulus, on increments, so that a slope that slides feels it in proportion to
-  stiffness and step: while the factor of safety is sought, `auto` takes less.
-*/
-static PetscReal GhostFactor(const MpmModel model)
-{
-  const PetscBool seeks = (PetscBool)(model->state.rescue.ghost && MpmReductionSeeks(model));
-
-  return seeks ? PetscMin(model->disc.ghost, MPM_GHOST_SAFETY) : model->disc.ghost;
-}
-
 /* How much of the strain is its mean over pieces (docs/stabilization.md). */
 static PetscReal SmoothShare(const MpmModel model)
 {
@@ -52,25 +41,27 @@ static MpmRules Rules(MpmModel model, PetscReal time)
   const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
   MpmRules                rules;
 
-  rules = (MpmRules){.grid       = model->disc.grid,
-                     .shape      = model->scene.shape,
-                     .edge       = model->scene.edge,
-                     .layout     = model->disc.layout,
-                     .wall_count = model->state.walls.count,
-                     .walls      = model->state.walls.at,
-                     .stretch    = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
-                     .longest    = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
-                     .parts      = model->disc.parts,
-                     .materials  = model->disc.sum->materials,
-                     .ghost      = solves ? GhostFactor(model) : 0.,
-                     .sparse     = solves && model->state.rescue.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-                     .interior   = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.interior : 0.,
-                     .smooth     = SmoothShare(model),
-                     .mean       = (PetscBool)(model->disc.layout->means > 0),
-                     .put_back   = model->disc.put_back,
-                     .time_n     = model->state.time,
-                     .time       = time,
-                     .dynamic    = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
+  rules = (MpmRules){.grid           = model->disc.grid,
+                     .shape          = model->scene.shape,
+                     .edge           = model->scene.edge,
+                     .layout         = model->disc.layout,
+                     .wall_count     = model->state.walls.count,
+                     .walls          = model->state.walls.at,
+                     .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
+                     .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
+                     .parts          = model->disc.parts,
+                     .materials      = model->disc.sum->materials,
+                     .material_count = model->disc.material_count,
+                     .ghost          = solves ? model->disc.ghost : 0.,
+                     .filled         = solves ? model->scene.filled : 0.,
+                     .sparse         = solves && model->scene.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+                     .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.interior : 0.,
+                     .smooth   = SmoothShare(model),
+                     .mean     = (PetscBool)(model->disc.layout->means > 0),
+                     .put_back = model->disc.put_back,
+                     .time_n   = model->state.time,
+                     .time     = time,
+                     .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad *load = &model->scene.loads->at[l];
 
@@ -154,6 +145,7 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **wh
   PetscCall(MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space,
                                 &contradicts));
   PetscCall(MpmWaterHold(model, time));
+  MpmConstraintsFollow(model->disc.constraints, model->disc.layout, model->disc.space);
   if (contradicts < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
                           "motion %s meets nodes that a condition or another motion moves otherwise",

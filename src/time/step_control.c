@@ -76,16 +76,6 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why)
-{
-  PetscFunctionBeginUser;
-  model->disc.ghost         = MPM_GHOST_RESCUE;
-  model->state.rescue.ghost = PETSC_FALSE;
-  PetscCall(MpmMonitorNote(&model->monitor, "%s; from here on with -mpm_stabilization_ghost %g", why,
-                           (double)model->disc.ghost));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
   A decimal number that is no further away than rounding errors take a sum of steps. So a time is the same one however many
   steps led to it, and whether a run ends there or passes it.
@@ -320,13 +310,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
       continue;
     }
     if (!again) {
-      if (!model->state.rescue.ghost) {
-        PetscCall(OfferRelaxation(model, why));
-        PetscFunctionReturn(PETSC_SUCCESS);
-      }
-      PetscCall(MpmStepRaiseGhost(model, *why));
-      model->state.dt_wanted = model->state.dt_nominal;
-      continue;
+      PetscCall(OfferRelaxation(model, why));
+      PetscFunctionReturn(PETSC_SUCCESS);
     }
     PetscCall(Cut(model, *why, 0.5 * *dt));
   }

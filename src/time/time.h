@@ -120,8 +120,6 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
 PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why);
 /* The space of the points where they are now, without a step. */
 PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
-/* Where a run would give up, once: a firmer ghost penalty from here on. */
-PetscErrorCode MpmStepRaiseGhost(MpmModel model, const char *why);
 /* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
 void MpmStepAverageDilation(MpmModel model, PetscBool average);
 /* A time without the rounding errors of the sum that it is, where it is a decimal number but for them. */

@@ -249,16 +249,35 @@ static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The diagonal without a matrix against the local Jacobian's, and the inverted diagonal blocks times its blocks against identity. */
+/* Owned nodes that others follow: diagonal blocks without a matrix leave out what couples these with their followers. */
+static inline PetscErrorCode SceneMasters(MpmModel model, PetscReal **masters)
+{
+  const MpmSpace     *space     = model->disc.space;
+  const MpmExtension *extension = &space->extension;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(space->local, masters));
+  for (PetscInt k = 0; extension->count && k < extension->offset[extension->count]; k++)
+    (*masters)[extension->master[k]] = 1.;
+  PetscCall(MpmSpaceAddToOwners(space, 1, *masters));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The diagonal without a matrix against the local Jacobian's, and the inverted diagonal blocks times its blocks against identity; at nodes
+  that others follow both are approximate, with a positive diagonal.
+*/
 static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, SceneVerdict *verdict)
 {
   const PetscInt     bs = model->disc.block;
   Mat                J;
   Vec                y, z;
-  PetscReal          norm;
+  PetscReal          norm, *masters;
   const PetscScalar *inverse;
+  PetscScalar       *values;
 
   PetscFunctionBeginUser;
+  PetscCall(SceneMasters(model, &masters));
   PetscCall(MpmMatfreeCreate(&model->solver, PETSC_TRUE, &J));
   PetscCall(MpmMatfreeSetState(J, x));
   PetscCall(VecDuplicate(x, &y));
@@ -267,6 +286,10 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
   PetscCall(MatGetDiagonal(local, z));
   PetscCall(VecNorm(z, NORM_2, &norm));
   PetscCall(VecAXPY(y, -1., z));
+  PetscCall(VecGetArray(y, &values));
+  for (PetscInt k = 0; k < model->disc.space->owned * bs; k++)
+    if (masters[k / bs] > 0.) values[k] = 0.;
+  PetscCall(VecRestoreArray(y, &values));
   PetscCall(VecNorm(y, NORM_2, &verdict->diagonal));
   verdict->diagonal /= norm;
   PetscCall(MatInvertBlockDiagonal(J, &inverse));
@@ -276,6 +299,7 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
     PetscScalar block[MPM_MAX_BLOCK * MPM_MAX_BLOCK];
     PetscReal   off = 0., least = PETSC_MAX_REAL;
 
+    if (masters[i] > 0.) continue;
     for (PetscInt c = 0; c < bs; c++) rows[c] = (model->disc.space->global_begin + i) * bs + c;
     PetscCall(MatGetValues(local, bs, rows, bs, rows, block));
     for (PetscInt r = 0; r < bs; r++) {
@@ -292,6 +316,7 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
   PetscCall(VecDestroy(&y));
   PetscCall(VecDestroy(&z));
   PetscCall(MatDestroy(&J));
+  PetscCall(PetscFree(masters));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &verdict->blocks, 1, MPIU_REAL, MPIU_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,347 @@
+/*
+  The pieces between a spline's knots, and how far the material fills them.
+
+  The fill of piece c is sum_p V_p s_pc / V_c over the points, with s_pc the part of the domain of p that lies in c, or 1 for the piece
+  that holds a point without a domain. V_p is the volume at the step's start. Sums are kept as integers: the same points give the same
+  fill on any number of ranks.
+*/
+#include "grid/grid.h"
+#include "particles/points.h"
+#include "space/pieces.h"
+#include "space/rules.h"
+#include "space/space.h"
+
+#define MARGIN_OF_RANKS 2 /* nodes around a piece by which owners are looked up beyond the margin */
+
+/* The first of the p + 1 nodes of a piece, counted from the piece. */
+static PetscInt FirstNode(PetscInt degree)
+{
+  return -(degree / 2);
+}
+
+/* Edges about a place, in the lattice of a part. */
+static void EdgesAt(const MpmSpace *space, const MpmRules *rules, PetscInt part, const PetscReal x[], PetscInt lower[],
+                    PetscInt upper[])
+{
+  const PetscInt last = space->dim - 1, shift = space->parts.stride * part;
+
+  MpmSpaceEdges(rules, x, lower, upper);
+  lower[last] += shift;
+  upper[last] += shift;
+}
+
+/*
+  Edges about the middle of a piece, in the lattice of its part. A piece around a node on a wall with two sides is that on the side with
+  more material.
+*/
+static void PieceEdges(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
+                       PetscInt lower[], PetscInt upper[])
+{
+  const MpmGrid *grid = rules->grid;
+  const PetscInt part = MpmSpacePart(space, piece);
+  PetscInt       at[MPM_MAX_DIM];
+  PetscReal      x[MPM_MAX_DIM];
+
+  MpmSpaceAt(space, piece, at);
+  for (PetscInt a = 0; a < grid->dim; a++)
+    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)at[a] + (pieces->degree % 2 ? 0.5 : 0.));
+  EdgesAt(space, rules, part, x, lower, upper);
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscInt above[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]}, below[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]};
+
+    if (upper[a] > lower[a]) continue;
+    above[a]++;
+    below[a]--;
+    x[a] += MpmPiecesFill(pieces, above) >= MpmPiecesFill(pieces, below) ? 0.25 * grid->h[a] : -0.25 * grid->h[a];
+    EdgesAt(space, rules, part, x, lower, upper);
+  }
+}
+
+PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
+                        MpmPieceLine lines[])
+{
+  const PetscInt degree             = pieces->degree;
+  PetscInt       lower[MPM_MAX_DIM] = {0}, upper[MPM_MAX_DIM] = {0};
+
+  PieceEdges(space, rules, pieces, piece, lower, upper);
+  for (PetscInt a = 0; a < space->dim; a++) {
+    MpmPieceLine  *line = &lines[a];
+    const PetscInt last = piece[a] + FirstNode(degree) + degree;
+
+    *line                = (MpmPieceLine){.first = piece[a] + FirstNode(degree), .lower = lower[a], .upper = upper[a]};
+    line->edge           = MpmEdgeOf(rules->edge, degree, upper[a] - lower[a]);
+    const PetscBool open = (PetscBool)(line->edge == MPM_EDGE_OPEN);
+
+    line->low  = PetscMax(line->first, lower[a]);
+    line->high = PetscMin(last, upper[a]);
+    if (lower[a] - line->first >= (open ? 0 : 1)) line->high = PetscMax(line->high, lower[a] + (open ? degree : 1));
+    if (last - upper[a] >= (open ? 0 : 1)) line->low = PetscMin(line->low, upper[a] - (open ? degree : 1));
+    if (line->high < line->low || line->high > upper[a] || line->low < lower[a]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Pieces that a point's domain touches along an axis, their shares of it, and whether the point touches all nodes of the piece. */
+typedef struct {
+  PetscInt  first, count;
+  PetscReal share[MPM_MAX_WIDTH + 1];
+} Overlap;
+
+static void FindOverlap(const MpmRules *rules, PetscInt degree, PetscReal xi, PetscReal half, PetscInt node_first,
+                        PetscInt node_count, Overlap *overlap)
+{
+  const PetscReal shift = degree % 2 ? 0. : 0.5, low = xi - half + shift, high = xi + half + shift;
+  const PetscReal length = high - low;
+  PetscInt        last;
+
+  (void)rules;
+  if (!(length > MPM_SHAPE_TOUCH)) {
+    overlap->first = PetscMax((PetscInt)PetscFloorReal(xi + shift), node_first - FirstNode(degree));
+    overlap->first =
+      PetscMin(overlap->first, PetscMax(node_first + node_count - 1 - degree, node_first) - FirstNode(degree));
+    overlap->count    = 1;
+    overlap->share[0] = node_count > degree ? 1. : 0.;
+    return;
+  }
+  overlap->first = (PetscInt)PetscFloorReal(low + MPM_SHAPE_TOUCH * length);
+  last           = (PetscInt)PetscCeilReal(high - MPM_SHAPE_TOUCH * length) - 1;
+  overlap->count = PetscMin(PetscMax(last - overlap->first + 1, 1), MPM_MAX_WIDTH + 1);
+  for (PetscInt k = 0; k < overlap->count; k++) {
+    const PetscReal begin = (PetscReal)(overlap->first + k);
+
+    overlap->share[k] = PetscMax(PetscMin(high, begin + 1.) - PetscMax(low, begin), 0.) / length;
+  }
+}
+
+/* Adds to a piece's fill; a piece that is touched has at least one unit. */
+static void Add(const MpmPieces *pieces, const PetscInt piece[], PetscInt units)
+{
+  const PetscInt i = MpmPiecesIndex(pieces, piece);
+
+  if (i >= 0) pieces->fill[i] = (PetscInt)PetscMin((PetscInt64)pieces->fill[i] + PetscMax(units, 1), PETSC_INT_MAX);
+}
+
+#define FOR_BOX(lower, count, at) \
+  for (at[2] = (lower)[2]; at[2] < (lower)[2] + (count)[2]; at[2]++) \
+    for (at[1] = (lower)[1]; at[1] < (lower)[1] + (count)[1]; at[1]++) \
+      for (at[0] = (lower)[0]; at[0] < (lower)[0] + (count)[0]; at[0]++)
+
+/* Adds one point's domain. */
+static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, PetscInt p,
+                     const MpmPieces *pieces)
+{
+  const MpmGrid *grid = rules->grid;
+  const PetscInt dim = space->dim, shift = MpmSpaceShift(space, points->part, p);
+  PetscInt       first[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, piece[MPM_MAX_DIM];
+  Overlap        overlap[MPM_MAX_DIM];
+  PetscReal units = (PetscReal)MPM_PIECE_FULL * points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal xi = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
+
+    FindOverlap(rules, pieces->degree, xi, space->half ? space->half[p * dim + a] : 0., space->first[p * dim + a],
+                space->count[p * dim + a], &overlap[a]);
+    first[a] = overlap[a].first;
+    count[a] = overlap[a].count;
+    units /= grid->h[a];
+  }
+  FOR_BOX(first, count, piece)
+  {
+    PetscInt  at[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]};
+    PetscReal part            = units;
+
+    for (PetscInt a = 0; a < dim; a++) part *= overlap[a].share[piece[a] - first[a]];
+    at[dim - 1] += shift;
+    Add(pieces, at, (PetscInt)PetscMin(PetscMax(part, 0.), (PetscReal)PETSC_INT_MAX));
+  }
+}
+
+/* The box of this rank's nodes and of what lies within a margin. */
+static void FindBounds(const MpmSpace *space, PetscInt margin, MpmPieces *pieces)
+{
+  PetscInt upper[MPM_MAX_DIM] = {0, 0, 0};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) pieces->lower[a] = a < space->dim ? PETSC_INT_MAX : 0;
+  for (PetscInt g = 0; g < space->box_count; g++) {
+    for (PetscInt a = 0; a < space->dim; a++) {
+      pieces->lower[a] = PetscMin(pieces->lower[a], space->groups[g].first[a] - margin);
+      upper[a]         = PetscMax(upper[a], space->groups[g].first[a] + space->groups[g].count[a] + margin);
+    }
+  }
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    pieces->size[a] = a >= space->dim ? 1 : space->box_count ? upper[a] - pieces->lower[a] : 0;
+  if (!space->box_count) pieces->lower[0] = pieces->lower[1] = pieces->lower[2] = 0;
+}
+
+static PetscErrorCode Allocate(MpmPieces *pieces)
+{
+  const PetscInt64 size = (PetscInt64)pieces->size[0] * pieces->size[1] * pieces->size[2];
+
+  PetscFunctionBeginUser;
+  PetscCheck(size < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
+             "the points of one rank span %" PetscInt64_FMT " cells", size);
+  PetscCall(PetscCalloc1(size, &pieces->fill));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Widens the map to hold the pieces of received lists: a rank may own nodes that none of its own points is near. */
+static PetscErrorCode Widen(const MpmLists *received, MpmPieces *pieces)
+{
+  const PetscInt stride = pieces->dim + 1, end = received->offset[received->count];
+  MpmPieces      wide = *pieces;
+  PetscInt       upper[MPM_MAX_DIM], piece[MPM_MAX_DIM];
+  const PetscInt old = pieces->size[0] * pieces->size[1] * pieces->size[2];
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    if (!old) wide.lower[a] = a < pieces->dim ? PETSC_INT_MAX : 0;
+    upper[a] = old ? pieces->lower[a] + pieces->size[a] : a < pieces->dim ? PETSC_INT_MIN : 1;
+  }
+  for (PetscInt k = 0; k < end; k++) {
+    const PetscInt a = k % stride;
+
+    if (a == pieces->dim) continue;
+    upper[a]      = PetscMax(upper[a], received->data[k] + 1);
+    wide.lower[a] = PetscMin(wide.lower[a], received->data[k]);
+  }
+  if (!end) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) wide.size[a] = upper[a] - wide.lower[a];
+  PetscCall(Allocate(&wide));
+  for (PetscInt i = 0; i < old; i++) {
+    if (!pieces->fill[i]) continue;
+    MpmPiecesAt(pieces, i, piece);
+    Add(&wide, piece, pieces->fill[i]);
+  }
+  PetscCall(PetscFree(pieces->fill));
+  *pieces = wide;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The ranks that own a node within a distance of a piece: `rank` has room for grid->size. */
+static PetscInt RanksAround(const MpmSpace *space, const MpmGrid *grid, const PetscInt piece[], PetscInt distance,
+                            PetscMPIInt rank[])
+{
+  PetscInt at[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  MpmSpaceAt(space, piece, at);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = at[a] - distance;
+    upper[a] = at[a] + distance;
+  }
+  return MpmGridBoxOwners(grid, lower, upper, rank);
+}
+
+/* Lists this rank's pieces for the others that need them: `fill` counts the integers for each rank where `sent` has no data. */
+static void ListPieces(const MpmSpace *space, const MpmGrid *grid, const MpmPieces *pieces, PetscInt distance,
+                       PetscMPIInt around[], PetscInt fill[], const PetscInt slot[], MpmLists *sent)
+{
+  const PetscInt size = pieces->size[0] * pieces->size[1] * pieces->size[2], dim = grid->dim;
+  PetscInt       piece[MPM_MAX_DIM];
+
+  for (PetscInt i = 0; i < size; i++) {
+    if (!pieces->fill[i]) continue;
+    MpmPiecesAt(pieces, i, piece);
+    const PetscInt ranks = RanksAround(space, grid, piece, distance, around);
+
+    for (PetscInt r = 0; r < ranks; r++) {
+      if (around[r] == grid->rank) continue;
+      if (sent->data) {
+        PetscInt *to = &sent->data[fill[slot[around[r]]]];
+
+        for (PetscInt a = 0; a < dim; a++) to[a] = piece[a];
+        to[dim] = pieces->fill[i];
+        fill[slot[around[r]]] += dim + 1;
+      } else fill[around[r]] += dim + 1;
+    }
+  }
+}
+
+/* Adds what other ranks' points fill of the pieces within a distance of this rank's nodes. */
+static PetscErrorCode Exchange(const MpmSpace *space, const MpmGrid *grid, PetscInt distance, MpmPieces *pieces)
+{
+  MpmLists     sent = {0}, received = {0};
+  PetscMPIInt *around;
+  PetscInt    *length, *slot, *fill;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(grid->size, &around));
+  PetscCall(PetscCalloc3(grid->size, &length, grid->size, &slot, grid->size, &fill));
+  ListPieces(space, grid, pieces, distance, around, length, NULL, &sent);
+  for (PetscMPIInt r = 0; r < grid->size; r++) sent.count += length[r] > 0;
+  PetscCall(PetscMalloc1(sent.count, &sent.rank));
+  PetscCall(PetscMalloc1((sent.count + 1), &sent.offset));
+  sent.offset[0] = 0;
+  for (PetscMPIInt r = 0, k = 0; r < grid->size; r++) {
+    if (!length[r]) continue;
+    sent.rank[k]       = r;
+    slot[r]            = k;
+    fill[k]            = sent.offset[k];
+    sent.offset[k + 1] = sent.offset[k] + length[r];
+    k++;
+  }
+  PetscCall(PetscMalloc1((sent.offset[sent.count] + 1), &sent.data));
+  ListPieces(space, grid, pieces, distance, around, fill, slot, &sent);
+  PetscCall(MpmListsExchange(grid->comm, &sent, &received));
+  PetscCall(Widen(&received, pieces));
+  for (PetscInt k = 0; k < received.offset[received.count]; k += grid->dim + 1) {
+    PetscInt at[MPM_MAX_DIM] = {0, 0, 0};
+
+    for (PetscInt a = 0; a < grid->dim; a++) at[a] = received.data[k + a];
+    Add(pieces, at, received.data[k + grid->dim]);
+  }
+  PetscCall(MpmListsDestroy(&sent));
+  PetscCall(MpmListsDestroy(&received));
+  PetscCall(PetscFree(around));
+  PetscCall(PetscFree3(length, slot, fill));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An edge halves the pieces of its nodes where these lie around nodes. */
+static PetscErrorCode DoubleAtEdges(const MpmSpace *space, const MpmRules *rules, MpmPieces *pieces)
+{
+  const PetscInt size = pieces->size[0] * pieces->size[1] * pieces->size[2];
+  PetscInt       piece[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], *fill;
+
+  PetscFunctionBeginUser;
+  if (pieces->degree % 2) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(size, &fill));
+  for (PetscInt i = 0; i < size; i++) {
+    fill[i] = pieces->fill[i];
+    if (!fill[i]) continue;
+    MpmPiecesAt(pieces, i, piece);
+    PieceEdges(space, rules, pieces, piece, lower, upper);
+    for (PetscInt a = 0; a < space->dim; a++)
+      if (piece[a] == lower[a] || piece[a] == upper[a])
+        fill[i] = (PetscInt)PetscMin(2 * (PetscInt64)fill[i], PETSC_INT_MAX);
+  }
+  PetscCall(PetscFree(pieces->fill));
+  pieces->fill = fill;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPiecesCreate(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, PetscInt margin,
+                               MpmPieces *pieces)
+{
+  PetscInt widest = 0;
+
+  PetscFunctionBeginUser;
+  *pieces = (MpmPieces){.dim = space->dim, .degree = MpmShapeDegree(rules->shape)};
+  FindBounds(space, margin, pieces);
+  PetscCall(Allocate(pieces));
+  for (PetscInt p = 0; p < space->point_count; p++) AddPoint(space, rules, points, p, pieces);
+  if (rules->grid->size > 1) {
+    for (PetscInt g = 0; g < space->box_count; g++)
+      for (PetscInt a = 0; a < space->dim; a++) widest = PetscMax(widest, space->groups[g].count[a]);
+    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &widest, 1, MPIU_INT, MPI_MAX, rules->grid->comm));
+    PetscCall(Exchange(space, rules->grid, widest + margin + MARGIN_OF_RANKS, pieces));
+  }
+  PetscCall(DoubleAtEdges(space, rules, pieces));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPiecesDestroy(MpmPieces *pieces)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(pieces->fill));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,72 @@
+#pragma once
+/*
+  The spline's pieces that material touches, and how far each is filled.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/* Fill of a piece that material fills, in the units of MpmPieces: integers, whose sums are equal in any order. */
+#define MPM_PIECE_FULL (1 << 26)
+
+/*
+  Pieces between knots on the lattice: the grid's cells, or the cells around nodes for splines of even degree. A part of the material has
+  pieces of its own (space.h).
+*/
+typedef struct {
+  PetscInt dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
+  PetscInt
+    *fill; /* volume of the points' domains within the piece over the piece's, in MPM_PIECE_FULL; 0: not touched */
+} MpmPieces;
+
+/*
+  MpmPiecesCreate - fill of the pieces around this rank's points and nodes, points of all ranks included
+
+  Collective
+
+  Input Parameters:
++ space  - after MpmSpaceBegin(), with the boxes of all terms
+. rules  - shape, walls and grid
+. points - of this rank
+- margin - pieces beyond this rank's nodes that are needed
+
+  Notes:
+  Where a point touches not all nodes of a piece the piece is touched and gets no fill.
+*/
+PetscErrorCode MpmPiecesCreate(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, PetscInt margin,
+                               MpmPieces *pieces);
+PetscErrorCode MpmPiecesDestroy(MpmPieces *pieces);
+
+static inline PetscInt MpmPiecesIndex(const MpmPieces *pieces, const PetscInt piece[])
+{
+  PetscInt i = 0;
+
+  for (PetscInt a = pieces->dim - 1; a >= 0; a--) {
+    const PetscInt k = piece[a] - pieces->lower[a];
+
+    if (k < 0 || k >= pieces->size[a]) return -1;
+    i = i * pieces->size[a] + k;
+  }
+  return i;
+}
+static inline PetscInt MpmPiecesFill(const MpmPieces *pieces, const PetscInt piece[])
+{
+  const PetscInt i = MpmPiecesIndex(pieces, piece);
+
+  return i < 0 ? 0 : pieces->fill[i];
+}
+static inline void MpmPiecesAt(const MpmPieces *pieces, PetscInt index, PetscInt piece[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; index /= pieces->size[a], a++)
+    piece[a] = pieces->lower[a] + index % pieces->size[a];
+}
+
+/* The nodes of a piece along one axis; coefficients of those beyond an edge are combinations of the others. */
+typedef struct {
+  PetscInt    first;        /* of the degree + 1 nodes of the spline */
+  PetscInt    low, high;    /* those that exist */
+  PetscInt    lower, upper; /* edges */
+  MpmEdgeType edge;
+} MpmPieceLine;
+/* The lines of all axes; PETSC_FALSE where there is no room for the piece between the edges. */
+PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
+                        MpmPieceLine lines[]);
