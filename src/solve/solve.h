@@ -174,6 +174,11 @@ PetscErrorCode MpmSolverMindContact(MpmSolver *solver, PetscBool begins);
 PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *disc, MpmMonitor *monitor,
                                   MpmSolver *copy);
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver);
+/*
+  In place of x, which has what is prescribed and else zeros, the solution of the problem linearised at zero (linear_start.c); `made`:
+  there is one. One field, nothing in contact.
+*/
+PetscErrorCode MpmSolverStartLinear(MpmSolver *solver, Vec x, PetscBool *made);
 PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
 /* A new solver after a linear solve has failed, with GMRES where CG met an indefinite Jacobian. */
 PetscErrorCode MpmSolverRenew(MpmSolver *solver);

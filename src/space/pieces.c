@@ -57,13 +57,10 @@ static void PieceEdges(const MpmSpace *space, const MpmRules *rules, const MpmPi
   }
 }
 
-PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
-                        MpmPieceLine lines[])
+/* The nodes of a piece between edges; PETSC_FALSE where there is no room for it. */
+static PetscBool LinesBetween(const MpmSpace *space, const MpmRules *rules, PetscInt degree, const PetscInt piece[],
+                              const PetscInt lower[], const PetscInt upper[], MpmPieceLine lines[])
 {
-  const PetscInt degree             = pieces->degree;
-  PetscInt       lower[MPM_MAX_DIM] = {0}, upper[MPM_MAX_DIM] = {0};
-
-  PieceEdges(space, rules, pieces, piece, lower, upper);
   for (PetscInt a = 0; a < space->dim; a++) {
     MpmPieceLine  *line = &lines[a];
     const PetscInt last = piece[a] + FirstNode(degree) + degree;
@@ -81,26 +78,29 @@ PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmP
   return PETSC_TRUE;
 }
 
-/* Pieces that a point's domain touches along an axis, their shares of it, and whether the point touches all nodes of the piece. */
+PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
+                        MpmPieceLine lines[])
+{
+  PetscInt lower[MPM_MAX_DIM] = {0}, upper[MPM_MAX_DIM] = {0};
+
+  PieceEdges(space, rules, pieces, piece, lower, upper);
+  return LinesBetween(space, rules, pieces->degree, piece, lower, upper, lines);
+}
+
+/* Pieces that a point's domain touches along an axis, and their shares of it. */
 typedef struct {
   PetscInt  first, count;
   PetscReal share[MPM_MAX_WIDTH + 1];
 } Overlap;
 
-static void FindOverlap(const MpmRules *rules, PetscInt degree, PetscReal xi, PetscReal half, PetscInt node_first,
-                        PetscInt node_count, Overlap *overlap)
+static void FindOverlap(PetscInt degree, PetscReal xi, PetscReal half, Overlap *overlap)
 {
   const PetscReal shift = degree % 2 ? 0. : 0.5, low = xi - half + shift, high = xi + half + shift;
   const PetscReal length = high - low;
   PetscInt        last;
 
-  (void)rules;
   if (!(length > MPM_SHAPE_TOUCH)) {
-    overlap->first = PetscMax((PetscInt)PetscFloorReal(xi + shift), node_first - FirstNode(degree));
-    overlap->first =
-      PetscMin(overlap->first, PetscMax(node_first + node_count - 1 - degree, node_first) - FirstNode(degree));
-    overlap->count    = 1;
-    overlap->share[0] = node_count > degree ? 1. : 0.;
+    *overlap = (Overlap){.first = (PetscInt)PetscFloorReal(xi + shift), .count = 1, .share = {1.}};
     return;
   }
   overlap->first = (PetscInt)PetscFloorReal(low + MPM_SHAPE_TOUCH * length);
@@ -111,6 +111,27 @@ static void FindOverlap(const MpmRules *rules, PetscInt degree, PetscReal xi, Pe
 
     overlap->share[k] = PetscMax(PetscMin(high, begin + 1.) - PetscMax(low, begin), 0.) / length;
   }
+}
+
+/* A point without a domain touches fewer nodes than the piece has where it stands on a knot; beside edges pieces have fewer. */
+static PetscBool TouchesAll(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces,
+                            const MpmPoints *points, PetscInt p, const PetscInt piece[])
+{
+  const PetscInt *first = &space->first[p * space->dim], *count = &space->count[p * space->dim];
+  const PetscInt  part  = MpmSpacePart(space, piece);
+  PetscInt        shift = space->parts.stride * part, least = count[0], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  MpmPieceLine    lines[MPM_MAX_DIM];
+
+  for (PetscInt a = 1; a < space->dim; a++) least = PetscMin(least, count[a]);
+  if (space->half || least > pieces->degree) return PETSC_TRUE;
+  EdgesAt(space, rules, part, &points->x[p * space->dim], lower, upper);
+  if (!LinesBetween(space, rules, pieces->degree, piece, lower, upper, lines)) return PETSC_FALSE;
+  for (PetscInt a = 0; a < space->dim; a++) {
+    const PetscInt from = first[a] + (a == space->dim - 1 ? shift : 0);
+
+    if (lines[a].low < from || lines[a].high >= from + count[a]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }
 
 /* Adds to a piece's fill; a piece that is touched has at least one unit. */
@@ -139,8 +160,7 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
 
-    FindOverlap(rules, pieces->degree, xi, space->half ? space->half[p * dim + a] : 0., space->first[p * dim + a],
-                space->count[p * dim + a], &overlap[a]);
+    FindOverlap(pieces->degree, xi, space->half ? space->half[p * dim + a] : 0., &overlap[a]);
     first[a] = overlap[a].first;
     count[a] = overlap[a].count;
     units /= grid->h[a];
@@ -152,6 +172,7 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
 
     for (PetscInt a = 0; a < dim; a++) part *= overlap[a].share[piece[a] - first[a]];
     at[dim - 1] += shift;
+    if (!TouchesAll(space, rules, pieces, points, p, at)) part = 0.;
     Add(pieces, at, (PetscInt)PetscMin(PetscMax(part, 0.), (PetscReal)PETSC_INT_MAX));
   }
 }

@@ -123,6 +123,10 @@ PetscErrorCode MpmStepPredict(MpmModel model)
   PetscFunctionBeginUser;
   model->solver.cache.reference = 0.;
   model->solver.cache.predicted = (PetscBool)(model->state.predict && model->state.dt_last > 0.);
+  if (!model->solver.cache.predicted && !MpmSolverHasContact(&model->solver)) {
+    PetscCall(MpmSolverStartLinear(&model->solver, model->solver.x, &model->solver.cache.predicted));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (!model->solver.cache.predicted) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStepFindReference(model));
   PetscCall(MpmStepStart(model, PETSC_TRUE));
