@@ -1,8 +1,8 @@
 /*
   The pieces between a spline's knots, and how far the material fills them.
 
-  The fill of piece c is sum_p V_p s_pc / V_c over the points, with s_pc the part of the domain of p that lies in c, or 1 for the piece
-  that holds a point without a domain. V_p is the volume at the step's start. Sums are kept as integers: the same points give the same
+  The fill of piece c is sum_p V_p s_pc / V_c over the points, with s_pc the part of the domain of p that lies in c; for shapes without
+  domains that is a cube of the point's volume. V_p is the volume at the step's start. Sums are kept as integers: the same points give the same
   fill on any number of ranks.
 */
 #include "grid/grid.h"
@@ -123,7 +123,7 @@ static PetscBool TouchesAll(const MpmSpace *space, const MpmRules *rules, const 
   MpmPieceLine    lines[MPM_MAX_DIM];
 
   for (PetscInt a = 1; a < space->dim; a++) least = PetscMin(least, count[a]);
-  if (space->half || least > pieces->degree) return PETSC_TRUE;
+  if (least > pieces->degree) return PETSC_TRUE;
   EdgesAt(space, rules, part, &points->x[p * space->dim], lower, upper);
   if (!LinesBetween(space, rules, pieces->degree, piece, lower, upper, lines)) return PETSC_FALSE;
   for (PetscInt a = 0; a < space->dim; a++) {
@@ -134,12 +134,14 @@ static PetscBool TouchesAll(const MpmSpace *space, const MpmRules *rules, const 
   return PETSC_TRUE;
 }
 
-/* Adds to a piece's fill; a piece that is touched has at least one unit. */
-static void Add(const MpmPieces *pieces, const PetscInt piece[], PetscInt units)
+/* Adds to a piece's fill, in units, and notes how a point touches it. */
+static void Add(const MpmPieces *pieces, const PetscInt piece[], PetscInt units, char touch)
 {
   const PetscInt i = MpmPiecesIndex(pieces, piece);
 
-  if (i >= 0) pieces->fill[i] = (PetscInt)PetscMin((PetscInt64)pieces->fill[i] + PetscMax(units, 1), PETSC_INT_MAX);
+  if (i < 0) return;
+  pieces->fill[i]  = (PetscInt)PetscMin((PetscInt64)pieces->fill[i] + units, PETSC_INT_MAX);
+  pieces->touch[i] = PetscMax(pieces->touch[i], touch);
 }
 
 #define FOR_BOX(lower, count, at) \
@@ -151,20 +153,25 @@ static void Add(const MpmPieces *pieces, const PetscInt piece[], PetscInt units)
 static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, PetscInt p,
                      const MpmPieces *pieces)
 {
-  const MpmGrid *grid = rules->grid;
-  const PetscInt dim = space->dim, shift = MpmSpaceShift(space, points->part, p);
-  PetscInt       first[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, piece[MPM_MAX_DIM];
-  Overlap        overlap[MPM_MAX_DIM];
-  PetscReal units = (PetscReal)MPM_PIECE_FULL * points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  const MpmGrid  *grid = rules->grid;
+  const PetscInt  dim = space->dim, shift = MpmSpaceShift(space, points->part, p);
+  const PetscReal volume             = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  const PetscReal cube               = space->half ? 0. : 0.5 * PetscPowReal(PetscMax(volume, 0.), 1. / (PetscReal)dim);
+  PetscInt        first[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, piece[MPM_MAX_DIM] = {0, 0, 0};
+  Overlap         overlap[MPM_MAX_DIM];
+  PetscReal       units = (PetscReal)MPM_PIECE_FULL * volume;
 
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
 
-    FindOverlap(pieces->degree, xi, space->half ? space->half[p * dim + a] : 0., &overlap[a]);
+    FindOverlap(pieces->degree, xi, space->half ? space->half[p * dim + a] : cube / grid->h[a], &overlap[a]);
+    piece[a] = (PetscInt)PetscFloorReal(xi + (pieces->degree % 2 ? 0. : 0.5));
     first[a] = overlap[a].first;
     count[a] = overlap[a].count;
     units /= grid->h[a];
   }
+  piece[dim - 1] += shift;
+  if (!space->half) Add(pieces, piece, 0, TouchesAll(space, rules, pieces, points, p, piece) ? 2 : 1);
   FOR_BOX(first, count, piece)
   {
     PetscInt  at[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]};
@@ -172,8 +179,18 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
 
     for (PetscInt a = 0; a < dim; a++) part *= overlap[a].share[piece[a] - first[a]];
     at[dim - 1] += shift;
-    if (!TouchesAll(space, rules, pieces, points, p, at)) part = 0.;
-    Add(pieces, at, (PetscInt)PetscMin(PetscMax(part, 0.), (PetscReal)PETSC_INT_MAX));
+    Add(pieces, at, (PetscInt)PetscMin(PetscMax(part, 0.), (PetscReal)PETSC_INT_MAX), space->half ? 2 : 0);
+  }
+}
+
+/* Pieces that are touched have at least one unit, others none. */
+static void Settle(const MpmPieces *pieces)
+{
+  const PetscInt size = pieces->size[0] * pieces->size[1] * pieces->size[2];
+
+  for (PetscInt i = 0; i < size; i++) {
+    if (pieces->touch[i] < 2) pieces->fill[i] = pieces->touch[i];
+    else pieces->fill[i] = PetscMax(pieces->fill[i], 1);
   }
 }
 
@@ -201,14 +218,14 @@ static PetscErrorCode Allocate(MpmPieces *pieces)
   PetscFunctionBeginUser;
   PetscCheck(size < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
              "the points of one rank span %" PetscInt64_FMT " cells", size);
-  PetscCall(PetscCalloc1(size, &pieces->fill));
+  PetscCall(PetscCalloc2(size, &pieces->fill, size, &pieces->touch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Widens the map to hold the pieces of received lists: a rank may own nodes that none of its own points is near. */
 static PetscErrorCode Widen(const MpmLists *received, MpmPieces *pieces)
 {
-  const PetscInt stride = pieces->dim + 1, end = received->offset[received->count];
+  const PetscInt stride = pieces->dim + 2, end = received->offset[received->count];
   MpmPieces      wide = *pieces;
   PetscInt       upper[MPM_MAX_DIM], piece[MPM_MAX_DIM];
   const PetscInt old = pieces->size[0] * pieces->size[1] * pieces->size[2];
@@ -221,7 +238,7 @@ static PetscErrorCode Widen(const MpmLists *received, MpmPieces *pieces)
   for (PetscInt k = 0; k < end; k++) {
     const PetscInt a = k % stride;
 
-    if (a == pieces->dim) continue;
+    if (a >= pieces->dim) continue;
     upper[a]      = PetscMax(upper[a], received->data[k] + 1);
     wide.lower[a] = PetscMin(wide.lower[a], received->data[k]);
   }
@@ -229,11 +246,11 @@ static PetscErrorCode Widen(const MpmLists *received, MpmPieces *pieces)
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) wide.size[a] = upper[a] - wide.lower[a];
   PetscCall(Allocate(&wide));
   for (PetscInt i = 0; i < old; i++) {
-    if (!pieces->fill[i]) continue;
+    if (!pieces->fill[i] && !pieces->touch[i]) continue;
     MpmPiecesAt(pieces, i, piece);
-    Add(&wide, piece, pieces->fill[i]);
+    Add(&wide, piece, pieces->fill[i], pieces->touch[i]);
   }
-  PetscCall(PetscFree(pieces->fill));
+  PetscCall(PetscFree2(pieces->fill, pieces->touch));
   *pieces = wide;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -260,7 +277,7 @@ static void ListPieces(const MpmSpace *space, const MpmGrid *grid, const MpmPiec
   PetscInt       piece[MPM_MAX_DIM];
 
   for (PetscInt i = 0; i < size; i++) {
-    if (!pieces->fill[i]) continue;
+    if (!pieces->fill[i] && !pieces->touch[i]) continue;
     MpmPiecesAt(pieces, i, piece);
     const PetscInt ranks = RanksAround(space, grid, piece, distance, around);
 
@@ -270,9 +287,10 @@ static void ListPieces(const MpmSpace *space, const MpmGrid *grid, const MpmPiec
         PetscInt *to = &sent->data[fill[slot[around[r]]]];
 
         for (PetscInt a = 0; a < dim; a++) to[a] = piece[a];
-        to[dim] = pieces->fill[i];
-        fill[slot[around[r]]] += dim + 1;
-      } else fill[around[r]] += dim + 1;
+        to[dim]     = pieces->fill[i];
+        to[dim + 1] = pieces->touch[i];
+        fill[slot[around[r]]] += dim + 2;
+      } else fill[around[r]] += dim + 2;
     }
   }
 }
@@ -304,11 +322,11 @@ static PetscErrorCode Exchange(const MpmSpace *space, const MpmGrid *grid, Petsc
   ListPieces(space, grid, pieces, distance, around, fill, slot, &sent);
   PetscCall(MpmListsExchange(grid->comm, &sent, &received));
   PetscCall(Widen(&received, pieces));
-  for (PetscInt k = 0; k < received.offset[received.count]; k += grid->dim + 1) {
+  for (PetscInt k = 0; k < received.offset[received.count]; k += grid->dim + 2) {
     PetscInt at[MPM_MAX_DIM] = {0, 0, 0};
 
     for (PetscInt a = 0; a < grid->dim; a++) at[a] = received.data[k + a];
-    Add(pieces, at, received.data[k + grid->dim]);
+    Add(pieces, at, received.data[k + grid->dim], (char)received.data[k + grid->dim + 1]);
   }
   PetscCall(MpmListsDestroy(&sent));
   PetscCall(MpmListsDestroy(&received));
@@ -318,7 +336,7 @@ static PetscErrorCode Exchange(const MpmSpace *space, const MpmGrid *grid, Petsc
 }
 
 /* An edge halves the pieces of its nodes where these lie around nodes. */
-static PetscErrorCode DoubleAtEdges(const MpmSpace *space, const MpmRules *rules, MpmPieces *pieces)
+static PetscErrorCode DoubleAtEdges(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces)
 {
   const PetscInt size = pieces->size[0] * pieces->size[1] * pieces->size[2];
   PetscInt       piece[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], *fill;
@@ -326,8 +344,8 @@ static PetscErrorCode DoubleAtEdges(const MpmSpace *space, const MpmRules *rules
   PetscFunctionBeginUser;
   if (pieces->degree % 2) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(size, &fill));
+  PetscCall(PetscArraycpy(fill, pieces->fill, size));
   for (PetscInt i = 0; i < size; i++) {
-    fill[i] = pieces->fill[i];
     if (!fill[i]) continue;
     MpmPiecesAt(pieces, i, piece);
     PieceEdges(space, rules, pieces, piece, lower, upper);
@@ -335,8 +353,8 @@ static PetscErrorCode DoubleAtEdges(const MpmSpace *space, const MpmRules *rules
       if (piece[a] == lower[a] || piece[a] == upper[a])
         fill[i] = (PetscInt)PetscMin(2 * (PetscInt64)fill[i], PETSC_INT_MAX);
   }
-  PetscCall(PetscFree(pieces->fill));
-  pieces->fill = fill;
+  PetscCall(PetscArraycpy(pieces->fill, fill, size));
+  PetscCall(PetscFree(fill));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -356,6 +374,7 @@ PetscErrorCode MpmPiecesCreate(const MpmSpace *space, const MpmRules *rules, con
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &widest, 1, MPIU_INT, MPI_MAX, rules->grid->comm));
     PetscCall(Exchange(space, rules->grid, widest + margin + MARGIN_OF_RANKS, pieces));
   }
+  Settle(pieces);
   PetscCall(DoubleAtEdges(space, rules, pieces));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -363,6 +382,6 @@ PetscErrorCode MpmPiecesCreate(const MpmSpace *space, const MpmRules *rules, con
 PetscErrorCode MpmPiecesDestroy(MpmPieces *pieces)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(pieces->fill));
+  PetscCall(PetscFree2(pieces->fill, pieces->touch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,7 +15,8 @@
 typedef struct {
   PetscInt dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
   PetscInt
-    *fill; /* volume of the points' domains within the piece over the piece's, in MPM_PIECE_FULL; 0: not touched */
+       *fill;  /* volume of the points' domains within the piece over the piece's, in MPM_PIECE_FULL; 0: not touched */
+  char *touch; /* 0: no point does; 1: not all of its nodes; 2: a point touches all of them */
 } MpmPieces;
 
 /*
@@ -30,7 +31,7 @@ typedef struct {
 - margin - pieces beyond this rank's nodes that are needed
 
   Notes:
-  Where a point touches not all nodes of a piece the piece is touched and gets no fill.
+  The domain of a point of a shape that has none is a cube. A piece of which no point touches all nodes gets no fill.
 */
 PetscErrorCode MpmPiecesCreate(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, PetscInt margin,
                                MpmPieces *pieces);
