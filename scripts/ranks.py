@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""Runs examples on one rank and on several, and compares what they leave behind.
+
+    ranks.py build/talus                            # every example on 7 ranks, the first steps of each stage
+    ranks.py build/talus --ranks 4 --steps 20 pipe discs
+
+Each line has an example, its steps, and the largest difference of the last state and of the history's columns: over the
+largest value of the field, and of the columns of one kind. Ends with 1 where a run fails, takes other steps or differs by
+more than 1e-9; with contact 1e-8. Long: by hand.
+"""
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+from results import Results  # noqa: E402  (the folder has to be known first)
+
+ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMPI_MCA_pml": "ob1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+REACH, REACH_CONTACT = 1e-9, 1e-8
+PART = 0.01  # of the time of steps that the program chooses, for each step asked for
+
+
+def shortened(mpm, steps):
+    """Options that end each stage after about so many steps."""
+    options = {}
+    blocks = {"mpm_": mpm, **{f"mpm_stage_{name}_": mpm.get(f"stage_{name}") or {}
+                              for name in str(mpm.get("stages", "")).split(",") if name}}
+    for prefix, block in blocks.items():
+        time = block.get("time") or {}
+        if "end" not in time:
+            continue
+        end, step = float(time["end"]), time.get("step", (mpm.get("time") or {}).get("step"))
+        by = float(step) if step is not None else end * PART
+        options[f"{prefix}time_end"] = min(end, steps * by)
+    return options
+
+
+def command_of(program, path, ranks, options):
+    command = ["mpiexec", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    command += [str(program), "-options_file", str(path)]
+    for name, value in options.items():
+        command += ["-" + name, str(value)]
+    return command
+
+
+def run(program, path, ranks, options, folder, limit):
+    """The results of a run, or the reason why there are none."""
+    command = command_of(program, path, ranks, {**options, "mpm_output_prefix": folder / f"on{ranks}"})
+    try:
+        process = subprocess.run(command, cwd=path.parent, env=ENVIRONMENT, capture_output=True, text=True, timeout=limit,
+                                 check=False)
+    except subprocess.TimeoutExpired:
+        return None, f"hangs on {ranks}: {' '.join(command)}"
+    if process.returncode not in (0, 3):
+        return None, f"status {process.returncode} on {ranks}: {' '.join(command)}\n{process.stdout[-800:]}{process.stderr[-800:]}"
+    return Results(folder / f"on{ranks}"), process.returncode
+
+
+def difference(one, other):
+    """Largest difference over the largest value."""
+    if np.shape(one) != np.shape(other):
+        return np.inf
+    scale = np.nanmax(np.abs(one), initial=0.0)
+    return float(np.nanmax(np.abs(one - other), initial=0.0) / (scale or 1.0))
+
+
+def kind(column):
+    """Columns of one kind share their scale: forces, moments, all tracks."""
+    first = column.split("_")[0]
+    return "force" if first == "reaction" else first
+
+
+def compare(one, other):
+    """The largest differences, by name."""
+    found, columns = {}, {}
+    if Path(one.prefix + ".h5").is_file():  # a laboratory has no points
+        a, b = one.state("last"), other.state("last")
+        found = {name: difference(np.asarray(a[name]), np.asarray(b[name])) for name in a.fields
+                 if np.issubdtype(np.asarray(a[name]).dtype, np.floating)}
+    for name in one.history:
+        if name not in ("newton", "linear"):
+            columns.setdefault(kind(name), []).append(name)
+    for name, members in columns.items():
+        found["history." + name] = difference(np.array([one.column(c) for c in members]),
+                                              np.array([other.column(c) for c in members]))
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program", type=Path)
+    parser.add_argument("examples", nargs="*", help="names; all by default")
+    parser.add_argument("--ranks", type=int, default=7)
+    parser.add_argument("--steps", type=int, default=5, help="steps of a stage (default 5)")
+    parser.add_argument("--limit", type=float, default=900.0, help="s for a run (default 900)")
+    arguments = parser.parse_args()
+    program, wrong = arguments.program.resolve(), 0
+    for name in arguments.examples or sorted(path.parent.name for path in (ROOT / "examples").glob("*/case.yaml")):
+        path = ROOT / "examples" / name / "case.yaml"
+        mpm = yaml.safe_load(path.read_text())["mpm"]
+        options = shortened(mpm, arguments.steps)
+        if mpm.get("physics") != "stress_point":
+            options["mpm_output_every"] = 1000000
+        with tempfile.TemporaryDirectory(prefix="talus_") as folder:
+            one, status = run(program, path, 1, options, Path(folder), arguments.limit)
+            other, status_other = run(program, path, arguments.ranks, options, Path(folder), arguments.limit) if one else (None, "")
+            if not other or status != status_other:
+                print(f"{name}: FAILED {status if not one else ''} {status_other}", flush=True)
+                wrong += 1
+                continue
+            if len(one.column("time")) != len(other.column("time")):
+                print(f"{name}: FAILED {len(one.column('time'))} steps on 1, {len(other.column('time'))} on "
+                      f"{arguments.ranks}", flush=True)
+                wrong += 1
+                continue
+            worst = sorted(compare(one, other).items(), key=lambda item: -item[1])[:3]
+            reach = REACH_CONTACT if {"boundaries", "contacts"} & set(mpm) else REACH
+            good = worst[0][1] <= reach
+            wrong += not good
+            print(f"{name}: {len(one.column('time'))} steps, " + ", ".join(f"{n} {v:.2g}" for n, v in worst)
+                  + ("" if good else "  FAILED"), flush=True)
+    sys.exit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
