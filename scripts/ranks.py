@@ -64,33 +64,60 @@ def run(program, path, ranks, options, folder, limit):
     return Results(folder / f"on{ranks}"), process.returncode
 
 
-def difference(one, other):
-    """Largest difference over the largest value."""
+def numbers(text):
+    return np.array([float(x) for x in str(text).split(",")])
+
+
+def rounding(mpm):
+    """Strain that rounding of the places of nodes and points may leave: eps by extent over cell, ten times."""
+    grid = mpm["grid"]
+    size = (numbers(grid["upper"]) - numbers(grid["lower"])) / numbers(grid["cells"])
+    return 10.0 * np.finfo(float).eps * np.max(np.abs([numbers(grid["lower"]), numbers(grid["upper"])])) / np.min(size)
+
+
+def modulus(mpm):
+    """The largest constrained modulus of the materials, Pa; of soils without E none."""
+    found = [0.0]
+    for name in str(mpm.get("materials", "")).split(","):
+        block = mpm.get(f"material_{name}") or {}
+        if "E" in block:
+            nu = float(block.get("nu", 0.0))
+            found.append(float(block["E"]) * (1.0 - nu) / (1.0 + nu) / max(1.0 - 2.0 * nu, 1e-6))
+    return max(found)
+
+
+def difference(one, other, least=0.0):
+    """Largest difference over the largest value, or over `least` if that is larger."""
     if np.shape(one) != np.shape(other):
         return np.inf
-    scale = np.nanmax(np.abs(one), initial=0.0)
+    scale = max(np.nanmax(np.abs(one), initial=0.0), least)
     return float(np.nanmax(np.abs(one - other), initial=0.0) / (scale or 1.0))
 
 
 def kind(column):
     """Columns of one kind share their scale: forces, moments, all tracks."""
     first = column.split("_")[0]
-    return "force" if first == "reaction" else first
+    return {"reaction": "force", "angular": "momentum"}.get(first, first)
 
 
-def compare(one, other):
-    """The largest differences, by name."""
-    found, columns = {}, {}
+def compare(one, other, mpm):
+    """The largest differences, by name. What may vanish is measured by what it is made of."""
+    found, columns, least = {}, {}, {}
     if Path(one.prefix + ".h5").is_file():  # a laboratory has no points
         a, b = one.state("last"), other.state("last")
-        found = {name: difference(np.asarray(a[name]), np.asarray(b[name])) for name in a.fields
+        strained = {"stress": modulus(mpm) * rounding(mpm) / REACH}
+        found = {name: difference(np.asarray(a[name]), np.asarray(b[name]), strained.get(name, 0.0)) for name in a.fields
                  if np.issubdtype(np.asarray(a[name]).dtype, np.floating)}
+        if "velocity" in a:
+            least["momentum"] = np.sum(np.asarray(a["mass"])[:, None] * np.abs(a["velocity"]))
     for name in one.history:
         if name not in ("newton", "linear"):
             columns.setdefault(kind(name), []).append(name)
-    for name, members in columns.items():
-        found["history." + name] = difference(np.array([one.column(c) for c in members]),
-                                              np.array([other.column(c) for c in members]))
+    values = {name: [np.array([run.column(c) for c in members]) for run in (one, other)] for name, members in columns.items()}
+    if "force" in values and "grid" in mpm:
+        least["moment"] = np.max(np.abs(numbers(mpm["grid"]["upper"]))) * np.nanmax(np.abs(values["force"][0]), initial=0.0)
+    for name, (here, there) in values.items():
+        found["history." + name] = difference(here, there, least.get(name, 0.0))
     return found
 
 
@@ -121,7 +148,7 @@ def main():
                       f"{arguments.ranks}", flush=True)
                 wrong += 1
                 continue
-            worst = sorted(compare(one, other).items(), key=lambda item: -item[1])[:3]
+            worst = sorted(compare(one, other, mpm).items(), key=lambda item: -item[1])[:3]
             reach = REACH_CONTACT if {"boundaries", "contacts"} & set(mpm) else REACH
             good = worst[0][1] <= reach
             wrong += not good
