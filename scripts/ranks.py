@@ -102,11 +102,14 @@ def kind(column):
 
 def compare(one, other, mpm):
     """The largest differences, by name. What may vanish is measured by what it is made of."""
-    found, columns, least = {}, {}, {}
+    found, columns, least, stress = {}, {}, {}, 0.0
+    if "grid" in mpm:
+        cells = (numbers(mpm["grid"]["upper"]) - numbers(mpm["grid"]["lower"])) / numbers(mpm["grid"]["cells"])
+        stress = modulus(mpm) * rounding(mpm) / REACH
+        least["force"] = stress * np.min(cells) ** (len(cells) - 1)
     if Path(one.prefix + ".h5").is_file():  # a laboratory has no points
         a, b = one.state("last"), other.state("last")
-        strained = {"stress": modulus(mpm) * rounding(mpm) / REACH}
-        found = {name: difference(np.asarray(a[name]), np.asarray(b[name]), strained.get(name, 0.0)) for name in a.fields
+        found = {name: difference(np.asarray(a[name]), np.asarray(b[name]), stress if name == "stress" else 0.0) for name in a.fields
                  if np.issubdtype(np.asarray(a[name]).dtype, np.floating)}
         if "velocity" in a:
             least["momentum"] = np.sum(np.asarray(a["mass"])[:, None] * np.abs(a["velocity"]))
