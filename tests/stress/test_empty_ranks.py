@@ -100,6 +100,10 @@ mpm:
   time: {end: 1, step: 0.5}
   output: {prefix: run, every: 10}
 """
+BOX = 'region: box, lower: "2,1", upper: "3,2", points_per_cell: "3,3"'
+FILE = SOLID.replace(BOX, "region: file, file: points.csv")  # the points of the box
+SPHERE = SOLID.replace(BOX, 'region: sphere, center: "2.5,1.5", radius: 0.5, points_per_cell: "4,4"')
+POINTS = "x,y,volume\n" + "".join(f"{2 + (i + 0.5) / 3},{1 + (j + 0.5) / 3},{1 / 9}\n" for i in range(3) for j in range(3))
 CONTACT = "contacts=bt contact_bt_bodies=b,top contact_bt_friction=0.3"
 SIDES = "bcs=base,side bc_side_region=box bc_side_lower=0,0 bc_side_upper=6,5 bc_side_components=x"
 PUSH = "boundaries=p boundary_p_type=box boundary_p_lower=2,2 boundary_p_upper=3,2.5"
@@ -186,17 +190,31 @@ SCENES = {
     "poro_nodes": (PORO, "bcs=base,p bc_p_region=box bc_p_lower=0,1 bc_p_upper=6,1 bc_p_components=p bc_p_value=500"),
     "poro_level": (PORO, "water_level=3 loads=weight load_weight_type=gravity load_weight_value=0,-10"),
     "poro_dry": (PORO, "water_level=1.5 water_above=dry loads=weight load_weight_type=gravity load_weight_value=0,-10"),
+    # a rank that no condition touches has nodes in dry ground
+    "poro_column": (PORO, "body_b_upper=3,5 water_level=3 loads=weight load_weight_type=gravity load_weight_value=0,-10"),
     "poro_initial": (PORO, "body_b_initial_pressure=1e3"),
     "poro_boundary": (PORO, "surfaces=s,top surface_s_body=b surface_s_side=+x surface_s_drained=true boundaries=p "
                       "boundary_p_type=box boundary_p_lower=2,2 boundary_p_upper=3,2.5 boundary_p_motion=0,-0.01 "
                       "boundary_p_drained=true"),
     "poro_contact": (PORO, "bodies=b,top body_top_region=box body_top_lower=2,2 body_top_upper=3,3 body_top_points_per_cell=3,3 "
                      "body_top_material=s contacts=bt contact_bt_bodies=b,top contact_bt_friction=0.3 surface_top_body=top"),
+    "file": (FILE, ""),
+    "sphere": (SPHERE, ""),
+    "follow_motion": (SOLID, "motions=m motion_m_body=b motion_m_region=box motion_m_lower=2,1.6 motion_m_upper=3,2 "
+                      "motion_m_components=x,y motion_m_value=0.1,0.05 bc_base_lower=0,0 bc_base_upper=6,0 bc_base_components=x "
+                      "grid_follow=m grid_axes=x grid_mode=shift"),
+    "pushed_polygon": (SOLID, "boundaries=p boundary_p_type=polygon boundary_p_vertices=2,2,3,2,3,3,2,3 boundary_p_motion=0,-0.05"),
+    "bilateral_disc": (SPHERE, "bc_base_lower=0,0 bc_base_upper=6,0 bc_base_components=x boundaries=p "
+                       "boundary_p_type=sphere boundary_p_center=2.5,1.5 boundary_p_radius=0.5 boundary_p_side=inside "
+                       "boundary_p_contact=bilateral boundary_p_friction=stick boundary_p_motion=0.02,0"),
+    "rescue": (PAIR, f"{CONTACT} time_rescue=relaxation"),
     "space": (SPACE, ""),
     "space_push": (SPACE, "boundaries=p boundary_p_type=box boundary_p_lower=1,1,2 boundary_p_upper=2,2,2.5 boundary_p_free=z "
                    "boundary_p_load=0,0,-1e3"),
     "space_explicit": (SPACE, "time_integrator=explicit time_step=1e-3 time_end=5e-3 body_b_velocity=1,0,0"),
 }
+
+RESTARTED = {"poro_second": 100, "newmark_boundary": 0.02}  # with the time of the restart
 
 
 def options_of(text):
@@ -205,12 +223,13 @@ def options_of(text):
     return {name if name.startswith("ksp_") else f"mpm_{name}": value for name, value in pairs}
 
 
-def run(test, label, count):
-    """A scene on some ranks; None where it fails or hangs."""
+def run(test, label, count, folder=None, **more):
+    """A scene on some ranks, with further options; None where it fails or hangs."""
     scene, text = SCENES[label]
-    folder = test.folder()
+    folder = folder or test.folder()
     (folder / "scene.yaml").write_text(scene, encoding="utf-8")
-    found = Ended(test.program, folder / "scene.yaml", count, {**options_of(text), "mpm_quiet": None}, folder, LIMIT)
+    (folder / "points.csv").write_text(POINTS, encoding="utf-8")
+    found = Ended(test.program, folder / "scene.yaml", count, {**options_of(text), "mpm_quiet": None, **more}, folder, LIMIT)
     test.check(f"{label}.{count}.status", -1 if found.hung else found.status, 0, 0)
     if not found.hung and found.status == 0:
         return found
@@ -230,7 +249,19 @@ def compare(test, label, one, other):
         test.check(f"{label}.{name}", worst, None, reach)
 
 
+def restart(test, label, half):
+    """The first half of a run on one number of ranks, the second on another."""
+    whole = run(test, label, 1)
+    for before, after in ((1, 3), (4, 2)):
+        first = run(test, label, before, mpm_checkpoint_every=1, mpm_time_end=half)
+        second = first and run(test, label, after, first.folder, mpm_checkpoint_every=1, mpm_restart="run_checkpoint.h5")
+        if second:
+            compare(test, f"{label}.{before}_{after}", whole, second)
+
+
 with Hostile(LIMIT) as test:
+    for name, half in () if ONLY else RESTARTED.items():
+        restart(test, name, half)
     for place, name in enumerate(SCENES):
         if ONLY and name not in ONLY:
             continue
