@@ -83,8 +83,8 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   PetscFunctionBeginUser;
   PetscCall(MpmDampingReset(damping));
   if (!MpmDampingAny(damping)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-    PetscCalloc2((local * step->sum->space->dim), &damping->rest, (local * step->sum->space->dim + 1), &damping->dashpot));
+  PetscCall(PetscCalloc2((local * step->sum->space->dim), &damping->rest, (local * step->sum->space->dim + 1),
+                         &damping->dashpot));
   if (IsViscous(damping)) PetscCall(FindViscosities(damping, step->sum));
   if (Absorbs(damping)) PetscCall(MpmAbsorbingDashpots(damping, step->sum, damping->dashpot));
   PetscFunctionReturn(PETSC_SUCCESS);
