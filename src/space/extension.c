@@ -339,7 +339,7 @@ static PetscBool FindCandidates(const Search *search, PetscInt index, PetscInt p
     low[a]  = a >= dim ? 0 : whole ? lines[a].low : piece[a] - degree - 1;
     high[a] = a >= dim ? 0 : whole ? lines[a].high : piece[a] + degree + 1;
   }
-  return (PetscBool)!(whole && search->well[index]);
+  return (PetscBool) !(whole && search->well[index]);
 }
 
 static PetscBool Owns(const Search *search, const PetscInt node[])
