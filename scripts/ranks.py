@@ -119,7 +119,7 @@ def compare(one, other, mpm):
         found = fields(one, other, stress)
         least["force"] = stress * np.min(cells) ** (len(cells) - 1)
         state = one.state("last")
-        least["track"] = np.max(np.abs(state["displacement"]))
+        least["track"] = np.max(np.abs(state["displacement"]), initial=0.0)
         if "velocity" in state:
             least["momentum"] = np.sum(np.asarray(state["mass"])[:, None] * np.abs(state["velocity"]))
     for name in one.history:
