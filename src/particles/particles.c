@@ -118,6 +118,9 @@ static void *HeldArray(const MpmParticles *particles, const char name[])
   return field ? field->array : NULL;
 }
 
+/* The array of a registered field on a rank without points, where the swarm has NULL: NULL is a field that is not registered. */
+static PetscReal nothing[1];
+
 /*
   Takes all fields from the swarm, which looks each up by name: a step of a small scene cannot afford that again and again. They are held until
   the number of points changes.
@@ -128,8 +131,10 @@ static PetscErrorCode Hold(MpmParticles *particles)
 
   PetscFunctionBeginUser;
   if (points->lent) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < particles->field_count; k++)
+  for (PetscInt k = 0; k < particles->field_count; k++) {
     PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, &particles->fields[k].array));
+    if (!particles->fields[k].array) particles->fields[k].array = nothing;
+  }
   points->lent = PETSC_TRUE;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &points->count));
   points->id             = HeldArray(particles, "id");

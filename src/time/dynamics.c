@@ -127,8 +127,8 @@ PetscErrorCode MpmDynamicsResize(MpmModel model)
   dynamics = model->state.scheme.dynamics;
   PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
   dynamics->local = model->disc.inertia->local;
-  count           = dynamics->local * model->disc.dim;
-  if (dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  count           = dynamics->local * model->disc.dim + 1;
+  if (dynamics->loads && dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(dynamics));
   PetscCall(PetscMalloc7(count, &dynamics->v_old, count, &dynamics->v_start, count, &dynamics->a_start, count,
                          &dynamics->a_rest, count, &dynamics->v_rest, count, &dynamics->v_new, count,
@@ -171,7 +171,7 @@ static PetscErrorCode StartConstrained(MpmModel model)
   PetscReal   *values;
 
   PetscFunctionBeginUser;
-  if (!model->disc.constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((dynamics->local * model->disc.dim), &values));
   PetscCall(MpmStepPrescribedRate(model, model->state.time, 1, values));
   SetConstrained(model, values, 0., dynamics->v_start);
@@ -188,7 +188,7 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
   PetscReal   *values;
 
   PetscFunctionBeginUser;
-  if (!model->disc.constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((dynamics->local * model->disc.dim), &values));
   PetscCall(MpmStepPrescribedRate(model, time, 1, values));
   SetConstrained(model, values, -dynamics->v_factor, dynamics->v_rest);

@@ -273,7 +273,7 @@ static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velo
   PetscReal *rate;
 
   PetscFunctionBeginUser;
-  if (!constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((local * dim), &rate));
   PetscCall(MpmStepPrescribedRate(model, time, 1, rate));
   MpmFramesToUnknowns(constraints, dim, local, velocity);

@@ -454,7 +454,7 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
   PetscCall(PetscMalloc2((rest->n * size), &stress, rest->n, &ratio));
   PetscCall(FindK0(model, rest, stress, ratio));
   PetscCall(CorrectSmallStrain(model, rest, stress));
-  PetscCall(PetscMalloc1((rest->n * size), &rest->start));
+  PetscCall(PetscMalloc1((rest->n * size + 1), &rest->start));
   PetscCall(PetscArraycpy(rest->start, stress, rest->n * size));
   if (rest->largest > 0.) PetscCall(BalanceK0(model, rest, ratio, stress));
   PetscCall(SetStresses(model, rest, stress, &without));

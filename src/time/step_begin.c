@@ -103,8 +103,8 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   const PetscInt count = model->disc.space->point_count;
 
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
-  PetscCall(PetscMalloc3((model->disc.space->local * bs), &model->disc.u, (model->disc.space->local * bs),
-                         &model->disc.residual, (model->disc.space->local * bs), &model->disc.force));
+  PetscCall(PetscMalloc3((model->disc.space->local * bs + 1), &model->disc.u, (model->disc.space->local * bs + 1),
+                         &model->disc.residual, (model->disc.space->local * bs + 1), &model->disc.force));
   PetscCall(MpmTrialReset(trial));
   PetscCall(PetscMalloc5((count * dim * dim), &trial->F, (count * particles->stress_size), &trial->stress,
                          (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
@@ -160,6 +160,11 @@ static PetscBool AnyMoves(const MpmModel model)
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     if (model->state.bcs[b].active && MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim)) return PETSC_TRUE;
   return (PetscBool)(model->scene.motions->count > 0);
+}
+
+PetscBool MpmStepPrescribes(const MpmModel model)
+{
+  return (PetscBool)(model->disc.constraints->any || AnyMoves(model));
 }
 
 PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[])
