@@ -26,7 +26,8 @@ const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
 
 #define NEWTON_RTOL  1e-12
 #define NEWTON_LIMIT 50
-#define NOISE        16. /* machine epsilons of stiffness and stress: the residual that rounding leaves */
+#define NOISE        16.   /* machine epsilons of stiffness and stress: the residual that rounding leaves */
+#define SINGULAR     1e-12 /* of the largest singular value: rounding below it */
 #define STALLED      1e-10 /* of the stress: a residual below this, where a line search gets no further, is rounding too */
 #define STRESS_MET   1e-8 /* relative: how near the stress at the start must be to the wanted one */
 
@@ -255,47 +256,61 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- the linear solver: LU with pivots by rank 0. PETSc's dense one ends the run where a pivot is zero ---- */
+/*
+  ---- the linear solver: singular values, by rank 0 ----
 
+  Where plastic flow goes along an edge or the apex of the yield surface, stress does not change with strains that only share the flow out:
+  two equal lateral strains, say. The equations then leave the difference open, and the step is the shortest one that meets them.
+*/
 static PetscErrorCode Factor(PC pc)
 {
   MpmStressPoint    *point;
   Mat                matrix;
   const PetscScalar *entries;
-  PetscBLASInt       n, info = 0;
-  int                singular;
+  PetscScalar        work[10 * MPM_SPACE_SYM];
+  PetscBLASInt       n, room = 10 * MPM_SPACE_SYM, info = 0;
+  int                failed;
 
   PetscFunctionBeginUser;
   PetscCall(PCShellGetContext(pc, &point));
   PetscCall(PCGetOperators(pc, NULL, &matrix));
   if (!point->rank) {
+    PetscScalar copy[MPM_SPACE_SYM * MPM_SPACE_SYM];
+
     PetscCall(PetscBLASIntCast(point->count, &n));
     PetscCall(MatDenseGetArrayRead(matrix, &entries));
-    PetscCall(PetscArraycpy(point->factor, entries, point->count * point->count));
+    PetscCall(PetscArraycpy(copy, entries, point->count * point->count));
     PetscCall(MatDenseRestoreArrayRead(matrix, &entries));
-    PetscCallBLAS("LAPACKgetrf", LAPACKgetrf_(&n, &n, point->factor, &n, point->pivot, &info));
+    PetscCallBLAS("LAPACKgesvd", LAPACKgesvd_("A", "A", &n, &n, copy, &n, point->singular, point->left, &n,
+                                              point->right, &n, work, &room, &info));
   }
-  singular = info != 0;
-  PetscCallMPI(MPI_Bcast(&singular, 1, MPI_INT, 0, point->comm));
-  PetscCall(PCSetFailedReason(pc, singular ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR));
+  failed = info != 0;
+  PetscCallMPI(MPI_Bcast(&failed, 1, MPI_INT, 0, point->comm));
+  PetscCall(PCSetFailedReason(pc, failed ? PC_FACTOR_OTHER : PC_NOERROR));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* x = V S^+ U^T f; columns of U are side by side, those of V rows of `right`. */
 static PetscErrorCode Substitute(PC pc, Vec f, Vec x)
 {
-  MpmStressPoint *point;
-  PetscScalar    *values;
-  PetscBLASInt    n, one = 1, info;
+  MpmStressPoint    *point;
+  const PetscScalar *values;
+  PetscScalar       *step;
 
   PetscFunctionBeginUser;
   PetscCall(PCShellGetContext(pc, &point));
-  PetscCall(VecCopy(f, x));
-  PetscCall(VecGetArray(x, &values));
-  if (!point->rank) {
-    PetscCall(PetscBLASIntCast(point->count, &n));
-    PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &n, &one, point->factor, &n, point->pivot, values, &n, &info));
+  PetscCall(VecGetArrayRead(f, &values));
+  PetscCall(VecGetArray(x, &step));
+  for (PetscInt k = 0, n = point->count; k < n && !point->rank; k++) {
+    PetscScalar part = 0.;
+
+    if (!k) PetscCall(PetscArrayzero(step, n));
+    if (point->singular[k] <= SINGULAR * point->singular[0]) break;
+    for (PetscInt i = 0; i < n; i++) part += point->left[k * n + i] * values[i];
+    for (PetscInt i = 0; i < n; i++) step[i] += part / point->singular[k] * point->right[i * n + k];
   }
-  PetscCall(VecRestoreArray(x, &values));
+  PetscCall(VecRestoreArray(x, &step));
+  PetscCall(VecRestoreArrayRead(f, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,7 +338,7 @@ static PetscErrorCode CreateSolver(MpmStressPoint *point)
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCSHELL));
-  PetscCall(PCShellSetName(pc, "LU by LAPACK on rank 0"));
+  PetscCall(PCShellSetName(pc, "singular values by LAPACK on rank 0"));
   PetscCall(PCShellSetContext(pc, point));
   PetscCall(PCShellSetSetUp(pc, Factor));
   PetscCall(PCShellSetApply(pc, Substitute));

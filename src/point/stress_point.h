@@ -47,9 +47,10 @@ typedef struct {
   SNES               snes;                          /* NULL: nothing to solve for. The unknowns are rank 0's */
   Mat                jacobian;
   Vec                x, f;
-  PetscScalar        factor[MPM_SPACE_SYM * MPM_SPACE_SYM]; /* rank 0: the Jacobian's, with its pivots */
-  PetscBLASInt       pivot[MPM_SPACE_SYM];
-  PetscInt           newton, linear; /* iterations of the last step */
+  PetscReal
+    singular[MPM_SPACE_SYM]; /* rank 0: singular values of the Jacobian, and their vectors by columns and by rows */
+  PetscScalar left[MPM_SPACE_SYM * MPM_SPACE_SYM], right[MPM_SPACE_SYM * MPM_SPACE_SYM];
+  PetscInt    newton, linear; /* iterations of the last step */
 } MpmStressPoint;
 
 /*@
