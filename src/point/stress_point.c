@@ -398,7 +398,7 @@ static int FindStart(const MpmStressPoint *point, const MpmInitial *initial, con
   do {
     J_before = J;
     for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] = stress[s] / J;
-    if (MpmInitialFind(initial, rest, reached, F, point->now.history) == 2) return 2;
+    if (MpmInitialFind(initial, rest, reached, F, point->now.history, NULL) == 2) return 2;
     if (kirchhoff) J = MpmDeterminant(point->dim, F);
   } while (PetscAbsReal(J - J_before) > PETSC_MACHINE_EPSILON && ++turns < 50);
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] *= J;
