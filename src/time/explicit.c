@@ -456,6 +456,16 @@ static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscRe
   }
 }
 
+/* What gradients see of it: what a node gains or loses beside the fall of all, after a kick. */
+static void QuietenGradients(const MpmModel model, PetscReal kick, PetscReal dt, PetscReal u[])
+{
+  const PetscInt dim = model->disc.dim, count = model->disc.space->local * dim;
+
+  for (PetscInt k = 0; k < count; k++) u[k] -= dt * kick * model->disc.sum->gravity[k % dim];
+  Quieten(model, LIGHT_AFFINE, dt, u);
+  for (PetscInt k = 0; k < count; k++) u[k] += dt * kick * model->disc.sum->gravity[k % dim];
+}
+
 /* How stiff contact may be, by the masses that it sees. */
 static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
 {
@@ -580,7 +590,7 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
   if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && MpmShapeDegree(model->scene.shape) < 2 &&
       HasLightNodes(model)) {
     PetscCall(PetscArraycpy(dynamics->a_rest, dynamics->v_new, count));
-    Quieten(model, LIGHT_AFFINE, 1., dynamics->a_rest);
+    QuietenGradients(model, kick, 1., dynamics->a_rest);
     step.affine = dynamics->a_rest;
     step.thin   = MpmShapeHasDomain(model->scene.shape);
   }
@@ -600,7 +610,7 @@ static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, const
   PetscFunctionBeginUser;
   if (MpmModelMotion(model)->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, again ? again : model->state.scheme.dynamics->v_new, model->disc.trial->u);
-  if (!again && IsLinear(model)) Quieten(model, LIGHT_AFFINE, model->disc.sum->dt, model->disc.trial->u);
+  if (!again && IsLinear(model)) QuietenGradients(model, KickLength(model), model->disc.sum->dt, model->disc.trial->u);
   PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Free flight: no force acts, so there is no stress at any time, and velocities stay what they are.
+"""Free flight and free fall: there is no stress at any time, and velocities stay what they are or grow as gravity has it.
 
 Points stand on nodes, faces, in the middle of cells, on the grid's edges and a hair beside them: a node there has a gradient
 and next to no mass (Brackbill and Ruppel 1986, doi:10.1016/0021-9991(86)90211-1: a node's velocity is the mean of its points').
@@ -26,10 +26,13 @@ METHODS = {"explicit": {"integrator": "explicit", "step": 0.0125, "end": 0.5},
            "generalized_alpha": {"integrator": "generalized_alpha"}}
 
 
-def fly(test, dim, shape, method, ranks=1, **options):
-    """A run, and its largest stress over E, change of a velocity, and way beside the straight one in cells."""
+def fly(test, dim, shape, method, ranks=1, gravity=0.0, **options):
+    """A run, and its largest stress over E, error of a velocity, and of a way in cells where no gravity acts."""
     table = test.folder() / "points.csv"
-    rows = [",".join(repr(float(x)) for x in place) + ",0.25" for place in PLACES[dim]
+    if gravity:
+        options.update({"mpm_loads": "weight", "mpm_load_weight_type": "gravity", "mpm_load_weight_value": f"0,{-gravity}",
+                        "mpm_load_weight_ramp": "0:1"})
+    rows = [",".join(repr(float(x)) for x in place) + ",0.25" for place in (PLACES[dim][:4] if gravity else PLACES[dim])
             if method != "usl" or shape == "linear" or 0.1 < place[1] < 11.9]  # next to an edge usl is not stable
     table.write_text(",".join("xyz"[:dim]) + ",volume\n" + "\n".join(rows) + "\n", encoding="utf-8")
     options.update({f"mpm_time_{key}": value for key, value in METHODS[method].items()})
@@ -42,9 +45,12 @@ def fly(test, dim, shape, method, ranks=1, **options):
                         "mpm_body_block_material": "s", "mpm_body_block_velocity": "1,0"})
     run = test.run(HERE / "flight.yaml", ranks, mpm_shape=shape, mpm_body_points_file=table, **options)
     states = [run.results.state(step) for step in run.results.steps]
-    velocity = np.eye(dim)[0] * SPEED
+    velocity, fall = np.eye(dim)[0] * SPEED, -np.eye(dim)[1] * gravity
     stress = max(np.max(np.abs(state["stress"])) for state in states) / E
-    change = max(np.max(np.abs(state["velocity"] - velocity)) for state in states) / SPEED
+    checked = states[:1] + states[-1:] if gravity else states  # explicit velocities are half a step behind in between
+    change = max(np.max(np.abs(state["velocity"] - velocity - fall * state.time)) for state in checked) / SPEED
+    if gravity:
+        return stress, change
     way = max(np.max(np.abs(state["position"] - states[0]["position"] - velocity * state.time)) for state in states)
     return stress, change, way
 
@@ -56,3 +62,7 @@ with Test() as test:
     for dim, shape, method, ranks in runs:
         for name, value in zip(("stress", "velocity", "way"), fly(test, dim, shape, method, ranks)):
             test.check(f"{shape}.{dim}d.{method}.{ranks}.{name}", value, upper=1e-10)
+    for shape in SHAPES:
+        for method in ("explicit", "flip", "newmark", "generalized_alpha"):
+            for name, value in zip(("stress", "velocity"), fly(test, 2, shape, method, gravity=2.0)):
+                test.check(f"fall.{shape}.{method}.{name}", value, upper=1e-10)
