@@ -27,7 +27,7 @@ const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
 #define NEWTON_RTOL  1e-12
 #define NEWTON_LIMIT 50
 #define NOISE        16.   /* machine epsilons of stiffness and stress: the residual that rounding leaves */
-#define SINGULAR     1e-12 /* of the largest singular value: rounding below it */
+#define SINGULAR     1e-12 /* of the law's stiffness: singular values below are rounding */
 #define STALLED      1e-10 /* of the stress: a residual below this, where a line search gets no further, is rounding too */
 #define STRESS_MET   1e-8 /* relative: how near the stress at the start must be to the wanted one */
 
@@ -260,7 +260,8 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   ---- the linear solver: singular values, by rank 0 ----
 
   Where plastic flow goes along an edge or the apex of the yield surface, stress does not change with strains that only share the flow out:
-  two equal lateral strains, say. The equations then leave the difference open, and the step is the shortest one that meets them.
+  two equal lateral strains, say. The equations then leave the difference open, and the step is the shortest one that meets them. What no
+  strain changes, as at an apex, goes by the law's stiffness, back to where there is some.
 */
 static PetscErrorCode Factor(PC pc)
 {
@@ -290,25 +291,37 @@ static PetscErrorCode Factor(PC pc)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* x = V S^+ U^T f; columns of U are side by side, those of V rows of `right`. */
+/* x = V S^+ U^T f, and what is left of f over the law's stiffness; columns of U are side by side, those of V rows of `right`. */
+static void ShortestStep(const MpmStressPoint *point, PetscScalar f[], PetscScalar x[])
+{
+  const PetscInt n = point->count;
+
+  for (PetscInt i = 0; i < n; i++) x[i] = 0.;
+  for (PetscInt k = 0; k < n && point->singular[k] > SINGULAR * point->stiffness; k++) {
+    const PetscScalar *left = &point->left[k * n];
+    PetscScalar        part = 0.;
+
+    for (PetscInt i = 0; i < n; i++) part += left[i] * f[i];
+    for (PetscInt i = 0; i < n; i++) {
+      f[i] -= part * left[i];
+      x[i] += part / point->singular[k] * point->right[i * n + k];
+    }
+  }
+  for (PetscInt i = 0; i < n; i++) x[i] += f[i] / point->stiffness;
+}
+
 static PetscErrorCode Substitute(PC pc, Vec f, Vec x)
 {
   MpmStressPoint    *point;
   const PetscScalar *values;
-  PetscScalar       *step;
+  PetscScalar       *step, rest[MPM_SPACE_SYM];
 
   PetscFunctionBeginUser;
   PetscCall(PCShellGetContext(pc, &point));
   PetscCall(VecGetArrayRead(f, &values));
   PetscCall(VecGetArray(x, &step));
-  for (PetscInt k = 0, n = point->count; k < n && !point->rank; k++) {
-    PetscScalar part = 0.;
-
-    if (!k) PetscCall(PetscArrayzero(step, n));
-    if (point->singular[k] <= SINGULAR * point->singular[0]) break;
-    for (PetscInt i = 0; i < n; i++) part += point->left[k * n + i] * values[i];
-    for (PetscInt i = 0; i < n; i++) step[i] += part / point->singular[k] * point->right[i * n + k];
-  }
+  for (PetscInt i = 0; i < point->count && !point->rank; i++) rest[i] = values[i];
+  if (!point->rank) ShortestStep(point, rest, step);
   PetscCall(VecRestoreArray(x, &step));
   PetscCall(VecRestoreArrayRead(f, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -438,27 +451,32 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
 
 /* ---- a step ---- */
 
-/* The unknown strains by Newton's method; they start from those at the step's start. */
-static PetscErrorCode Solve(MpmStressPoint *point, const char **why)
+/* The unknown strains by Newton's method from those at the step's start, plus `time` times their rate in the last step. */
+static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, const char **why)
 {
   PetscScalar         unknown[MPM_SPACE_SYM] = {0.}, *x;
   const PetscScalar  *found;
   PetscReal           largest = 0., norm;
+  PetscInt            newton, linear;
   SNESConvergedReason reason;
 
   PetscFunctionBeginUser;
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(point->now.stress[s]));
   for (PetscInt k = 0; k < point->count; k++)
     largest = PetscMax(largest, PetscAbsReal(point->control.value[point->unknown[k]]));
-  point->noise =
-    NOISE * PETSC_MACHINE_EPSILON * (largest + MpmMaterialStiffness(point->material, point->now.history, NULL));
+  point->stiffness = MpmMaterialStiffness(point->material, point->now.history, NULL);
+  point->noise     = NOISE * PETSC_MACHINE_EPSILON * (largest + point->stiffness);
   PetscCall(VecGetArray(point->x, &x));
-  for (PetscInt k = 0; k < point->count && !point->rank; k++) x[k] = point->now.strain[point->unknown[k]];
+  for (PetscInt k = 0; k < point->count && !point->rank; k++)
+    x[k] = point->now.strain[point->unknown[k]] + time * point->rate[point->unknown[k]];
   PetscCall(VecRestoreArray(point->x, &x));
   PetscCall(SNESSolve(point->snes, NULL, point->x));
   PetscCall(SNESGetConvergedReason(point->snes, &reason));
-  PetscCall(SNESGetIterationNumber(point->snes, &point->newton));
-  PetscCall(SNESGetLinearSolveIterations(point->snes, &point->linear));
+  PetscCall(SNESGetIterationNumber(point->snes, &newton));
+  PetscCall(SNESGetLinearSolveIterations(point->snes, &linear));
+  point->newton += newton;
+  point->linear += linear;
+  *why = NULL;
   if (reason == SNES_DIVERGED_LINE_SEARCH) {
     PetscCall(SNESGetFunctionNorm(point->snes, &norm));
     if (norm <= STALLED * largest) reason = SNES_CONVERGED_FNORM_ABS;
@@ -486,8 +504,9 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
     PetscCall(PetscArraycpy(point->next.F, control->F, 9));
     PetscCall(MpmStrainFromDeformation(point->strain_measure, point->next.F, point->next.strain));
   } else {
-    if (point->count) PetscCall(Solve(point, why));
-    else PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
+    if (!point->count) PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
+    else PetscCall(Solve(point, 0., why));
+    if (*why) PetscCall(Solve(point, dt, why)); /* flow that goes on may be too far for an elastic guess */
     if (*why) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStretchFromStrain(point->strain_measure, point->next.strain, point->next.F));
   }
@@ -495,6 +514,8 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
     *why = "the law has no answer";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  for (PetscInt k = 0; k < MPM_SPACE_SYM; k++)
+    point->rate[k] = dt > 0. ? (point->next.strain[k] - point->now.strain[k]) / dt : 0.;
   {
     const MpmPointState swap = point->now;
 

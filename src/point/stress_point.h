@@ -41,8 +41,9 @@ typedef struct {
   MpmKernelSet       kernel;
   PetscReal          F_start[9]; /* the deformation that carries the stress at the start; I where the history does */
   MpmPointState      now, next;
-  MpmPointControl    control; /* of the step under way */
-  PetscReal          dt, noise;
+  PetscReal          rate[MPM_SPACE_SYM];           /* of the strain in the last step, 1/s */
+  MpmPointControl    control;                       /* of the step under way */
+  PetscReal          dt, noise, stiffness;          /* s; residual that rounding leaves, stiffness of the law, Pa */
   PetscInt           count, unknown[MPM_SPACE_SYM]; /* components whose stress is prescribed */
   SNES               snes;                          /* NULL: nothing to solve for. The unknowns are rank 0's */
   Mat                jacobian;
