@@ -466,6 +466,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, MPM_PARTICLES_SPARE));
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
+  if (points.across) PetscCall(PetscArrayzero(points.across, local));
   if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
   for (PetscInt b = 0; b < body_count; b++) {
     PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));

@@ -251,10 +251,11 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
 
   if (!imported->quantity[STRESS].value) return 0;
   for (PetscInt c = 0; c < size; c++) stress[c] = imported->quantity[STRESS].value[6 * row + c];
-  if (initial->stateful ? has_state : has_F) return 0;
+  if (initial->stateful ? has_state : has_F)
+    return points->across && MpmInitialAcross(initial, F, state, stress, &points->across[p]) ? 2 : 0;
   J = MpmDeterminant(dim, F);
   for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] *= J; /* history holds the Kirchhoff stress */
-  answer = MpmInitialFind(initial, state, stress, found, own);
+  answer = MpmInitialFind(initial, state, stress, found, own, points->across ? &points->across[p] : NULL);
   if (answer == 2) return 2;
   for (PetscInt k = 0; k < initial->material->state_size; k++) state[k] = own[k];
   for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] /= J;

@@ -30,7 +30,7 @@ static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscI
 }
 
 /* Fields besides the scene's own, at most. */
-#define OWN_FIELDS 21
+#define OWN_FIELDS 22
 
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles)
 {
@@ -56,6 +56,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
   PetscCall(Register(particles, "stress", MpmSymSize(dim), PETSC_REAL));
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
+  if (fields->across) PetscCall(Register(particles, "across", 1, PETSC_REAL));
   if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (fields->faces) PetscCall(Register(particles, "faces", 1, PETSC_INT));
   if (fields->divisions) PetscCall(Register(particles, "divisions", 1, PETSC_INT));
@@ -146,6 +147,7 @@ static PetscErrorCode Hold(MpmParticles *particles)
   points->volume0        = HeldArray(particles, "volume0");
   points->stress         = HeldArray(particles, "stress");
   points->mass           = HeldArray(particles, "mass");
+  points->across         = HeldArray(particles, "across");
   points->half_length    = HeldArray(particles, "half_length");
   points->state          = HeldArray(particles, "state");
   points->own            = HeldArray(particles, "own");
