@@ -54,6 +54,13 @@ PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts);
 
 PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
 
+/*
+  Single-character insertions, deletions and replacements that turn one text into the other, case aside (Levenshtein 1966,
+  Soviet Physics Doklady 10); and the name that fewest of them, at most `most`, turn into the text: NULL where there is none.
+*/
+PetscInt    MpmTextDistance(const char a[], const char b[]);
+const char *MpmTextNearest(const char text[], PetscInt count, char *const names[], PetscInt most);
+
 /* ---- text_buffer.c ---- */
 
 /*

@@ -35,12 +35,13 @@ PetscErrorCode MpmRecordDestroy(MpmRecord *record)
     PetscCall(PetscFree((*record)->entries[i].value));
   }
   PetscCall(PetscFree((*record)->entries));
+  PetscCall(MpmNamesDestroy((*record)->block_count, &(*record)->blocks));
   PetscCall(MpmForeignOptionsForget(*record));
   PetscCall(PetscFree(*record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry)
+PetscErrorCode MpmRecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry)
 {
   PetscFunctionBegin;
   *entry = NULL;
@@ -59,7 +60,7 @@ static PetscErrorCode RecordFind(MpmRecord record, const char name[], MpmRecordE
 PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry **entry)
 {
   PetscFunctionBegin;
-  PetscCall(RecordFind(record, name, entry));
+  PetscCall(MpmRecordFind(record, name, entry));
   if (*entry) PetscFunctionReturn(PETSC_SUCCESS);
   if (record->count == record->capacity) {
     const PetscInt  capacity = record->capacity ? 2 * record->capacity : 64;
@@ -73,83 +74,6 @@ PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry 
   }
   *entry = &record->entries[record->count++];
   PetscCall(PetscStrallocpy(name, &(*entry)->name));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- unknown ---- */
-
-/* Single-character insertions, deletions and replacements that turn one name into the other (Levenshtein 1966), case
-   aside. */
-static PetscErrorCode EditDistance(const char a[], const char b[], size_t *distance)
-{
-  const size_t length = strlen(b);
-  size_t      *row;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(length + 1, &row));
-  for (size_t j = 0; j <= length; j++) row[j] = j;
-  for (size_t i = 0; a[i]; i++) {
-    size_t diagonal = row[0];
-
-    row[0] = i + 1;
-    for (size_t j = 0; j < length; j++) {
-      const size_t above  = row[j + 1];
-      const int    differ = tolower((unsigned char)a[i]) != tolower((unsigned char)b[j]);
-
-      row[j + 1] = PetscMin(PetscMin(above, row[j]) + 1, diagonal + (size_t)differ);
-      diagonal   = above;
-    }
-  }
-  *distance = row[length];
-  PetscCall(PetscFree(row));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The known option whose name is nearest; NULL where none is known. */
-static PetscErrorCode NearestKnown(MpmRecord record, const char name[], const char **nearest)
-{
-  size_t best = 0;
-
-  PetscFunctionBegin;
-  *nearest = NULL;
-  for (PetscInt i = 0; record && i < record->count; i++) {
-    size_t distance = 0;
-
-    if (!record->entries[i].known) continue;
-    PetscCall(EditDistance(name, record->entries[i].name, &distance));
-    if (*nearest && distance >= best) continue;
-    best     = distance;
-    *nearest = record->entries[i].name;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options)
-{
-  PetscInt count;
-  Pair    *pairs;
-  char    *text, *unknown = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(MpmForeignOptionsCheck());
-  PetscCall(MpmDatabaseGet(&count, &pairs, &text));
-  for (PetscInt i = 0; i < count && !unknown; i++) {
-    MpmRecordEntry *entry;
-    const char     *nearest;
-    PetscBool       ours;
-
-    PetscCall(MpmDatabaseIsOurs(pairs[i].name, &ours));
-    if (!ours) continue;
-    PetscCall(RecordFind(options->record, pairs[i].name, &entry));
-    if (entry && entry->known) continue;
-    PetscCall(NearestKnown(options->record, pairs[i].name, &nearest));
-    PetscCall(MpmTextAppend(&unknown, "-%.200s: unknown option%s%.200s%s", pairs[i].name,
-                            nearest ? "; did you mean -" : "", nearest ? nearest : "", nearest ? "?" : ""));
-  }
-  PetscCall(PetscFree(pairs));
-  PetscCall(PetscFree(text));
-  MpmCheckInput(!unknown, "%s", unknown);
-  PetscCall(MpmForeignOptionsKeep(options->record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -256,9 +180,9 @@ static PetscErrorCode WriteAll(FILE *file, MpmRecord record, PetscInt count, con
     MpmRecordEntry *entry;
     PetscBool       transient;
 
-    PetscCall(RecordFind(record, pairs[i].name, &entry));
+    PetscCall(MpmRecordFind(record, pairs[i].name, &entry));
     PetscCall(IsTransient(pairs[i].name, &transient));
-    if (!transient && !(entry && entry->known)) WriteLine(file, "", pairs[i].name, pairs[i].value);
+    if (!transient && !(entry && (entry->known || entry->aside))) WriteLine(file, "", pairs[i].name, pairs[i].value);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

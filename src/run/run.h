@@ -3,6 +3,7 @@
   The run: reading of scenes, results, progress, checkpoints.
 */
 #include "base/types.h"
+#include "options/database.h"
 #include "io/io.h"
 #include "run/lines.h"
 #include "run/manual.h"
@@ -112,6 +113,9 @@ struct MpmResults {
   MpmCheckpoint checkpoint;
   MpmTerminal   terminal;
 };
+
+/* Where the options of the command line were given; borrowed until the model is destroyed. */
+void MpmModelSetSources(MpmModel model, MpmSources sources);
 
 /*
   A call that must not be entered again while it is at work, with the model's options in force; both end with it, also
