@@ -11,6 +11,10 @@ PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, c
                                  MpmImported *imported);
 PetscErrorCode MpmImportedDestroy(MpmImported *imported);
 PetscInt       MpmImportedCount(MpmImported imported);
+/* Row by row, or NULL where the file has none. */
+const PetscReal *MpmImportedVelocity(MpmImported imported);
+/* The file's name, and whether another run has written it. */
+const char *MpmImportedPath(MpmImported imported, PetscBool *run);
 /* Writes their positions from point `first` on. */
 PetscErrorCode MpmImportedPlace(MpmImported imported, PetscInt dim, PetscInt first, MpmPoints *points);
 /*
