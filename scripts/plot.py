@@ -87,9 +87,10 @@ def colour_scale(values, limits, colours):
 
 def domain_corners(state, origin, corners, deformed):
     """Corners of the points' domains, (points, corners, dim): boxes, or what F makes of them. `corners` are those of a
-    box of edge length two about the origin."""
+    box of edge length two about the origin. Points that are divided have other domains from step to step."""
     dim = state.dim
-    corners = 0.5 * corners[None] * origin.lengths[:, None, :]
+    half = state["half_length"] if "half_length" in state else 0.5 * origin.lengths
+    corners = corners[None] * half[:, None, :]
     if not deformed:
         return origin.position[:, None, :] + corners
     if "F" in state:
@@ -179,7 +180,7 @@ def figure_size(lower, upper):
 
 def state_frame(state, origin, deformed):
     """Limits of the axes for one state, and in the plane for its points' first places behind it."""
-    corners = BOX if state.dim == 3 else BOX[::2, :2]
+    corners = BOX if state.dim == 3 else BOX[:4, :2]
     drawn = domain_corners(state, origin, corners, deformed)
     if state.dim == 3:
         return frame_of(drawn, 0.02)

@@ -190,11 +190,13 @@ def component_names(count):
 
 
 def initial_lengths(initial):
-    """Edge lengths of each point's domain before deformation, (points, dim), from where the points stand.
+    """Edge lengths of each point's domain before deformation, (points, dim): written, or from where the points stand.
 
     Along each axis it is the smallest distance between two points; where that does not give the points' volumes (points
     that are not on a lattice), the domains are taken as squares or cubes.
     """
+    if "half_length" in initial:
+        return 2.0 * initial["half_length"]
     position, dim = initial["position0"], initial.dim
     volume = initial["volume"] / (np.linalg.det(initial["F"].reshape(-1, 3, 3)) if "F" in initial else 1.0)
     lengths = np.empty(dim)
