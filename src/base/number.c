@@ -154,3 +154,17 @@ const char *MpmTextNearest(const char text[], PetscInt count, char *const names[
   }
   return nearest;
 }
+
+int MpmDecodeUTF8(const unsigned char s[], unsigned *code)
+{
+  static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000}; /* longer forms than needed are not UTF-8 */
+  const int size = s[0] < 0x80 ? 1 : s[0] < 0xC0 ? 0 : s[0] < 0xE0 ? 2 : s[0] < 0xF0 ? 3 : s[0] < 0xF8 ? 4 : 0;
+
+  *code = size < 2 ? s[0] : s[0] & (0x7Fu >> size);
+  for (int i = 1; i < size; i++) {
+    if ((s[i] & 0xC0) != 0x80) return 0;
+    *code = (*code << 6) | (s[i] & 0x3Fu);
+  }
+  if (*code < least[size] || *code > 0x10FFFF || (*code >= 0xD800 && *code < 0xE000)) return 0;
+  return size;
+}

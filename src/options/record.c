@@ -79,21 +79,6 @@ PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry 
 
 /* ---- YAML ---- */
 
-/* Bytes of the UTF-8 character at s, and its code point; 0 where there is none. */
-static int DecodeUTF8(const unsigned char s[], unsigned *code)
-{
-  static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000}; /* longer forms than needed are not UTF-8 */
-  const int size = s[0] < 0x80 ? 1 : s[0] < 0xC0 ? 0 : s[0] < 0xE0 ? 2 : s[0] < 0xF0 ? 3 : s[0] < 0xF8 ? 4 : 0;
-
-  *code = size < 2 ? s[0] : s[0] & (0x7Fu >> size);
-  for (int i = 1; i < size; i++) {
-    if ((s[i] & 0xC0) != 0x80) return 0;
-    *code = (*code << 6) | (s[i] & 0x3Fu);
-  }
-  if (*code < least[size] || *code > 0x10FFFF || (*code >= 0xD800 && *code < 0xE000)) return 0;
-  return size;
-}
-
 /* May the character stand in a double-quoted scalar as it is? The YAML reader refuses controls and folds line breaks.
    */
 static PetscBool IsPlain(unsigned code)
@@ -111,7 +96,7 @@ static void WriteQuoted(FILE *file, const char text[])
   fputc('"', file);
   while (*s) {
     unsigned  code;
-    const int size = DecodeUTF8(s, &code);
+    const int size = MpmDecodeUTF8(s, &code);
 
     if (size && IsPlain(code)) fwrite(s, 1, (size_t)size, file);
     else if (*s == '"' || *s == '\\') fprintf(file, "\\%c", *s);

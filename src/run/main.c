@@ -56,8 +56,14 @@ static void MakeLine(char message[])
     memcpy(&message[half], " ... ", 5);
     memmove(&message[half + 5], &message[length - half], half + 1);
   }
-  for (char *c = message; *c; c++)
-    if (iscntrl((unsigned char)*c)) *c = ' ';
+  for (char *c = message; *c;) {
+    unsigned  code;
+    const int size = MpmDecodeUTF8((const unsigned char *)c, &code);
+
+    if (!size) *c = '?';
+    else if (iscntrl((unsigned char)*c)) *c = ' ';
+    c += size ? size : 1;
+  }
 }
 
 /* Are the words from this option on kept from PetscInitialize(), which has a traceback or pages of its own for them? */

@@ -97,6 +97,8 @@ POINTS_REFUSED = [
     ("open quote", 'x,y,volume\n1,"1,1\n', {}, "line 2: quotes that do not close"),
     ("text behind a quote", 'x,y,volume\n1,"1"2,1\n', {}, "line 2: quotes that do not close, or text behind them"),
     ("text in UTF-16", "x,y,volume\n1,1,1\n".encode("utf-16"), {}, "is text in UTF-16, must be in UTF-8"),
+    ("name in Latin-1", "x,y,volume,h\u00f6he\n1,1,1,1\n".encode("latin-1"), {}, "column h?he is unknown"),
+    ("name in UTF-8", "x,y,volume,h\u00f6he\n1,1,1,1\n", {}, "column h\u00f6he is unknown"),
     ("byte of value 0", b"x,y,volume\n1,1,1\n\x001,2,1\n", {}, "holds a byte of value 0"),
     ("mass 0", "x,y,volume,mass\n1,1,1,0\n", {}, "has a mass of 0, and its material a density"),
     ("mass negative", "x,y,volume,mass\n1,1,1,-1\n", {}, "has a negative mass"),
