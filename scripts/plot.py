@@ -87,12 +87,11 @@ def colour_scale(values, limits, colours):
 
 def domain_corners(state, origin, corners, deformed):
     """Corners of the points' domains, (points, corners, dim): boxes, or what F makes of them. `corners` are those of a
-    box of edge length two about the origin. Points that are divided have other domains from step to step."""
+    box of edge length two about the origin."""
     dim = state.dim
-    half = state["half_length"] if "half_length" in state else 0.5 * origin.lengths
-    corners = corners[None] * half[:, None, :]
     if not deformed:
-        return origin.position[:, None, :] + corners
+        return origin.position[:, None, :] + 0.5 * corners[None] * origin.lengths[:, None, :]
+    corners = corners[None] * (state["half_length"] if "half_length" in state else 0.5 * origin.lengths)[:, None, :]
     if "F" in state:
         gradient = state["F"].reshape(-1, 3, 3)[:, :dim, :dim]
         corners = np.einsum("pij,pkj->pki", gradient, corners)
