@@ -17,7 +17,8 @@ struct _p_MpmBody {
   MpmRegion      region;
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
-  PetscReal      pressure; /* of the water, beyond the hydrostatic one */
+  PetscReal      pressure;     /* of the water, beyond the hydrostatic one */
+  PetscBool      own_pressure; /* the block has it, and it counts for points from a file, too */
   PetscReal      velocity[MPM_MAX_DIM];
   PetscBool      of_block; /* that is its block's, and counts for points from a file, too */
   PetscInt       dim, material;
@@ -91,10 +92,32 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
   PetscCall(PetscFree(names));
   if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[(*body)->material], &(*body)->initial));
-  if (is_file || MpmOptionsHelp())
-    PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
   if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                               const MpmMaterial materials[], PetscInt field_count, const MpmFileField fields[],
+                               MpmBody body)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  if (MpmRegionGetType(body->region) != MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const PetscReal *MpmBodyFileField(MpmBody body, const char *name)
+{
+  return body->imported ? MpmImportedField(body->imported, name) : NULL;
+}
+
+PetscBool MpmBodyFileHasMass(MpmBody body)
+{
+  return (PetscBool)(body->imported && MpmImportedHasMass(body->imported));
 }
 
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
@@ -106,7 +129,7 @@ PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, 
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsReal(&block, "initial_pressure", "Pa",
                            "pressure of the water to start with, beyond the hydrostatic one", MPM_RANGE_ANY,
-                           MPM_OPTIONAL, &body->pressure, NULL));
+                           MPM_OPTIONAL, &body->pressure, &body->own_pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -125,6 +148,11 @@ PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, 
   if (!MpmOptionsHelp() && body->imported && MpmImportedVelocity(body->imported) && !*given)
     *file = MpmImportedPath(body->imported, run);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name)
+{
+  return body->own_pressure ? NULL : MpmBodyFileField(body, name);
 }
 
 PetscReal MpmBodyPressure(const MpmBody body)

@@ -12,7 +12,7 @@
     mass          else density times the volume
     velocity      else that of the body's block, which counts where both are given
     stress        Cauchy, xx, yy, zz, xy, yz, xz. Where F or the law's history do not say it already, they are searched
-    ...           the law's history by its names
+    ...           the law's history by its names, and what the physics keeps of a point, such as pressure and porosity
 
   Displacements start at zero. Other columns are refused, and datasets of files that are no run's.
 */
@@ -32,13 +32,14 @@ enum { POSITION, VOLUME, DEFORMATION, HALF_LENGTH, MASS, STRESS, VELOCITY, STATE
 
 /* `components` values a point, or NULL where the file has none. */
 typedef struct {
-  PetscInt   components;
-  PetscReal *value;
+  const char *name;
+  PetscInt    components;
+  PetscReal  *value;
 } Quantity;
 
 struct _p_MpmImported {
   PetscInt  count, quantity_count;
-  Quantity *quantity; /* by the names above, then by the law's history variables */
+  Quantity *quantity; /* by the names above, then the law's history, then the physics' fields */
   char     *path;
   PetscBool run; /* another run has written the file */
 };
@@ -135,28 +136,33 @@ static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmMaterial *material, MpmImported imported)
+static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmMaterial *material, PetscInt field_count,
+                                     const MpmFileField fields[], MpmImported imported)
 {
   static const char *const names[STATES] = {"position", "volume", "F", "half_length", "mass", "stress", "velocity"};
   const PetscInt           components[STATES] = {dim, 1, 9, dim, 1, 6, dim};
 
   PetscFunctionBeginUser;
   imported->count          = MpmPointFileCount(file);
-  imported->quantity_count = STATES + (PetscInt)material->info.state_count;
+  imported->quantity_count = STATES + (PetscInt)material->info.state_count + field_count;
   PetscCall(PetscCalloc1(imported->quantity_count, &imported->quantity));
   for (PetscInt q = 0; q < imported->quantity_count; q++) {
-    const MpmStateVariable *variable = q < STATES ? NULL : &material->info.states[q - STATES];
-    Quantity               *quantity = &imported->quantity[q];
+    const PetscInt state = q - STATES, field = state - (PetscInt)material->info.state_count;
+    Quantity      *quantity = &imported->quantity[q];
 
-    quantity->components = !variable ? components[q] : variable->kind == MPM_STATE_SYM ? 6 : 1;
-    PetscCall(MpmPointFileGet(file, variable ? variable->name : names[q], quantity->components,
-                              q <= VOLUME ? MPM_REQUIRED : MPM_OPTIONAL, &quantity->value));
+    if (field >= 0) *quantity = (Quantity){fields[field].name, fields[field].components, NULL};
+    else if (state >= 0)
+      *quantity =
+        (Quantity){material->info.states[state].name, material->info.states[state].kind == MPM_STATE_SYM ? 6 : 1, NULL};
+    else *quantity = (Quantity){names[q], components[q], NULL};
+    PetscCall(MpmPointFileGet(file, quantity->name, quantity->components, q <= VOLUME ? MPM_REQUIRED : MPM_OPTIONAL,
+                              &quantity->value));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
-                                 MpmImported *handle)
+                                 PetscInt field_count, const MpmFileField fields[], MpmImported *handle)
 {
   MpmPointFile file;
   MpmImported  imported;
@@ -174,7 +180,7 @@ PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, c
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmPointFileOpen(block, grid->dim, imported->path, step, &file));
-  PetscCall(ReadQuantities(file, grid->dim, material, imported));
+  PetscCall(ReadQuantities(file, grid->dim, material, field_count, fields, imported));
   PetscCall(ChooseRows(block, file, imported));
   PetscCall(MpmPointFileCheck(file));
   imported->run = MpmPointFileIsRun(file);
@@ -203,6 +209,18 @@ PetscInt MpmImportedCount(MpmImported imported)
 const PetscReal *MpmImportedVelocity(MpmImported imported)
 {
   return imported->quantity[VELOCITY].value;
+}
+
+const PetscReal *MpmImportedField(MpmImported imported, const char *name)
+{
+  for (PetscInt q = STATES; q < imported->quantity_count; q++)
+    if (!strcmp(imported->quantity[q].name, name)) return imported->quantity[q].value;
+  return NULL;
+}
+
+PetscBool MpmImportedHasMass(MpmImported imported)
+{
+  return (PetscBool)(imported->quantity[MASS].value != NULL);
 }
 
 const char *MpmImportedPath(MpmImported imported, PetscBool *run)

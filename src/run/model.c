@@ -391,6 +391,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscCall(MpmBodyCreate(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->count,
                             model->scene.materials->at, &model->scene.bodies->at[b]));
+    PetscCall(MpmReadBodyFile(model, options, b));
     MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
@@ -656,6 +657,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                               model->disc.grid, model->state.particles));
   PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
+  PetscCall(MpmFillFromFiles(model));
   PetscCall(MpmFillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Run, Test  # noqa: E402
+from talus_test import Run, Test, difference  # noqa: E402
 from refused import GOOD, Refusals, changed, faults, write_scene  # noqa: E402
 
 MOVES = {"mpm_time_integrator": "newmark", "mpm_time_end": "1"}
@@ -230,6 +230,23 @@ def check_velocity(test):
     test.check("velocity.of_a_run_without_inertia", still.status == 0 and "are not used, no stage has inertia" in still.output, 1, 1)
 
 
+def check_water(test):
+    """Pressure, porosity and mass of saturated ground go on from another run's points."""
+    wet = {"mpm_physics": "poro", "mpm_material_soil_porosity": "0.4", "mpm_material_soil_permeability": "1e-12", "mpm_material_soil_E": "1e5",
+           "mpm_body_block_upper": "4,2", "mpm_bcs": "base,sides,top", "mpm_bc_sides_region": "all", "mpm_bc_sides_components": "x",
+           "mpm_bc_top_region": "box", "mpm_bc_top_lower": "0,2", "mpm_bc_top_upper": "4,4", "mpm_bc_top_components": "p",
+           "mpm_load_weight_value": "0,-10", "mpm_load_weight_ramp": "0:1", "mpm_bc_base_components": "y", **NO_PUSH}
+    times = {"mpm_time_step": "100", "mpm_output_every": "5", "mpm_grid_refine": "2"}
+    whole = run(test, {**wet, **times, "mpm_time_end": "1000"})
+    again = run(test, {**wet, **times, **FROM_FILE, "mpm_body_block_file": whole.folder / "bad.h5", "mpm_body_block_step": "5", "mpm_time_end": "500"})
+    for name in ("pressure", "porosity", "mass"):
+        test.check(f"water.{name}", difference(whole.table(name, 5), again.table(name, "first")), None, 1e-12)
+        test.check(f"water.{name}_at_the_end", difference(whole.table(name, 10), again.table(name, "last")), None, 5e-3)  # slopes are found anew
+    table = run(test, {**wet, **FROM_FILE, "mpm_time_end": "1e-3", "mpm_time_step": "1e-3"},
+                points="x,y,volume,pressure\n" + "".join(f"{x},{y},0.25,{1e4 * (2 - y)}\n" for y in (0.25, 0.75, 1.25, 1.75) for x in np.arange(0.25, 4, 0.5)))
+    test.near("water.table", table.table("pressure", "first").max(), 1.75e4, 1e-12)
+
+
 def check_datasets(test):
     """HDF5 that is no run's: unknown datasets are refused as columns are."""
     for name, expected in (("mas", "dataset mas is unknown: the nearest that is known is mass"), ("mass", None)):
@@ -322,6 +339,7 @@ with Test() as test, concurrent.futures.ThreadPoolExecutor(4) as pool:
     refusals.finish()
     check_written(test, pool)
     check_velocity(test)
+    check_water(test)
     check_datasets(test)
     check_tracks(test)
     check_later(test, pool)
