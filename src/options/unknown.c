@@ -57,7 +57,7 @@ static const char *NearestKnown(MpmRecord record, const char name[])
 
     if (!asked || strncasecmp(name, other, block) || BlockLength(record, other) != block) continue;
     distance = MpmTextDistance(&name[block], &other[block]);
-    if (distance >= best) continue;
+    if (distance >= best || (!distance && !record->entries[i].known)) continue; /* looked for and not taken: itself */
     best    = distance;
     nearest = other;
   }
