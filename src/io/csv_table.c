@@ -1,10 +1,10 @@
 /*
   Tables in CSV files, as spreadsheets of any country write them.
 
-  The line of names tells what separates: semicolons where it has one, else commas, else tabs, else blanks. Where commas do
-  not separate, or in quotes, a comma in a number is a decimal one; a file has decimal commas or decimal points. Names and
-  numbers may stand in quotes, a doubled quote within them is one. A byte-order mark of UTF-8 is passed over, and a
-  separator at the end of all lines makes no column.
+  The line of names tells what separates: semicolons where it has one, else commas, else tabs, else blanks. Where
+  commas do not separate, or in quotes, a comma in a number is a decimal one; a file has decimal commas or decimal
+  points. Names and numbers may stand in quotes, a doubled quote within them is one. A byte-order mark of UTF-8 is
+  passed over, and a separator at the end of all lines makes no column.
 */
 #include <errno.h>
 #include <limits.h>
@@ -27,7 +27,7 @@ typedef struct {
 #define BLANKS     " \t\r\n"
 #define BAD_QUOTES "line %lld: quotes that do not close, or text behind them"
 
-/* Takes a word in quotes out of them, in place; returns what follows in the line, NULL where its quotes do not close. */
+/* Takes a word out of its quotes, in place; returns the rest of the line, NULL where the quotes do not close. */
 static char *Unquote(char *begin)
 {
   char *to = begin, *from = begin + 1;
@@ -41,7 +41,10 @@ static char *Unquote(char *begin)
   return from + 1;
 }
 
-/* Takes a word off the line, blanks around it dropped; NULL for one whose quotes are at fault. Returns the rest, or NULL. */
+/*
+  Takes a word off the line, blanks around it dropped; NULL for one whose quotes are at fault. Returns the rest, or
+  NULL.
+*/
 static char *TakeWord(char *begin, char separator, char **word)
 {
   const char  ends[] = {separator, separator == ' ' ? '\t' : '\0', '\0'};
@@ -78,7 +81,7 @@ static PetscInt CutLine(char *line, Form *form)
   return count;
 }
 
-/* Has the line this character outside of quotes? */
+/* Whether the line has this character outside of quotes. */
 static PetscBool HasOutside(const char *line, char wanted)
 {
   PetscBool quoted = PETSC_FALSE;

@@ -452,7 +452,7 @@ PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is there such a file, and is it another one than the second? */
+/* Whether there is such a file, and another one than the second. */
 static int IsOther(const char path[], const char second[])
 {
   struct stat one, two;

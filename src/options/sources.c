@@ -1,6 +1,7 @@
 /*
-  Where options were given. PETSc's database holds the last value of each and forgets where it came from; but a list that is
-  given later than a block leaves the block out on purpose, and a file that a scene names stands beside the scene.
+  Where options were given. PETSc's database holds the last value of each and forgets where it came from; but a list
+  that is given later than a block leaves the block out on purpose, and a file that a scene names stands beside the
+  scene.
 */
 #include "options/database.h"
 

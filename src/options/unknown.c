@@ -1,9 +1,10 @@
 /*
   Options that nobody has asked for, once the scene has been read.
 
-  A block is what has a prefix of its own, such as mpm_body_beam_; a slip is looked for in the option's own block. Blocks with
-  names stand in lists: mpm_bodies names the blocks mpm_body_<name>_. An option of a block that is in no list ends the run,
-  unless the list was given later than the block: it leaves the block out then, and a warning says so.
+  A block is what has a prefix of its own, such as mpm_body_beam_; a slip is looked for in the option's own block.
+  Blocks with names stand in lists: mpm_bodies names the blocks mpm_body_<name>_. An option of a block that is in no
+  list ends the run, unless the list was given later than the block: it leaves the block out then, and a warning says
+  so.
 */
 #include "options/options.h"
 #include "options/record.h"
@@ -42,7 +43,10 @@ static size_t BlockLength(MpmRecord record, const char name[])
   return longest;
 }
 
-/* The option of the same block that was asked or looked for whose name is nearest; NULL where all need more edits, or as many as half a name has. */
+/*
+  The option of the same block that was asked or looked for whose name is nearest; NULL where all need more edits, or
+  as many as half a name has.
+*/
 static const char *NearestKnown(MpmRecord record, const char name[])
 {
   const size_t   block = BlockLength(record, name), length = strlen(&name[block]);
@@ -91,7 +95,7 @@ static const MpmRecordEntry *ListOf(MpmRecord record, const char name[])
   return NULL;
 }
 
-/* Does a list of this option's end, like loads, stand in a stage? */
+/* Whether an option is a stage's list of this kind, like loads. */
 static PetscBool EndsWithList(const char name[], const char list[])
 {
   const size_t length = strlen(list), whole = strlen(name);
@@ -99,7 +103,7 @@ static PetscBool EndsWithList(const char name[], const char list[])
   return (PetscBool)(whole > length && name[whole - length - 1] == '_' && !strcmp(&name[whole - length], list));
 }
 
-/* Was a list that could name the option's block given later than the option: its own, one of stages, or that of stages? */
+/* Whether a list that could name the block is later than the option: its own, one of a stage, or that of stages. */
 static PetscBool IsLeftOut(MpmRecord record, const char name[], const MpmRecordEntry *list)
 {
   const PetscInt order = MpmSourcesOrder(record->sources, name);
@@ -149,7 +153,10 @@ static PetscErrorCode Warn(const MpmRecordEntry *list, const char first[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options that have not been asked for and not been refused are those that are left out: the run's options are without them. */
+/*
+  Options that have not been asked for and not been refused are those that are left out: the run's options are without
+  them.
+*/
 static PetscErrorCode SetAside(MpmRecord record, PetscInt count, const Pair pairs[])
 {
   PetscFunctionBegin;

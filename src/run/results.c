@@ -189,7 +189,7 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Do bodies wait for the stage that they join? */
+/* Whether bodies wait for the stage that they join. */
 static PetscErrorCode AnyWaits(MpmModel model, PetscBool *any)
 {
   PetscFunctionBeginUser;

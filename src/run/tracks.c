@@ -1,7 +1,7 @@
 /*
-  Tracks: sets of points whose mean displacement stands in the history. They are picked in the initial state; each point's
-  share travels with it in a field of the particles. Points that are taken away, or leave the grid, are no longer in the mean;
-  without any it is not a number, and before the first of them joins a stage 0.
+  Tracks: sets of points whose mean displacement stands in the history. They are picked in the initial state; each
+  point's share travels with it in a field of the particles. Points that are taken away, or leave the grid, are no
+  longer in the mean; without any it is not a number, and before the first of them joins a stage 0.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -52,8 +52,8 @@ PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles
 }
 
 /*
-  The mean over the points of `field`, less `base` unless that is NULL, and their share of those that were picked. The mean is
-  over the points that are there; 0 where there are none.
+  The mean over the points of `field`, less `base` unless that is NULL, and their share of those that were picked. The
+  mean is over the points that are there; 0 where there are none.
 */
 static PetscErrorCode Mean(const MpmTrack *track, MpmParticles *particles, const char *field, const char *base,
                            PetscReal mean[], PetscReal *there)
