@@ -17,8 +17,10 @@ struct _p_MpmBody {
   MpmRegion      region;
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
-  PetscReal      pressure; /* of the water, beyond the hydrostatic one */
+  PetscReal      pressure;     /* of the water, beyond the hydrostatic one */
+  PetscBool      own_pressure; /* the block has it, and it counts for points from a file, too */
   PetscReal      velocity[MPM_MAX_DIM];
+  PetscBool      of_block; /* that is its block's, and counts for points from a file, too */
   PetscInt       dim, material;
   PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
   PetscInt       id_first, id_end;
@@ -90,10 +92,32 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
   PetscCall(PetscFree(names));
   if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[(*body)->material], &(*body)->initial));
-  if (is_file || MpmOptionsHelp())
-    PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
   if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                               const MpmMaterial materials[], PetscInt field_count, const MpmFileField fields[],
+                               MpmBody body)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  if (MpmRegionGetType(body->region) != MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const PetscReal *MpmBodyFileField(MpmBody body, const char *name)
+{
+  return body->imported ? MpmImportedField(body->imported, name) : NULL;
+}
+
+PetscBool MpmBodyFileHasMass(MpmBody body)
+{
+  return (PetscBool)(body->imported && MpmImportedHasMass(body->imported));
 }
 
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
@@ -105,11 +129,12 @@ PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, 
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsReal(&block, "initial_pressure", "Pa",
                            "pressure of the water to start with, beyond the hydrostatic one", MPM_RANGE_ANY,
-                           MPM_OPTIONAL, &body->pressure, NULL));
+                           MPM_OPTIONAL, &body->pressure, &body->own_pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given)
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given,
+                                   const char **file, PetscBool *run)
 {
   char             prefix[256];
   const MpmOptions block = {options->comm, prefix, options->record};
@@ -118,7 +143,16 @@ PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, 
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsReals(&block, "velocity", "m/s", "with which its points start, in scenes with a dynamic stage",
                             MPM_RANGE_ANY, MPM_OPTIONAL, body->dim, body->velocity, given));
+  *file          = NULL;
+  body->of_block = *given;
+  if (!MpmOptionsHelp() && body->imported && MpmImportedVelocity(body->imported) && !*given)
+    *file = MpmImportedPath(body->imported, run);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name)
+{
+  return body->own_pressure ? NULL : MpmBodyFileField(body, name);
 }
 
 PetscReal MpmBodyPressure(const MpmBody body)
@@ -412,13 +446,21 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
 /* How the points move as they are made. */
 static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], PetscInt dim, const MpmPoints *points)
 {
-  PetscInt *body_of;
+  PetscInt *body_of, row = 0;
 
   PetscFunctionBeginUser;
   if (!points->velocity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(points->count, &body_of));
   MpmBodiesOfPoints(body_count, bodies, points, body_of);
-  for (PetscInt k = 0; k < points->count * dim; k++) points->velocity[k] = bodies[body_of[k / dim]]->velocity[k % dim];
+  for (PetscInt p = 0; p < points->count; p++, row++) {
+    const MpmBody    body = bodies[body_of[p]];
+    const PetscReal *velocity;
+
+    if (!p || body_of[p] != body_of[p - 1]) row = 0;
+    velocity = body->imported && !body->of_block ? MpmImportedVelocity(body->imported) : NULL;
+    for (PetscInt a = 0; a < dim; a++)
+      points->velocity[p * dim + a] = velocity ? velocity[row * dim + a] : body->velocity[a];
+  }
   if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
   if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
   PetscCall(PetscFree(body_of));

@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "particles/body_file.h"
 
 /* Bodies, with the names of their blocks. */
 typedef struct MpmBodies {
@@ -16,11 +17,24 @@ typedef struct MpmBodies {
 
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial *materials, MpmBody *body);
+/* Reads the points of a body whose region is a file, with what else the physics keeps of a point. */
+PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                               const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
+                               MpmBody body);
+/* One of these fields, point by point as they are made, or NULL where the file has none; that of the water's pressure, which
+   an excess in the body's block replaces; and whether the file has masses. */
+const PetscReal *MpmBodyFileField(MpmBody body, const char *name);
+const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name);
+PetscBool        MpmBodyFileHasMass(MpmBody body);
 /* The excess of the water's pressure that its points start with, Pa, where the physics has water. */
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
 PetscReal      MpmBodyPressure(const MpmBody body);
-/* The velocity that its points start with; `given` tells whether there is one. */
-PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given);
+/*
+  The velocity that its points start with: the block's, or that of its file. `given` tells whether the block has one, `file`
+  names the file that has; `run`: another run has written it.
+*/
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given,
+                                   const char **file, PetscBool *run);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],

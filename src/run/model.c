@@ -3,6 +3,7 @@
 */
 #include "options/database.h"
 #include "options/options.h"
+#include "options/record.h"
 #include "point/layout.h"
 #include "point/material.h"
 #include "point/registry.h"
@@ -126,6 +127,11 @@ PetscErrorCode MpmModelUseTerminal(MpmModel model)
   PetscFunctionBeginUser;
   model->caller.terminal = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmModelSetSources(MpmModel model, MpmSources sources)
+{
+  model->record->sources = sources;
 }
 
 PetscErrorCode MpmModelEnter(MpmModel model)
@@ -385,6 +391,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscCall(MpmBodyCreate(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->count,
                             model->scene.materials->at, &model->scene.bodies->at[b]));
+    PetscCall(MpmReadBodyFile(model, options, b));
     MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
@@ -652,6 +659,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                               model->disc.grid, model->state.particles));
   PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
+  PetscCall(MpmFillFromFiles(model));
   PetscCall(MpmFillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
@@ -687,6 +695,7 @@ static PetscErrorCode TakeOptions(MpmModel model)
   PetscFunctionBeginUser;
   PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
   if (!model->caller.own) PetscCall(MpmDatabaseTake(model->database, model->caller.prefix));
+  else model->record->sources = model->database->sources;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -719,7 +728,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   const MpmOptions options = {model->comm, "mpm_", model->record}, output = {model->comm, "mpm_output_", model->record};
   PetscLogDouble   since;
   PetscInt         dim;
-  char            *physics;
+  char            *physics, *warning;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
@@ -730,7 +739,9 @@ static PetscErrorCode ReadScene(MpmModel model)
   } else PetscCall(ReadBodiesOnGrid(model, &options, dim, physics));
   PetscCall(PetscFree(physics));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmOptionsCheckUnknown(&options));
+  PetscCall(MpmOptionsCheckUnknown(&options, &warning));
+  if (warning) PetscCall(MpmTerminalWarn(model, "warning: %s", warning));
+  PetscCall(PetscFree(warning));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,7 @@
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
+#include "particles/body.h"
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -188,6 +189,38 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether bodies wait for the stage that they join. */
+static PetscErrorCode AnyWaits(MpmModel model, PetscBool *any)
+{
+  PetscFunctionBeginUser;
+  *any = PETSC_FALSE;
+  if (!model->results->tracks.count || !model->scene.stages[0].name) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    if (model->state.parked[b].count) *any = PETSC_TRUE;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddTracks(MpmModel model, PetscReal row[], PetscInt *k)
+{
+  PetscBool waiting;
+
+  PetscFunctionBeginUser;
+  PetscCall(AnyWaits(model, &waiting));
+  for (PetscInt t = 0; t < model->results->tracks.count; t++, *k += model->disc.dim) {
+    MpmTrack *track = &model->results->tracks.at[t];
+    PetscBool fewer;
+
+    PetscCall(MpmTrackEvaluate(track, model->state.particles, waiting, &row[*k], &fewer));
+    if (fewer && track->gone)
+      PetscCall(MpmMonitorNote(&model->monitor, "track %s is nan: its points are gone", track->name));
+    else if (fewer)
+      PetscCall(
+        MpmMonitorNote(&model->monitor, "track %s: points are gone, it is the mean of the others", track->name));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
 {
   PetscReal     *row = model->results->history_row;
@@ -230,8 +263,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
     row[k++] = model->disc.pairs->force[p / model->disc.dim][p % model->disc.dim];
   for (PetscInt s = 0; s < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; s++)
     row[k++] = model->state.loads[model->scene.loads->count + s].outflow;
-  for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
-    PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
+  PetscCall(AddTracks(model, row, &k));
   PetscCall(MpmLinesAddValues(model, row, &k));
   for (PetscInt a = 0; a < model->disc.dim; a++) {
     if (!model->scene.follow.axis[a]) continue;

@@ -3,6 +3,7 @@
   The run: reading of scenes, results, progress, checkpoints.
 */
 #include "base/types.h"
+#include "options/database.h"
 #include "io/io.h"
 #include "run/lines.h"
 #include "run/manual.h"
@@ -113,6 +114,9 @@ struct MpmResults {
   MpmTerminal   terminal;
 };
 
+/* Where the options of the command line were given; borrowed until the model is destroyed. */
+void MpmModelSetSources(MpmModel model, MpmSources sources);
+
 /*
   A call that must not be entered again while it is at work, with the model's options in force; both end with it, also
   where it fails.
@@ -149,6 +153,9 @@ PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool 
 PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options);
 /* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */
 PetscErrorCode MpmFillOwnStates(MpmModel model);
+/* The file of a body, with what the physics keeps of a point; and that into the points, once they have all else. */
+PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
+PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);
 /* Is the Jacobian symmetric, as far as the physics knows (symmetry.c)? Once materials, loads and surfaces are read. */
 PetscBool MpmSceneIsSymmetric(MpmModel model);

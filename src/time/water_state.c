@@ -60,11 +60,13 @@ PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
   const MpmWaterTable *table = model->scene.water;
   const PetscInt       dim = model->disc.dim, rates = model->disc.layout->rates;
   const PetscReal      dry = DryHeight(model, model->state.time);
+  const char          *pressure;
   PetscInt            *body;
   MpmPoints            points;
 
   PetscFunctionBeginUser;
   if (MpmPressureComponent(model->disc.layout) < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  pressure = model->disc.layout->component_name[MpmPressureComponent(model->disc.layout)];
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscMalloc1(points.count, &body));
   MpmBodiesOfPoints(model->scene.bodies->count, model->scene.bodies->at, &points, body);
@@ -73,6 +75,7 @@ PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
     PetscReal       *gradient = &points.value_gradient[p * rates * dim];
 
     if (points.id[p] < first || points.id[p] >= end) continue;
+    if (end < PETSC_MAX_INT && MpmBodyFilePressure(model->scene.bodies->at[body[p]], pressure)) continue; /* its own */
     points.value[p * rates] = MpmBodyPressure(model->scene.bodies->at[body[p]]);
     for (PetscInt a = 0; a < dim; a++) gradient[a] = 0.;
     if (!table->there || (PetscReal)table->up * x[table->axis] >= dry) continue;
