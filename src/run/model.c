@@ -524,6 +524,7 @@ static PetscErrorCode BeginStages(MpmModel model)
 {
   PetscFunctionBeginUser;
   MpmSurfacesSetBodies(model);
+  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmStageBegin(model, 0));
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
                                  model->state.particles));
@@ -649,7 +650,6 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
   PetscCall(MpmFillOwnStates(model));
-  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmFillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);

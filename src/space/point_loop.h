@@ -192,11 +192,7 @@ MPM_INLINE void MpmSumAddFlux(const MpmKnown known, const MpmLayout *layout, con
 /* What drives the water of point p. */
 MPM_INLINE const PetscReal *MpmSumGravity(const MpmSum *sum, PetscInt p)
 {
-  static const PetscReal none[MPM_MAX_DIM] = {0.};
-  const MpmDryGround    *dry               = &sum->dry;
-
-  if (!dry->any) return sum->gravity;
-  return (PetscReal)dry->up * sum->points->x[p * sum->space->dim + dry->axis] > dry->from ? none : sum->gravity;
+  return sum->still.gravity ? &sum->still.gravity[p * sum->space->dim] : sum->gravity;
 }
 
 /* The kernel's view of point p. */

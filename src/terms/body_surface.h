@@ -37,8 +37,8 @@ typedef struct {
   PetscReal adjoint[MPM_MAX_DIM];  /* of drained ones: weights of grad phi in the adjoint term (surface_flow.c) */
   PetscReal penalty;
   PetscReal place[MPM_MAX_DIM]; /* of its middle */
-  PetscReal water;              /* pressure of the open water there at the step's end, Pa: of drained ones; */
-  PetscReal suction;            /* and what they have below 0 in the row of cells that the level cuts */
+  PetscReal water;              /* pressure of the open water at the step's end, Pa: on drained ones */
+  PetscReal rest;               /* pressure of water at rest in the ground, Pa: behind drained ones */
 } MpmSurfaceFace;
 
 /* Those of this rank's points. */

@@ -237,6 +237,7 @@ PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, 
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
 {
   PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
   PetscCall(MpmModelPrescribe(model, time, why));
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
@@ -247,10 +248,8 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   model->disc.surfaces->still = model->state.scheme.water_held;
   model->disc.surfaces->table = model->scene.water;
   model->disc.surfaces->open  = model->state.scheme.load_scale;
-  model->disc.sum->dry        = MpmWaterDry(model, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
-  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad *load = &model->scene.loads->at[l];
 

@@ -9,13 +9,11 @@
 
 /* Reads the level; materials, loads, grid and layout are known. */
 PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options);
-/* The pressure of the points with ids in [first, end) at the time of the state: hydrostatic, and the bodies' excess. */
+/* The pressure of the points with ids in [first, end) at the time of the state: water at rest, and the bodies' excess. Collective. */
 PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end);
-/* Where ground is dry in a step to `time`. */
-MpmDryGround MpmWaterDry(const MpmModel model, PetscReal time);
 /*
-  Pressures at nodes that a step to `time` does not solve for: in dry ground 0, and in a geostatic stage all, as the points
-  have them. The constraints are set up.
+  Pressures at nodes that a step to `time` does not solve for: those not below the level, and in a geostatic stage all, as the
+  points have them. Constraints and space are set up.
 */
 PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
 /* After a step: does rising water lift ground that has no effective stress left? `why` is then a line on it. */
