@@ -550,6 +550,7 @@ static void AddStageFields(const MpmModel model, const char *fields[], PetscInt 
 {
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
   if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
+  if (MpmStagesConsolidate(model)) fields[(*count)++] = MpmConsolidationField;
 }
 
 /* What contacts keep at the points. */

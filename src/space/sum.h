@@ -37,9 +37,10 @@ typedef struct MpmSum {
   MpmWaterAtRest        still;
   const PetscReal      *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
   const MpmKernelStage *first;       /* of each point, in the second of two stages (sdirk.c); or NULL */
-  PetscReal       part;  /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
-  PetscBool       rest;  /* no motion: stresses are those of the step's start */
-  const MpmTrial *trial; /* where residuals leave the step's end; NULL: nowhere */
+  PetscReal       part;    /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
+  PetscBool       drained; /* the pressure of the water is that of a steady flow */
+  PetscBool       rest;    /* no motion: stresses are those of the step's start */
+  const MpmTrial *trial;   /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
 /*

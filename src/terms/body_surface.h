@@ -46,6 +46,8 @@ typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
   MpmLoadActing         *acting;            /* by surface */
   const MpmContacts     *contacts;          /* whose boundaries some are */
+  const MpmConditions   *bcs;               /* on planes of symmetry, */
+  const MpmActing       *bcs_acting;        /* by condition */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
   PetscReal             *outflow;           /* by surface, of the step or its last stage, m3, */
   PetscReal             *first;             /* and of its first stage of two, as it counts */
@@ -75,6 +77,14 @@ PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
 /* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
 PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
+/*
+  The first condition that acts and holds the material along the normal of a face of point p, 2 axis + side, at its middle, -1: none.
+  Such a face of a surface on all sides lies on a plane of symmetry and is left out.
+*/
+PetscInt MpmSurfaceFaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, const MpmPoints *points, PetscInt p,
+                            PetscInt face);
+/* Whether it is a body's on all sides. */
+PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim);
 /* Adds what has passed in the step that u ends; before the points take it over. Collective. */
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[]);
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */

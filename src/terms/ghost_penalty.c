@@ -597,6 +597,15 @@ static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
   return PETSC_FALSE;
 }
 
+#define LONG 1e20 /* in which all that is stored flows off */
+
+/* What the penalty on the water's pressure stands for: flow and storage, or flow alone. */
+static PetscReal Flow(const MpmSum *sum, const MpmPhysicsMaterial *of, const PetscReal parameter[], PetscReal h)
+{
+  return sum->drained ? sum->layout->ghost(of, parameter, LONG * sum->dt, h) / LONG
+                      : sum->layout->ghost(of, parameter, sum->dt, h);
+}
+
 /* What a face's matrix is multiplied by, for one of them. */
 static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
 {
@@ -608,7 +617,7 @@ static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
     const MpmMaterial       *material = &sum->materials[face->material[k]];
     const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, sum->layout->dim);
 
-    factor[k] = sum->layout->ghost(&of, material->physics_parameter, sum->dt, sum->grid->h[face->axis]);
+    factor[k] = Flow(sum, &of, material->physics_parameter, sum->grid->h[face->axis]);
   }
   /* where permeability jumps so does the gradient: the lesser one */
   return face->gamma * (PetscAbsReal(factor[0]) < PetscAbsReal(factor[1]) ? factor[0] : factor[1]);

@@ -89,6 +89,8 @@ typedef struct MpmStage {
   PetscBool     *removed, *adds;                   /* by the model's bodies */
   PetscInt      *material;                         /* by the model's bodies: of its points from here on, or -1 */
   PetscBool      reset;                            /* displacements start at zero again */
+  PetscBool      drained;                          /* the water's pressure is that of a steady flow */
+  PetscReal      consolidation;                    /* degree at which the stage ends; 0: none */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
   MpmRelaxation  relaxation;

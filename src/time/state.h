@@ -38,6 +38,12 @@ typedef struct {
   PetscInt  count;        /* of rescues that have come to rest */
 } MpmRescuing;
 
+/* The mean size of the excess pressure in a stage that ends at a degree of consolidation. */
+typedef struct {
+  PetscReal most;   /* the largest so far, Pa; -1: unknown */
+  PetscReal degree; /* of consolidation at the last step's end */
+} MpmConsolidating;
+
 /* How far the grid has moved with what it follows. */
 typedef struct {
   PetscBool known;              /* what it follows has been there; */
@@ -90,27 +96,29 @@ typedef struct {
 
 /* What moves on: points, time, and how steps go. */
 typedef struct {
-  MpmScheme      scheme;
-  MpmParticles  *particles;
-  PetscReal      time, time_end, dt_nominal, dt_min, dt_max, growth;
-  PetscReal      dt_wanted; /* of the next step */
-  PetscReal      dt_last;   /* of the last step, 0 before the first; */
-  PetscReal      dt_before; /* of the one before; below 0: the next step stops what moved, which no step goes on from */
-  PetscBool      adaptive;
-  PetscBool      predict; /* start from the last step's increment */
-  PetscInt       step, cuts, cuts_total;
-  PetscInt       stage;      /* the one under way */
-  MpmParked     *parked;     /* per body: points that a later stage adds */
-  MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
-  MpmLoadActing *loads;      /* surfaces behind loads */
-  MpmWalls       walls;      /* that follow from it */
-  PetscReal      time_start; /* of the stage under way; time_end is its end */
-  PetscReal      run_end;
-  PetscBool      reference_output; /* position0 goes into the next state that is written */
-  MpmRescue      rescue;
-  PetscInt64     active_dofs_max;
-  MpmSafety      safety;
-  MpmRelaxing    relaxing;
-  MpmGridMotion  grid;
-  MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */
+  MpmScheme     scheme;
+  MpmParticles *particles;
+  PetscReal     time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscReal     dt_wanted; /* of the next step */
+  PetscReal     dt_last;   /* of the last step, 0 before the first; */
+  PetscReal     dt_before; /* of the one before; below 0: the next step stops what moved, which no step goes on from */
+  PetscBool     adaptive;
+  PetscBool     predict; /* start from the last step's increment */
+  PetscInt      step, cuts, cuts_total;
+  PetscInt      stage; /* the one under way */
+  MpmConsolidating consolidating;
+  PetscInt         boiled;     /* stages up to the last in which water that would boil was told of */
+  MpmParked       *parked;     /* per body: points that a later stage adds */
+  MpmActing       *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
+  MpmLoadActing   *loads;      /* surfaces behind loads */
+  MpmWalls         walls;      /* that follow from it */
+  PetscReal        time_start; /* of the stage under way; time_end is its end */
+  PetscReal        run_end;
+  PetscBool        reference_output; /* position0 goes into the next state that is written */
+  MpmRescue        rescue;
+  PetscInt64       active_dofs_max;
+  MpmSafety        safety;
+  MpmRelaxing      relaxing;
+  MpmGridMotion    grid;
+  MpmPlacement    *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;

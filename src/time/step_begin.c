@@ -245,6 +245,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     model->disc.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
+  model->disc.sum->drained    = model->scene.stages[model->state.stage].drained;
   model->disc.surfaces->still = model->state.scheme.water_held;
   model->disc.surfaces->table = model->scene.water;
   model->disc.surfaces->open  = model->state.scheme.load_scale;
