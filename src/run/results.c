@@ -242,7 +242,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
   if (MpmStagesReduce(model)) row[k++] = MpmReductionFactor(model, model->state.time);
-  if (MpmStagesConsolidate(model)) row[k++] = model->state.consolidating.degree;
+  if (MpmStagesConsolidate(model)) row[k++] = model->state.scheme.water.degree;
   PetscCall(MpmMotionAddValues(model, row, &k));
   if (MpmStagesRelax(model)) {
     row[k++] = model->state.relaxing.force;

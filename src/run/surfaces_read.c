@@ -4,9 +4,6 @@
 #include "point/layout.h"
 #include "point/registry.h"
 #include "particles/body.h"
-#include "particles/outer_faces.h"
-#include "particles/particles.h"
-#include "particles/points.h"
 #include "bc/bc.h"
 #include "terms/body_surface.h"
 #include "terms/load.h"
@@ -60,30 +57,6 @@ PetscErrorCode MpmSurfacesAdd(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Conditions on whose planes a surface on all sides has faces, by condition. Collective. */
-static PetscErrorCode FindHeld(MpmModel model, PetscInt surface, PetscInt held[])
-{
-  const MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + surface];
-  const PetscInt       dim    = model->disc.dim;
-  MpmPoints            points;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(held, model->scene.bcs->count));
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt k = 0; k < 2 * dim * points.count; k++) {
-    const PetscInt p = k / (2 * dim), face = k % (2 * dim);
-    PetscInt       b;
-
-    if (points.id[p] < acting->first || points.id[p] >= acting->end) continue;
-    if (!(points.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
-    b = MpmSurfaceFaceHeld(model->disc.surfaces, model->disc.grid, &points, p, face);
-    if (b >= 0) held[b] = 1;
-  }
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, held, (PetscMPIInt)model->scene.bcs->count, MPIU_INT, MPI_MAX, model->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmSurfacesTellHeld(MpmModel model)
 {
   const MpmBodySurfaces *surfaces = model->scene.surfaces;
@@ -97,7 +70,7 @@ PetscErrorCode MpmSurfacesTellHeld(MpmModel model)
 
     if (!MpmBodySurfaceIsAll(&surfaces->at[k], model->disc.dim)) continue;
     if (!model->state.loads[model->scene.loads->count + k].active) continue;
-    PetscCall(FindHeld(model, k, held));
+    PetscCall(MpmSurfaceFacesFindHeld(model->disc.surfaces, model->disc.grid, model->state.particles, k, held));
     for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
       if (!held[b]) continue;
       PetscCall(

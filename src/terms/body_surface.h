@@ -78,11 +78,11 @@ PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPo
 /* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
 PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
 /*
-  The first condition that acts and holds the material along the normal of a face of point p, 2 axis + side, at its middle, -1: none.
-  Such a face of a surface on all sides lies on a plane of symmetry and is left out.
+  The conditions that hold faces of a surface on all sides along their normals, 1 by condition. Such faces lie on planes of symmetry and
+  are left out. Collective.
 */
-PetscInt MpmSurfaceFaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, const MpmPoints *points, PetscInt p,
-                            PetscInt face);
+PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, MpmParticles *particles,
+                                       PetscInt surface, PetscInt held[]);
 /* Whether it is a body's on all sides. */
 PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim);
 /* Adds what has passed in the step that u ends; before the points take it over. Collective. */

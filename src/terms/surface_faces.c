@@ -120,8 +120,12 @@ PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim)
 #define SKEW 0.5 /* of a face's area along the axis: more across it is another face */
 #define NEAR 0.5 /* of a point's distance: a face so near a plane of nodes lies on it */
 
-PetscInt MpmSurfaceFaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, const MpmPoints *points, PetscInt p,
-                            PetscInt face)
+/*
+  The first condition that acts and holds the material along the normal of a face of point p, 2 axis + side, at its middle, -1: none.
+  Such a face of a surface on all sides lies on a plane of symmetry and is left out.
+*/
+static PetscInt FaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, const MpmPoints *points, PetscInt p,
+                         PetscInt face)
 {
   const PetscInt dim = grid->dim;
   PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.}, at[MPM_MAX_DIM], start[MPM_MAX_DIM];
@@ -146,6 +150,28 @@ PetscInt MpmSurfaceFaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, c
   return -1;
 }
 
+PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, MpmParticles *particles,
+                                       PetscInt surface, PetscInt held[])
+{
+  const PetscInt dim = grid->dim;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(held, faces->bcs->count));
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  for (PetscInt k = 0; k < 2 * dim * points.count; k++) {
+    const PetscInt p = k / (2 * dim), face = k % (2 * dim);
+    PetscInt       b;
+
+    if (!Has(faces, surface, points.id[p]) || !(points.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+    b = FaceHeld(faces, grid, &points, p, face);
+    if (b >= 0) held[b] = 1;
+  }
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, held, (PetscMPIInt)faces->bcs->count, MPIU_INT, MPI_MAX, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The faces of point p among the bits `outer`; `used`: weights that there are. */
 static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules, const MpmPoints *points,
                                    const MpmSpace *space, const MpmFacet *start, PetscInt outer, PetscInt *used)
@@ -166,7 +192,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
     if (!Touches(faces, surface, points, p, facet.place, area)) continue;
     if (faces->bcs && MpmBodySurfaceIsAll(&faces->surfaces->at[surface], dim) &&
-        MpmSurfaceFaceHeld(faces, rules->grid, points, p, face) >= 0)
+        FaceHeld(faces, rules->grid, points, p, face) >= 0)
       continue;
     if (faces->surfaces->at[surface].held) held |= bit;
     PetscCall(Reserve(faces, *used + nodes));

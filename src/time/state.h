@@ -38,12 +38,6 @@ typedef struct {
   PetscInt  count;        /* of rescues that have come to rest */
 } MpmRescuing;
 
-/* The mean size of the excess pressure in a stage that ends at a degree of consolidation. */
-typedef struct {
-  PetscReal most;   /* the largest so far, Pa; -1: unknown */
-  PetscReal degree; /* of consolidation at the last step's end */
-} MpmConsolidating;
-
 /* How far the grid has moved with what it follows. */
 typedef struct {
   PetscBool known;              /* what it follows has been there; */
@@ -53,9 +47,9 @@ typedef struct {
 
 /* What is left to try where steps fail again and again. */
 typedef struct {
-  PetscBool dilation;   /* F-bar leaves dilation to the points: it may average that, too */
-  PetscInt  averaged;   /* steps that did so alone */
-  PetscBool smooth;     /* strains are smoothed while a factor of safety is sought: they may be the points' own */
+  PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
+  PetscInt  averaged; /* steps that did so alone */
+  PetscBool smooth;   /* strains are smoothed while a factor of safety is sought: they may be the points' own */
 } MpmRescue;
 
 typedef struct {
@@ -74,6 +68,13 @@ typedef struct {
   PetscReal mark[2];    /* kinetic and elastic energy before what is no step */
 } MpmEnergy;
 
+/* Water in the stage under way (consolidation.c, water_state.c). */
+typedef struct {
+  PetscReal most;   /* largest mean size of the excess pressure so far, Pa; -1: unknown */
+  PetscReal degree; /* of consolidation at the last step's end */
+  PetscInt  boiled; /* stages up to the last with a line on pressures below -100 kPa */
+} MpmWaterRun;
+
 /* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
@@ -88,37 +89,36 @@ typedef struct {
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
   MpmEnergy energy;
   MpmRescuing rescuing;
-  PetscReal   order;      /* the power of a step's length that the estimate goes with */
-  PetscReal   trial;      /* what `largest` will be, should the step be accepted */
-  PetscReal   largest;    /* what errors are relative to: the largest change since the stage's start */
+  PetscReal   order;   /* the power of a step's length that the estimate goes with */
+  PetscReal   trial;   /* what `largest` will be, should the step be accepted */
+  PetscReal   largest; /* what errors are relative to: the largest change since the stage's start */
+  MpmWaterRun water;
   PetscReal   load_scale; /* what a geostatic stage applies of its loads; otherwise 1 */
 } MpmScheme;
 
 /* What moves on: points, time, and how steps go. */
 typedef struct {
-  MpmScheme     scheme;
-  MpmParticles *particles;
-  PetscReal     time, time_end, dt_nominal, dt_min, dt_max, growth;
-  PetscReal     dt_wanted; /* of the next step */
-  PetscReal     dt_last;   /* of the last step, 0 before the first; */
-  PetscReal     dt_before; /* of the one before; below 0: the next step stops what moved, which no step goes on from */
-  PetscBool     adaptive;
-  PetscBool     predict; /* start from the last step's increment */
-  PetscInt      step, cuts, cuts_total;
-  PetscInt      stage; /* the one under way */
-  MpmConsolidating consolidating;
-  PetscInt         boiled;     /* stages up to the last in which water that would boil was told of */
-  MpmParked       *parked;     /* per body: points that a later stage adds */
-  MpmActing       *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
-  MpmLoadActing   *loads;      /* surfaces behind loads */
-  MpmWalls         walls;      /* that follow from it */
-  PetscReal        time_start; /* of the stage under way; time_end is its end */
-  PetscReal        run_end;
-  PetscBool        reference_output; /* position0 goes into the next state that is written */
-  MpmRescue        rescue;
-  PetscInt64       active_dofs_max;
-  MpmSafety        safety;
-  MpmRelaxing      relaxing;
-  MpmGridMotion    grid;
-  MpmPlacement    *placements; /* by the scene's boundaries: how far those have come that move by themselves */
+  MpmScheme      scheme;
+  MpmParticles  *particles;
+  PetscReal      time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscReal      dt_wanted; /* of the next step */
+  PetscReal      dt_last;   /* of the last step, 0 before the first; */
+  PetscReal      dt_before; /* of the one before; below 0: the next step stops what moved, which no step goes on from */
+  PetscBool      adaptive;
+  PetscBool      predict; /* start from the last step's increment */
+  PetscInt       step, cuts, cuts_total;
+  PetscInt       stage;      /* the one under way */
+  MpmParked     *parked;     /* per body: points that a later stage adds */
+  MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
+  MpmLoadActing *loads;      /* surfaces behind loads */
+  MpmWalls       walls;      /* that follow from it */
+  PetscReal      time_start; /* of the stage under way; time_end is its end */
+  PetscReal      run_end;
+  PetscBool      reference_output; /* position0 goes into the next state that is written */
+  MpmRescue      rescue;
+  PetscInt64     active_dofs_max;
+  MpmSafety      safety;
+  MpmRelaxing    relaxing;
+  MpmGridMotion  grid;
+  MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;

@@ -17,7 +17,7 @@
 
   a (1 - a)/2 is the error of the trapezoidal rule at a bend; b follows from the second moment (k + 1)/12 of the spline.
 
-  Held pressures. At nodes that are not below the water's level the pressure is held, as that of water at rest (water_rest.c): in dry ground 0
+  Held pressures. At nodes that are not below the water's level the pressure is held, as that of water at rest (see above): in dry ground 0
   but beside the level, where no point stands above it hydrostatic.
 */
 #include "point/layout.h"
@@ -390,5 +390,92 @@ PetscErrorCode MpmWaterFindHeave(MpmModel model, const char **why)
     above += volume[k];
   }
   PetscCall(PetscFree(volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- pressures that no water bears, and closed pores ---- */
+
+#define BOILS  (-100e3) /* Pa; water under the air's pressure parts below it */
+#define CLOSED 0.01     /* porosity */
+
+/* The value of `least` over all ranks, with the place that goes with it, `dim` numbers behind it. */
+static PetscErrorCode FindLeast(MpmModel model, PetscReal least[1 + MPM_MAX_DIM])
+{
+  PetscReal lowest = least[0];
+  PetscInt  rank   = model->rank;
+
+  PetscFunctionBeginUser;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &lowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
+  if (least[0] > lowest) rank = model->size;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &rank, 1, MPIU_INT, MPI_MIN, model->comm));
+  if (rank < model->size) PetscCallMPI(MPI_Bcast(least, 1 + MPM_MAX_DIM, MPIU_REAL, (PetscMPIInt)rank, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void PlaceText(const MpmModel model, const PetscReal x[], char text[MPM_WATER_TEXT])
+{
+  char third[32] = "";
+
+  if (model->disc.dim > 2) (void)PetscSNPrintf(third, sizeof(third), ", %.4g", (double)x[2]);
+  (void)PetscSNPrintf(text, MPM_WATER_TEXT, "(%.4g, %.4g%s)", (double)x[0], (double)x[1], third);
+}
+
+PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT])
+{
+  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const PetscInt  dim = model->disc.dim, rates = model->disc.layout->rates;
+  PetscReal       least[1 + MPM_MAX_DIM] = {PETSC_INFINITY};
+  char            place[MPM_WATER_TEXT];
+  MpmPoints       points;
+
+  PetscFunctionBeginUser;
+  text[0] = '\0';
+  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->taken_up < 0)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->state.scheme.water.boiled > model->state.stage) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < points.count; p++) {
+    if (points.value[p * rates] >= least[0]) continue;
+    least[0] = points.value[p * rates];
+    for (PetscInt a = 0; a < dim; a++) least[1 + a] = points.x[p * dim + a];
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(FindLeast(model, least));
+  if (!(least[0] < BOILS)) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.scheme.water.boiled = model->state.stage + 1;
+  PlaceText(model, &least[1], place);
+  PetscCall(PetscSNPrintf(text, MPM_WATER_TEXT,
+                          "pore pressure %.4g kPa at %s%s%s: water boils below about -100 kPa; ground that drains in "
+                          "a stage has `drained: true`",
+                          (double)(1e-3 * least[0]), place, stage->name ? ", stage " : "",
+                          stage->name ? stage->name : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmWaterFindClosed(MpmModel model, const char **why)
+{
+  const PetscInt dim = model->disc.dim, size = model->disc.layout->own_size;
+  PetscReal      least[1 + MPM_MAX_DIM] = {PETSC_INFINITY};
+  char           place[MPM_WATER_TEXT];
+  PetscInt       first;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->taken_up < 0)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmModelFindState(model, NULL, "porosity", &first, NULL));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < points.count; p++) {
+    if (points.own[p * size + first] >= least[0]) continue;
+    least[0] = points.own[p * size + first];
+    for (PetscInt a = 0; a < dim; a++) least[1 + a] = points.x[p * dim + a];
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(FindLeast(model, least));
+  if (!(least[0] < CLOSED)) PetscFunctionReturn(PETSC_SUCCESS);
+  PlaceText(model, &least[1], place);
+  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost), "pores closed at %s: porosity %.2g", place,
+                          (double)least[0]));
+  *why = model->solver.lost;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/sum.h"
 #include "talus/talus.h"
 
 /* Reads the level; materials, loads, grid and layout are known. */
@@ -16,7 +15,7 @@ PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end);
   points have them. Constraints and space are set up.
 */
 PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
-/* A line on the length of the stage that begins beside the time of consolidation (water_notes.c). Collective. */
+/* A line on the length of the stage that begins beside the time of consolidation (consolidation.c). Collective. */
 PetscErrorCode MpmWaterTellStage(MpmModel model);
 /* A line on the lowest pressure where water would boil, once a stage; otherwise empty. Collective. */
 #define MPM_WATER_TEXT 256
