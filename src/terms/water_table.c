@@ -50,10 +50,14 @@ static PetscErrorCode ReadLine(const MpmOptions *block, PetscBool *given, MpmWat
                 (int)count);
   table->count = count / 2;
   table->there = PETSC_TRUE;
-  for (PetscInt k = 1; k < table->count; k++)
+  for (PetscInt k = 1; k < table->count; k++) {
+    char text[2][MPM_NUMBER_TEXT];
+
+    MpmRealText(table->line[2 * k], text[0]);
+    MpmRealText(table->line[2 * k - 2], text[1]);
     MpmCheckInput(table->line[2 * k] > table->line[2 * k - 2],
-                  "-mpm_water_table: place %g follows %g; places must increase", (double)table->line[2 * k],
-                  (double)table->line[2 * k - 2]);
+                  "-mpm_water_table: place %s follows %s; places must increase", text[0], text[1]);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -65,7 +69,7 @@ PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, PetscInt dim, cons
   PetscReal                least, most, gravity, ends[2], reach[2];
   PetscBool                line;
   PetscInt                 word = 0;
-  char                     text[2][MPM_NUMBER_TEXT];
+  char                     text[3][MPM_NUMBER_TEXT];
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsReal(&block, "level", "m",
@@ -97,9 +101,10 @@ PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, PetscInt dim, cons
 
     MpmRealText(ends[0], text[0]);
     MpmRealText(ends[1], text[1]);
+    MpmRealText(reach[k % 2], text[2]);
     MpmCheckInput(level >= ends[0] - slack && level <= ends[1] + slack,
-                  "-mpm_water_%s %g: the level, with its ramp, must be in the grid, from %s to %s m up axis %c",
-                  line ? "table" : "level", (double)reach[k % 2], text[0], text[1], "xyz"[table->axis]);
+                  "-mpm_water_%s %s: the level, with its ramp, must be in the grid, from %s to %s m up axis %c",
+                  line ? "table" : "level", text[2], text[0], text[1], "xyz"[table->axis]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
