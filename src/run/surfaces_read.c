@@ -70,6 +70,7 @@ PetscErrorCode MpmSurfacesTellHeld(MpmModel model)
 
     if (!MpmBodySurfaceIsAll(&surfaces->at[k], model->disc.dim)) continue;
     if (!model->state.loads[model->scene.loads->count + k].active) continue;
+    if (model->state.loads[model->scene.loads->count + k].start < model->state.time_start) continue; /* told before */
     PetscCall(MpmSurfaceFacesFindHeld(model->disc.surfaces, model->disc.grid, model->state.particles, k, held));
     for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
       if (!held[b]) continue;

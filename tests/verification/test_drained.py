@@ -14,6 +14,7 @@ from talus_test import Test  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 FILL, COLUMN, QUARTER = HERE / "fill_on_clay.yaml", HERE / "drained_column.yaml", HERE / "quarter.yaml"
+SLOPE = HERE / "slope_still.yaml"
 GAMMA, LOAD, CELL = 1e4, 20e3, 0.5
 MODULUS = 1e7 * 0.75 / (1.25 * 0.5)  # constrained, of the column
 
@@ -33,6 +34,9 @@ def fill(test):
             if (shape, level) == ("gimp", 3.0):
                 first = settled
             test.near(label + ".shapes", settled, first if shape != "linear" else settled, 0.01)
+    run = test.run(FILL, mpm_water_above="suction")
+    y = run.table("position")[:, 1]
+    test.check("fill.suction", np.max(np.abs(run.table("pressure") - GAMMA * (3.0 - y))), None, 0.005 * LOAD)
     several = test.run(FILL, ranks=3, mpm_water_level=2.75)
     alone = test.run(FILL, mpm_water_level=2.75)
     test.check("fill.on_3", abs(several.results.column("track_t_uy")[-1] - alone.results.column("track_t_uy")[-1]), None, 1e-10)
@@ -53,6 +57,17 @@ def table(test):
     pressure, hydrostatic = rest.results.state(0)["pressure"], GAMMA * (1.5 + x - y)
     deep = hydrostatic > 1.5 * GAMMA * CELL
     test.check("table.start", np.max(np.abs(pressure - hydrostatic)[deep]), None, 1e-6)
+
+
+def slope(test):
+    """A level that meets a slope, open water above its foot: nothing moves."""
+    for shape in ("gimp", "gimp_bspline2"):
+        run = test.run(SLOPE, mpm_shape=shape)
+        y, label = run.table("position")[:, 1], f"slope.{shape}"
+        deep = y < 3.7 - 2 * CELL
+        test.check(label + ".pressure", np.max(np.abs(run.table("pressure") - GAMMA * (3.7 - y))[deep]), None, 1e-6 * LOAD)
+        test.check(label + ".moved", np.max(np.abs(run.table("displacement"))), None, 1e-9)
+        test.check(label + ".flux", np.max(np.abs(run.table("flux"))) / (1e-11 / 1e-3 * GAMMA), None, 1e-10)
 
 
 def drained(test):
@@ -120,6 +135,7 @@ def main():
     with Test() as test:
         fill(test)
         table(test)
+        slope(test)
         drained(test)
         until(test)
         lines(test)
