@@ -452,6 +452,19 @@ PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where the porosity stands among the physics' own states; PETSC_FALSE where there is none. */
+static PetscBool FindPorosity(const MpmModel model, PetscInt *first)
+{
+  const MpmPhysics *physics = &model->scene.physics;
+
+  *first = 0;
+  for (size_t k = 0; k < physics->state_count; k++) {
+    if (!strcmp(physics->states[k].name, "porosity")) return PETSC_TRUE;
+    *first += MpmStateComponents(&physics->states[k], model->disc.dim);
+  }
+  return PETSC_FALSE;
+}
+
 PetscErrorCode MpmWaterFindClosed(MpmModel model, const char **why)
 {
   const PetscInt dim = model->disc.dim, size = model->disc.layout->own_size;
@@ -463,7 +476,7 @@ PetscErrorCode MpmWaterFindClosed(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->taken_up < 0)
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmModelFindState(model, NULL, "porosity", &first, NULL));
+  if (!FindPorosity(model, &first)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     if (points.own[p * size + first] >= least[0]) continue;
