@@ -12,7 +12,8 @@
 /* A loop that is written once and compiled with constants for its usual cases. */
 #define MPM_INLINE static inline __attribute__((always_inline))
 
-#define MPM_MAX_DIM 3
+#define MPM_MAX_DIM   3
+#define MPM_MAX_WIDTH 16 /* nodes of a point on an axis */
 
 #define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
 /* Basis functions of one shape: weights, then derivatives, then weights less their means. */

@@ -531,6 +531,7 @@ static PetscErrorCode BeginStages(MpmModel model)
 {
   PetscFunctionBeginUser;
   MpmSurfacesSetBodies(model);
+  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmStageBegin(model, 0));
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
                                  model->state.particles));
@@ -556,6 +557,7 @@ static void AddStageFields(const MpmModel model, const char *fields[], PetscInt 
 {
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
   if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
+  if (MpmStagesConsolidate(model)) fields[(*count)++] = MpmConsolidationField;
 }
 
 /* What contacts keep at the points. */
@@ -658,7 +660,6 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
   PetscCall(MpmFillOwnStates(model));
-  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmFillFromFiles(model));
   PetscCall(MpmFillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));

@@ -16,6 +16,7 @@
 #include "terms/rigid_body.h"
 #include "time/relaxation.h"
 #include "time/time.h"
+#include "time/water_state.h"
 #include "run/laboratory.h"
 #include "run/motion_columns.h"
 #include "run/run.h"
@@ -98,7 +99,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
                       model->scene.boundaries->count * (3 * dim + 4) + model->scene.pairs->count * dim +
                       model->scene.motions->count * dim + model->scene.surfaces->count + MpmLinesColumnCount(model) +
-                      2 * dim + 5 + MpmMotionColumnCount(model);
+                      2 * dim + 6 + MpmMotionColumnCount(model);
   char name[512];
 
   PetscFunctionBeginUser;
@@ -157,6 +158,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   }
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
+  if (MpmStagesConsolidate(model)) PetscCall(PetscStrallocpy("consolidation", &(*names)[(*count)++]));
   PetscCall(MpmMotionAddColumns(model, *names, count));
   for (PetscInt k = 0; MpmStagesRelax(model) && k < 3; k++)
     PetscCall(PetscStrallocpy(relaxing[k], &(*names)[(*count)++]));
@@ -272,6 +274,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
   if (MpmStagesReduce(model)) row[k++] = MpmReductionFactor(model, model->state.time);
+  if (MpmStagesConsolidate(model)) row[k++] = model->state.scheme.water.degree;
   PetscCall(MpmMotionAddValues(model, row, &k));
   if (MpmStagesRelax(model)) {
     row[k++] = model->state.relaxing.force;

@@ -166,6 +166,8 @@ PetscBool MpmSceneIsSymmetric(MpmModel model);
 PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options);
 void           MpmSurfacesSetBodies(MpmModel model);
 PetscErrorCode MpmSurfacesAdd(MpmModel model);
+/* Lines on faces of surfaces on all sides that are left out in the stage that begins. Collective. */
+PetscErrorCode MpmSurfacesTellHeld(MpmModel model);
 /*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
   bodies, conditions and stages are known.
