@@ -82,6 +82,8 @@ PetscReal MpmRampIntegral(MpmRamp ramp, PetscReal time, PetscInt order);
 PetscErrorCode MpmRampReadTable(const MpmOptions *options, const char *name, PetscBool record, MpmRamp *ramp);
 /* The least and the largest factor of all times. */
 void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most);
+/* The time from which on the factor stays; minus infinity where it never changes. */
+PetscReal MpmRampLastChange(MpmRamp ramp);
 
 /*
   Makes axis[0] of length one and the others from it, right-handed: axis[1] is the grid's axis behind the one along which

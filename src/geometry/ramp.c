@@ -285,3 +285,10 @@ void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most)
     *most  = PetscMax(*most, ramp->factor[k]);
   }
 }
+
+PetscReal MpmRampLastChange(MpmRamp ramp)
+{
+  for (PetscInt k = ramp->count - 1; k > 0; k--)
+    if (ramp->factor[k] != ramp->factor[k - 1]) return ramp->time[k];
+  return PETSC_NINFINITY;
+}

@@ -6,7 +6,8 @@
     viscous  f_i -= 2 xi m_i v_i ; xi is a rate, 1/s, critical for a mode whose angular frequency it is
     local    f_i -= alpha |f_i| sign(v_i), by component
 
-  The stage ends where both have been below the tolerance for long enough:
+  The stage ends where both have been below the tolerance for long enough, once points have moved and no load, condition, boundary or
+  strength changes any more:
 
     K_F = max_i |f_ext - f_int|_i / max_i |f_ext|_i ,  without prescribed components: there it is the reaction
     K_E = sum_p m_p v_p^2/2 / W ,  W += sum_i f_ext,i . u_i  the work of the loads since the stage began
@@ -36,11 +37,17 @@
   (1999), Int. J. Space Struct. 14, 89-104, doi:10.1260/0266351991494722 (kinetic damping); Underwood (1983), Dynamic relaxation, in: Belytschko, Hughes (eds.),
   Computational Methods for Transient Analysis, 245-265 (masses).
 */
+#include "geometry/geometry.h"
 #include "particles/particles.h"
 #include "space/motion.h"
 #include "space/sum.h"
 #include "bc/bc.h"
+#include "bc/body_motion.h"
+#include "terms/body_surface.h"
 #include "terms/inertia.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
+#include "terms/water_table.h"
 #include "time/dynamics.h"
 #include "time/integrator.h"
 #include "time/model.h"
@@ -331,6 +338,63 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The later of two times, of which the second counts from a start. */
+static PetscReal Later(PetscReal until, MpmRamp ramp, PetscReal start)
+{
+  return ramp ? PetscMax(until, start + MpmRampLastChange(ramp)) : until;
+}
+
+/* The run's time from which on loads, conditions, motions, boundaries, water and strengths of the stage stay as they are. */
+static PetscReal StillFrom(const MpmModel model)
+{
+  const MpmScene *scene = &model->scene;
+  const MpmState *state = &model->state;
+  const PetscInt  loads = scene->loads->count;
+  PetscReal       until = Later(PETSC_NINFINITY, scene->stages[state->stage].reduction.ramp, state->time_start);
+
+  for (PetscInt l = 0; l < loads; l++)
+    if (state->loads[l].active && !state->loads[l].forced)
+      until = Later(until, scene->loads->at[l].ramp, state->loads[l].start);
+  for (PetscInt s = 0; s < scene->surfaces->count; s++)
+    if (state->loads[loads + s].active && !state->loads[loads + s].forced)
+      until = Later(until, scene->surfaces->at[s].ramp, state->loads[loads + s].start);
+  for (PetscInt b = 0; b < scene->bcs->count; b++)
+    if (state->bcs[b].active && (scene->bcs->at[b].absorbing || MpmConditionMoves(&scene->bcs->at[b], model->disc.dim)))
+      until = Later(until, scene->bcs->at[b].ramp, state->bcs[b].start);
+  for (PetscInt m = 0; m < scene->motions->count; m++)
+    if (state->bcs[scene->bcs->count + m].active)
+      until = Later(until, scene->motions->at[m].ramp, state->bcs[scene->bcs->count + m].start);
+  for (PetscInt b = 0; b < scene->boundaries->count; b++) {
+    const MpmMotion *motion = &scene->boundaries->at[b].motion;
+
+    if (motion->rows) until = PetscMax(until, motion->time[motion->rows - 1]);
+    else if (MpmMotionMoves(motion)) until = Later(until, motion->ramp, 0.);
+  }
+  if (scene->water && scene->water->there) until = Later(until, scene->water->ramp, 0.);
+  return until;
+}
+
+/* Is there anything to be at rest: has a point moved, and is all that drives the material at its end? */
+static PetscErrorCode MayRest(MpmModel model, PetscBool *may)
+{
+  const MpmRelaxing *relaxing = &model->state.relaxing;
+  PetscBool          driven;
+
+  PetscFunctionBeginUser;
+  *may = PETSC_FALSE;
+  if (model->state.scheme.rescuing.on) {
+    *may = (PetscBool)(End(model) >= model->state.scheme.rescuing.ramp);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!(relaxing->kinetic > 0.) && !relaxing->resets) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->state.time == model->state.time_start)
+    PetscFunctionReturn(PETSC_SUCCESS); /* K_F is that of the stage's start */
+  if (model->state.time < PetscMin(StillFrom(model), model->state.time_end)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(IsDriven(model, &driven));
+  *may = (PetscBool)!driven;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Have the criteria held for long enough? */
 static PetscBool HaveHeld(const MpmModel model)
 {
@@ -362,7 +426,7 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
   most             = PetscAbsReal(relaxing->work);
   relaxing->energy = most > 0. ? relaxing->kinetic / most : (relaxing->kinetic > 0. ? PETSC_MAX_REAL : 0.);
   holds            = (PetscBool)(relaxing->force < relaxation->tolerance && relaxing->energy < relaxation->tolerance);
-  if (rescuing->on && End(model) < rescuing->ramp) holds = PETSC_FALSE;
+  if (holds) PetscCall(MayRest(model, &holds));
   if (holds && relaxing->first < 0.) relaxing->first = End(model);
   if (!holds) relaxing->since = -1.;
   else if (relaxing->since < 0.) relaxing->since = rescuing->on ? rescuing->clock : model->state.time;
@@ -380,14 +444,20 @@ const char *MpmRelaxationOver(MpmModel model)
 {
   MpmState          *state    = &model->state;
   const MpmRelaxing *relaxing = &state->relaxing;
+  PetscReal          still;
+  char               why[96] = "";
 
   if (relaxing->rests) {
     state->run_end -= state->time_end - state->time;
     state->time_end = state->relaxing.ended[state->stage] = state->time;
   }
   if (relaxing->rests || state->time < state->time_end) return NULL;
+  still = StillFrom(model);
+  if (!(relaxing->kinetic > 0.) && !relaxing->resets) (void)PetscSNPrintf(why, sizeof(why), ": nothing has moved");
+  else if (still > state->time_start && state->time - still < 0.1 * (state->time_end - state->time_start))
+    (void)PetscSNPrintf(why, sizeof(why), ": loads, conditions or strengths change until %.6g", (double)still);
   (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                      "the relaxation has not come to rest: K_F is %.3g and K_E %.3g, with a tolerance of %g",
+                      "the relaxation has not come to rest%s; K_F is %.3g and K_E %.3g, with a tolerance of %g", why,
                       (double)relaxing->force, (double)relaxing->energy,
                       (double)model->scene.stages[state->stage].relaxation.tolerance);
   return model->solver.lost;

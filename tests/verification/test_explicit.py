@@ -210,6 +210,25 @@ def rests(test):
         test.check(f"rests.not.{balance}.{ranks}", run.results.column("track_middle_ux")[-1] / 4.75e-3, 1.02, 1.05)
 
 
+def ramps(test):
+    """A relaxation rests once loads, supports and strengths are at their ends, and never before anything has moved."""
+    scene = HERE / "relaxation_ramp.yaml"
+    for ranks in (1, 3):
+        run = test.run(scene, ranks=ranks, mpm_quiet=None)
+        test.near(f"ramps.load.{ranks}.displacement", run.results.column("track_t_uy")[-1], -0.0116, relative=0.02)
+        test.check(f"ramps.load.{ranks}.factor", run.results.column("load")[-1], 1, 1)
+    late = test.run(scene, mpm_quiet=None, mpm_load_g_ramp="0:0,2:0.5,8:0.5,9:1", mpm_stage_fall_relaxation_damping="local")
+    test.check("ramps.late", late.results.column("time")[-1], 9.0, 30.0)
+    push = {"mpm_bcs": "f,push", "mpm_bc_push_region": "box", "mpm_bc_push_lower": "0,1", "mpm_bc_push_upper": "6,1",
+            "mpm_bc_push_components": "y", "mpm_load_g_ramp": "0:1", "mpm_quiet": None}
+    support = test.run(scene, mpm_bc_push_value=-0.02, mpm_bc_push_ramp="0:0,5:0,6:1", **push)
+    test.check("ramps.support.time", support.results.column("time")[-1], 6.0, 59.0)
+    for ramp in ("0:0", "0:0,30:0,60:1"):
+        run = test.run(scene, status=3, mpm_quiet=None, mpm_load_g_ramp=ramp)
+        line = "nothing has moved" if ramp == "0:0" else "loads, conditions or strengths change until 60"
+        test.check(f"ramps.{ramp}", float(line in run.errors), 1, 1)
+
+
 def scaled_masses(test):
     """With scaled masses a bar whose fixed half is stiff comes to the same rest in a fraction of the steps, by any damping and on any ranks."""
     static = 1e-3 * (5.0 / 400.0 + 4.875)
@@ -243,6 +262,7 @@ with Test() as test:
     leaving(test)
     stages(test)
     relaxation(test)
+    ramps(test)
     rests(test)
     scaled_masses(test)
     offered(test)
