@@ -56,7 +56,7 @@ static const MpmParameter parameters[] = {
    0.02, NULL},
   {MPM_NUMBER, "lambda", "-", 0., 1, 0., HUGE_VAL, 1, "slope of ln v over ln p in virgin compression, above kappa",
    NULL, 0.1, NULL},
-  {MPM_NUMBER, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at critical state", NULL, 1.2, NULL},
+  {MPM_STRENGTH, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at critical state", NULL, 1.2, NULL},
   {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus", NULL, 4e6, NULL},
   {MPM_NUMBER, "reference_pressure", "Pa", 100e3, 0, 0., HUGE_VAL, 1,
    "pressure at which the elastic volume strain is 0", NULL, 100e3, NULL},

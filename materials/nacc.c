@@ -38,7 +38,7 @@ enum { CRITICAL = ELASTIC_COUNT, BETA, XI, ALPHA_0 };
 
 static const MpmParameter parameters[] = {
   ELASTIC_PARAMETERS,
-  {MPM_NUMBER, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at critical state, 6 sin phi/(3 - sin phi)", NULL, 2., NULL},
+  {MPM_STRENGTH, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at critical state, 6 sin phi/(3 - sin phi)", NULL, 2., NULL},
   {MPM_NUMBER, "beta", "-", 0., 0, 0., HUGE_VAL, 0, "strength in isotropic tension over that in compression", NULL, 0.5,
    NULL},
   {MPM_NUMBER, "xi", "-", 0., 1, 0., HUGE_VAL, 0, "hardening factor", NULL, 30., NULL},

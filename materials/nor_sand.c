@@ -62,7 +62,7 @@ static const MpmParameter parameters[] = {
   {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL, 2000., NULL},
   {MPM_NUMBER, "kappa", "-", 0., 1, 0., HUGE_VAL, 1, "elastic volume strain per ln p", NULL, 0.01, NULL},
   {MPM_NUMBER, "G", "Pa", 0., 1, 0., HUGE_VAL, 1, "shear modulus, the same at all pressures", NULL, 20e6, NULL},
-  {MPM_NUMBER, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at the critical state", NULL, 1.2, NULL},
+  {MPM_STRENGTH, "M", "-", 0., 1, 0., HUGE_VAL, 1, "q/p at the critical state", NULL, 1.2, NULL},
   {MPM_NUMBER, "N", "-", 0., 0, 0., 0.95, 0, "curvature of the yield surface; 0: that of Cam-Clay", NULL, 0.3, NULL},
   {MPM_NUMBER, "beta", "-", 1., 0, 0., HUGE_VAL, 1, "volume of the flow, over that of associated flow", NULL, 1., NULL},
   {MPM_NUMBER, "lambda", "-", 0., 1, 0., HUGE_VAL, 0, "slope of the critical state line, v over ln p", NULL, 0.02,

@@ -194,7 +194,8 @@ PetscBool MpmMaterialHasStrength(const MpmMaterial *material)
   for (size_t i = 0; i < material->info.parameter_count; i++) {
     const MpmParameterKind kind = material->info.parameters[i].kind;
 
-    if (kind == MPM_STRENGTH || kind == MPM_STRENGTH_ANGLE) return PETSC_TRUE;
+    if (kind != MPM_STRENGTH && kind != MPM_STRENGTH_ANGLE) continue;
+    if (material->given[i] > 0. && material->given[i] <= PETSC_MAX_REAL) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }

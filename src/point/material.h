@@ -49,7 +49,8 @@ MpmPhysicsMaterial MpmMaterialForPhysics(const MpmMaterial *material, PetscInt d
 PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, PetscReal gravity, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Divides all strengths that the scene gives by a factor > 0, angles by their tangents; the other parameters stay. */
-void      MpmMaterialReduce(MpmMaterial *material, PetscReal factor);
+void MpmMaterialReduce(MpmMaterial *material, PetscReal factor);
+/* Has it a strength that can be reduced: neither zero nor infinite? */
 PetscBool MpmMaterialHasStrength(const MpmMaterial *material);
 /* Are the parameters in force out of range, or against each other? `why` then names one: "dilation 40: must be ...". */
 #define MPM_FAULT_TEXT 512

@@ -11,8 +11,8 @@ typedef void (*MpmFunction)(void);
   What a parameter of a law is.
 
   MPM_NUMBER          a number, in the parameter's unit and range
-  MPM_STRENGTH        a number that bounds the stress, or tells how such a bound grows or falls: a stage that reduces
-                      strength divides it by its factor
+  MPM_STRENGTH        a number that bounds the stress, the slope of such a bound, or how it grows or falls: a stage that
+                      reduces strength divides it by its factor
   MPM_STRENGTH_ANGLE  an angle, degrees: such a stage divides its tangent
   MPM_WORD            one of `choices`; the law sees its index
   MPM_TABLE           rows x, y with growing x: text "x:y,x:y" in the scene, or the name of a file with two columns; the
