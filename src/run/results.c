@@ -314,6 +314,8 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
   PetscLogDouble now;
 
   PetscFunctionBeginUser;
+  if (!(summary.factor_of_safety > 0.) && model->caller.why && MpmReductionSeeks(model))
+    summary.factor_of_safety = model->state.safety.reduced; /* a lower bound */
   for (PetscInt a = 0; a < model->disc.dim; a++) summary.cells *= model->disc.grid->cells[a];
   if (model->laboratory) {
     summary.physics  = MPM_STRESS_POINT;

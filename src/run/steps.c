@@ -29,6 +29,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
 {
   const PetscBool begins = (PetscBool)!model->state.scheme.rescuing.on;
   const char    **why    = &model->caller.why;
+  PetscInt        before;
   const MpmStage *stage;
 
   PetscFunctionBeginUser;
@@ -38,7 +39,8 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
     if (*why) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStageBegin(model, model->state.stage + 1));
   }
-  stage = &model->scene.stages[model->state.stage];
+  before = model->state.step;
+  stage  = &model->scene.stages[model->state.stage];
   if (begins && stage->name && model->state.time == model->state.time_start)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
   if (begins && model->state.time == model->state.time_start) {
@@ -53,7 +55,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   } else PetscCall(MpmAdvance(model, dt, why));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (*why) PetscCall(MpmWaterFindClosed(model, why));
-  if (!*why && !model->state.scheme.rescuing.on && model->caller.after)
+  if (!*why && !model->state.scheme.rescuing.on && model->state.step > before && model->caller.after)
     PetscCall((*model->caller.after)(model, model->caller.after_ctx));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -212,7 +214,7 @@ static PetscErrorCode Run(MpmModel model)
 
     PetscCall(TakeStep(model, &dt));
     if (model->caller.why && model->state.step == before) break;
-    if (!model->state.scheme.rescuing.on) PetscCall(Report(model, dt));
+    if (!model->state.scheme.rescuing.on && model->state.step > before) PetscCall(Report(model, dt));
     if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
     if (model->caller.why) break;
     PetscCall(MpmCheckpointStep(model, &interrupted));

@@ -80,6 +80,15 @@ PetscErrorCode MpmScalarAtPoints(const MpmSum *sum, const PetscReal nodal[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmDisplacementsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal displacement[])
+{
+  const PetscInt axis[MPM_MAX_DIM] = {0, 1, 2};
+
+  PetscFunctionBeginUser;
+  PetscCall(AtPoints(sum, u, sum->layout->dim, axis, 0, displacement));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Is a place in the grid? Rounding at the edge is forgiven. */
 static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
 {

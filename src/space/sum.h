@@ -63,6 +63,8 @@ PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], Pet
 PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal value[]);
 /* One number a local node with the first shape at the points, and its gradient by x; `value` may be NULL. */
 PetscErrorCode MpmScalarAtPoints(const MpmSum *sum, const PetscReal nodal[], PetscReal value[], PetscReal gradient[]);
+/* The points' displacements, `dim` a point. */
+PetscErrorCode MpmDisplacementsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal displacement[]);
 /*
   The first of this rank's points that the displacement u of local nodes would carry out of a grid, -1: none; and where to. `next` is
   sum->grid itself, or what that becomes where it moves.

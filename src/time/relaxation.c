@@ -447,10 +447,7 @@ const char *MpmRelaxationOver(MpmModel model)
   PetscReal          still;
   char               why[96] = "";
 
-  if (relaxing->rests) {
-    state->run_end -= state->time_end - state->time;
-    state->time_end = state->relaxing.ended[state->stage] = state->time;
-  }
+  if (relaxing->rests) MpmStageEndHere(model);
   if (relaxing->rests || state->time < state->time_end) return NULL;
   still = StillFrom(model);
   if (!(relaxing->kinetic > 0.) && !relaxing->resets) (void)PetscSNPrintf(why, sizeof(why), ": nothing has moved");

@@ -248,7 +248,8 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
   char     *text, number[MPM_NUMBER_TEXT];
 
   PetscFunctionBeginUser;
-  stage->reduction.limit = 0.01;
+  stage->reduction.limit     = 0.01;
+  stage->reduction.tolerance = 1e-3;
   PetscCall(MpmOptionsHas(block, "reduction", &given));
   if (MpmOptionsHelp()) {
     PetscCall(MpmOptionsText(block, "reduction",
@@ -262,6 +263,14 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
                            "how far a point has moved in the stage, in heights of the slope, where the reduction is "
                            "taken as the factor of safety",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &stage->reduction.limit, NULL));
+  PetscCall(MpmOptionsReal(block, "reduction_tolerance", "-",
+                           "steps without inertia that fail are halved until the factor of safety is known to this "
+                           "part",
+                           ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &stage->reduction.tolerance, NULL));
+  PetscCall(MpmOptionsBool(block, "reduction_slide",
+                           "steps without inertia go on into the slide once the factor of safety is known; otherwise "
+                           "the stage ends in the last state that stood",
+                           &stage->reduction.slide, NULL));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmRampBounds(stage->reduction.ramp, &least, &most);
   MpmRealText(least, number);
@@ -600,6 +609,7 @@ static PetscErrorCode ClearShares(MpmModel model)
 PetscErrorCode MpmStagesSelect(MpmModel model)
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmReductionCheck(model));
   PetscCall(ClearShares(model));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     PetscCall(ParkAbsent(model, k));
@@ -713,12 +723,22 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.scheme.integrator = &MpmIntegratorSdirk;
 }
 
+void MpmStageEndHere(MpmModel model)
+{
+  MpmState *state = &model->state;
+
+  state->run_end -= state->time_end - state->time;
+  state->time_end = state->relaxing.ended[state->stage] = state->time;
+}
+
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
 {
-  const MpmStage *stage = &model->scene.stages[k];
+  const MpmStage *stage  = &model->scene.stages[k];
+  const PetscReal factor = k ? MpmReductionFactor(model, model->state.time) : 1.;
 
   PetscFunctionBeginUser;
   PetscCall(MpmEnergyMark(model));
+  model->state.safety.start = factor;
   SetTime(model, k);
   model->state.dt_wanted = model->state.dt_nominal;
   model->state.dt_last = model->state.scheme.behind = 0.; /* nothing goes on as before */

@@ -11,6 +11,10 @@ typedef struct {
   PetscReal factor;  /* of safety; 0: not known yet */
   PetscReal moved;   /* the longest way of a point from the stage's beginning to the last step's end, m */
   PetscReal reduced; /* the reduction there */
+  PetscReal start;   /* the reduction before the stage; 0: as its ramp begins */
+  PetscReal rate;    /* m, of the longest way by the reduction, in the last step */
+  PetscReal failed;  /* s, the run's time of the end of a step that failed; 0: none, or it was passed */
+  PetscReal beyond;  /* m, the longest way in a solution that passed the limit; 0: it did not */
 } MpmSafety;
 
 /* How far a relaxation has come; the columns K_F, K_E and resets. */

@@ -70,6 +70,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     if (!*why) {
       *retryable = PETSC_TRUE;
       PetscCall(LookAtError(model, dt, why));
+      if (!*why) PetscCall(MpmReductionLook(model, time, why));
     } else model->state.scheme.refused = 0.;
     PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
   }
@@ -133,22 +134,23 @@ static PetscBool AveragesOnce(const MpmModel model)
   return (PetscBool)(MpmReductionSeeks(model) || model->state.rescue.averaged < STEPS_WITH_AVERAGE);
 }
 
-static PetscErrorCode AverageDilation(MpmModel model, const char *why)
+static PetscErrorCode AverageDilation(MpmModel model, const char *why, PetscReal dt)
 {
   const char *how_long = AveragesOnce(model) ? "this step" : "from here on";
 
   PetscFunctionBeginUser;
   MpmStepAverageDilation(model, PETSC_TRUE);
+  model->state.dt_wanted = dt;
   PetscCall(MpmMonitorNote(&model->monitor, "%s; %s with -mpm_stabilization_fbar plain", why, how_long));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Goes on with the points' own strains, in this step: at the limit load Newton's method finds its way more easily with them. */
-static PetscErrorCode StopSmoothing(MpmModel model, const char *why)
+static PetscErrorCode StopSmoothing(MpmModel model, const char *why, PetscReal dt)
 {
   PetscFunctionBeginUser;
   model->state.rescue.smooth = PETSC_FALSE;
-  model->state.dt_wanted     = model->state.dt_nominal;
+  model->state.dt_wanted     = dt;
   PetscCall(MpmMonitorNote(&model->monitor, "%s; this step with -mpm_stabilization_smooth 0", why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -162,7 +164,7 @@ static PetscErrorCode MindStruggle(MpmModel model)
   PetscCall(SNESGetTolerances(model->solver.snes, NULL, NULL, NULL, &most, NULL));
   if (!model->state.cuts || 2 * model->solver.newton <= most) PetscFunctionReturn(PETSC_SUCCESS);
   if (AveragesOnce(model)) model->state.rescue.averaged++;
-  else PetscCall(AverageDilation(model, "a short step was hard, too"));
+  else PetscCall(AverageDilation(model, "a short step was hard, too", model->state.dt_wanted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -267,15 +269,75 @@ PetscErrorCode MpmStageFinish(MpmModel model, const char **why)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What may be tried where a step fails. */
+typedef struct {
+  PetscBool seeks, dilation,
+    smooth;      /* a factor of safety, with F-bar; F-bar may average dilation; strains are smoothed */
+  PetscInt most; /* cuts before F-bar does */
+} Remedies;
+
+static Remedies FindRemedies(const MpmModel model)
+{
+  const PetscBool seeks = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
+
+  return (Remedies){.seeks    = seeks,
+                    .dilation = (PetscBool)(model->state.rescue.dilation && AveragesOnce(model)),
+                    .smooth   = (PetscBool)(model->state.rescue.smooth && MpmReductionSeeks(model)),
+                    .most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION};
+}
+
+/*
+  After a step to `next` that failed: a shorter one, the step in another way, or the end: `again` and `why` as MpmStep() wants them, and
+  `over`: nothing is left to try, or the stage has ended.
+*/
+static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscReal next, PetscReal dt, PetscBool *again,
+                              PetscBool *over, const char **why)
+{
+  const PetscBool brackets = (PetscBool)(MpmReductionBrackets(model, next) && !MpmRescueServes(model));
+  MpmRescue      *rescue   = &model->state.rescue;
+
+  PetscFunctionBeginUser;
+  *over = PETSC_FALSE;
+  if (model->state.scheme.refused > 0.) {
+    *again = PETSC_TRUE;
+    PetscCall(Cut(model, *why, MpmTimeErrorLength(model, MpmTimeErrorFactor(model) * dt)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *again = brackets ? MpmReductionNarrows(model, next) : (PetscBool)(0.5 * dt >= model->state.dt_min);
+  if (brackets && *again) {
+    PetscCall(Cut(model, *why, 0.5 * dt));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!(model->state.safety.beyond > 0.)) {
+    if (remedies->smooth && rescue->smooth && (!*again || model->state.cuts >= CUTS_WITH_SMOOTHING)) {
+      PetscCall(StopSmoothing(model, *why, brackets ? dt : model->state.dt_nominal));
+      *again = PETSC_FALSE;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+    if (rescue->dilation && (!*again || model->state.cuts >= remedies->most)) {
+      PetscCall(AverageDilation(model, *why, brackets ? dt : model->state.dt_nominal));
+      *again = PETSC_FALSE;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  if (brackets) {
+    PetscCall(MpmReductionClose(model, next, why));
+    *over                  = (PetscBool)(*why || model->state.time >= model->state.time_end);
+    model->state.dt_wanted = model->state.dt_nominal;
+  } else if (*again) PetscCall(Cut(model, *why, 0.5 * dt));
+  else {
+    *over = PETSC_TRUE;
+    PetscCall(OfferRelaxation(model, why));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
-  const PetscBool seeks    = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
-  const PetscBool dilation = (PetscBool)(model->state.rescue.dilation && AveragesOnce(model));
-  const PetscBool smooth   = (PetscBool)(model->state.rescue.smooth && MpmReductionSeeks(model));
-  const PetscInt  most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION;
-  PetscReal       next;
-  PetscBool       retryable, again = PETSC_FALSE;
+  const Remedies remedies  = FindRemedies(model);
+  PetscReal      next;
+  PetscBool      retryable, again = PETSC_FALSE, over;
 
   PetscFunctionBeginUser;
   PetscCall(Arrange(model, why));
@@ -294,28 +356,8 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
     PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
     if (!*why) break;
     if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
-    if (model->state.scheme.refused > 0.) {
-      again = PETSC_TRUE;
-      PetscCall(Cut(model, *why, MpmTimeErrorLength(model, MpmTimeErrorFactor(model) * *dt)));
-      continue;
-    }
-    again = (PetscBool)(0.5 * *dt >= model->state.dt_min);
-    if (smooth && model->state.rescue.smooth && (!again || model->state.cuts >= CUTS_WITH_SMOOTHING)) {
-      PetscCall(StopSmoothing(model, *why));
-      again = PETSC_FALSE;
-      continue;
-    }
-    if (model->state.rescue.dilation && (!again || model->state.cuts >= most)) {
-      PetscCall(AverageDilation(model, *why));
-      model->state.dt_wanted = model->state.dt_nominal;
-      again                  = PETSC_FALSE;
-      continue;
-    }
-    if (!again) {
-      PetscCall(OfferRelaxation(model, why));
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
-    PetscCall(Cut(model, *why, 0.5 * *dt));
+    PetscCall(TryNext(model, &remedies, next, *dt, &again, &over, why));
+    if (over) PetscFunctionReturn(PETSC_SUCCESS);
   }
   model->state.time = next;
   model->state.step++;
@@ -323,10 +365,10 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscCall(MpmConsolidationObserve(model));
   if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
-  if (dilation && !model->state.rescue.dilation) {
+  if (remedies.dilation && !model->state.rescue.dilation) {
     MpmStepAverageDilation(model, PETSC_FALSE);
-    if (!seeks) model->state.rescue.averaged++;
-  } else if (model->state.rescue.dilation && !seeks) PetscCall(MindStruggle(model));
-  model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
+    if (!remedies.seeks) model->state.rescue.averaged++;
+  } else if (model->state.rescue.dilation && !remedies.seeks) PetscCall(MindStruggle(model));
+  if (!(model->state.safety.failed > 0.)) model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,16 +14,34 @@
   began: between the ends of two steps, in proportion to the longest ways. Where the points stood as the stage began
   travels with them and stands in checkpoints.
 
-  Order of calls: Begin() once its bodies are there, Observe() after each of its steps.
+  Steps without inertia bracket it. A step fails where Newton's method finds no equilibrium, or where a point would pass the limit: it
+  is rolled back and halved, until its factors are as close as `reduction_tolerance`. What then fails beyond the last state that
+  stood is the slope, and the stage ends in that state, or goes on with `reduction_slide`. Where the solver alone fails the last factor is
+  a lower bound. The rate of movement by F grows, so that the limit would be passed no later than at the last step's rate: where that is
+  within a hundredth the factor is known, and otherwise the run gives up.
+
+  Where the ramp begins with another factor than the last stage ended with, these steps take the difference over their first step's
+  nominal length, so that a slope that fails there is bracketed from the state before.
+
+  Order of calls: Begin() once its bodies are there; Look() at a solution before it is accepted, Observe() after each step; after a
+  step that failed Narrows(), and Close() once that is false.
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "point/material.h"
+#include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
+#include "space/sum.h"
 #include "terms/load.h"
 #include "time/model.h"
 #include "time/time.h"
+
+/* Largest part of the mass that a reduction may leave as it is. */
+#define MOST_UNREDUCED 0.5
+
+/* Where the solver alone fails: how far above the last factor, relative, the slope may pass the limit by its last rate if it slides. */
+#define RUNS_AWAY 0.01
 
 const char *const MpmReductionFields[MPM_MAX_DIM] = {"reduction_start_x", "reduction_start_y", "reduction_start_z"};
 
@@ -43,9 +61,15 @@ PetscBool MpmReductionSeeks(const MpmModel model)
 
 PetscReal MpmReductionFactor(const MpmModel model, PetscReal time)
 {
-  const MpmRamp ramp = model->scene.stages[model->state.stage].reduction.ramp;
+  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const PetscReal along = time - model->state.time_start, left = 1. - along / model->state.dt_nominal;
+  PetscReal       factor;
 
-  return ramp ? MpmRampEvaluate(ramp, time - model->state.time_start) : 1.;
+  if (!stage->reduction.ramp) return 1.;
+  factor = MpmRampEvaluate(stage->reduction.ramp, along);
+  if (left > 0. && stage->time.motion.type == MPM_QUASISTATIC && model->state.safety.start > 0.)
+    factor += left * (model->state.safety.start - MpmRampEvaluate(stage->reduction.ramp, 0.));
+  return factor;
 }
 
 void MpmReductionApply(MpmModel model, PetscReal time)
@@ -55,6 +79,109 @@ void MpmReductionApply(MpmModel model, PetscReal time)
   if (!MpmStagesReduce(model)) return;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     MpmMaterialReduce(&model->scene.materials->at[m], factor);
+}
+
+/* ---- materials that stay as they are ---- */
+
+/* Adds the mass of points to that of all, and of each material without strength; `material`: of a body's points, or NULL. */
+static PetscErrorCode AddMasses(MpmModel model, const MpmPoints *points, const PetscInt material[], PetscReal mass[])
+{
+  const MpmMaterials *materials = model->scene.materials;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscInt m = points->material[p];
+
+    for (PetscInt b = 0, first, end; material && b < model->scene.bodies->count; b++) {
+      MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+      if (points->id[p] >= first && points->id[p] < end && material[b] != -1) m = material[b];
+    }
+    if (m < -1) continue;
+    mass[materials->count] += points->mass[p];
+    if (!MpmMaterialHasStrength(&materials->at[m])) mass[m] += points->mass[p];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, mass, (PetscMPIInt)(materials->count + 1), MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* "rock (12 % of the mass), wall (3 %)", and the part of the mass that stays as it is. */
+static void NameUnreduced(const MpmModel model, const PetscReal mass[], size_t size, char text[], PetscReal *part)
+{
+  const MpmMaterials *materials = model->scene.materials;
+  char                one[96];
+
+  *part   = 0.;
+  text[0] = '\0';
+  for (PetscInt m = 0; m < materials->count; m++) {
+    const PetscReal share = mass[m] / mass[materials->count];
+
+    if (!(mass[m] > 0.)) continue;
+    snprintf(one, sizeof(one), "%s%.40s (%.3g %%%s)", text[0] ? ", " : "", materials->at[m].name,
+             (double)(100. * share), text[0] ? "" : " of the mass");
+    if (strlen(text) + strlen(one) < size) strcat(text, one);
+    *part += share;
+  }
+}
+
+static PetscErrorCode PrintUnreduced(MpmModel model)
+{
+  char       text[512];
+  PetscReal *mass, part;
+  MpmPoints  points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((model->scene.materials->count + 1), &mass));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(AddMasses(model, &points, NULL, mass));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  NameUnreduced(model, mass, sizeof(text), text, &part);
+  PetscCall(PetscFree(mass));
+  if (part > 0.) PetscCall(MpmMonitorNote(&model->monitor, "materials without a strength stay as they are: %s", text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define GONE (-2) /* the body is not there */
+
+/* What bodies are made of in a stage: -1 as at the start, or GONE. */
+static void FindMaterials(const MpmModel model, PetscInt stage, PetscInt material[])
+{
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    material[b] = -1;
+    for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+      const MpmStage *at = &model->scene.stages[k];
+
+      if (k > stage ? at->adds[b] : at->removed[b]) material[b] = GONE;
+      if (k <= stage && material[b] != GONE && at->material[b] >= 0) material[b] = at->material[b];
+    }
+  }
+}
+
+PetscErrorCode MpmReductionCheck(MpmModel model)
+{
+  const PetscInt count = model->scene.materials->count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    const MpmStage *stage = &model->scene.stages[k];
+    PetscInt       *material;
+    PetscReal      *mass, part;
+    char            text[512];
+    MpmPoints       points;
+
+    if (!stage->reduction.ramp) continue;
+    PetscCall(PetscCalloc2((count + 1), &mass, model->scene.bodies->count, &material));
+    FindMaterials(model, k, material);
+    PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+    PetscCall(AddMasses(model, &points, material, mass));
+    PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+    NameUnreduced(model, mass, sizeof(text), text, &part);
+    PetscCall(PetscFree2(mass, material));
+    MpmCheckInput(part <= MOST_UNREDUCED,
+                  "-mpm_stage_%s_reduction: materials without a strength that it could reduce are more than half of "
+                  "the mass: %s",
+                  stage->name, text);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the factor of safety ---- */
@@ -111,8 +238,9 @@ static PetscErrorCode FindHeight(MpmModel model, const MpmPoints *points, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the points stand as the stage begins, into their fields; or with `moved` the square of their way from there. */
-static PetscErrorCode EachAxis(MpmModel model, const MpmPoints *points, PetscReal moved[])
+/* Where the points stand as the stage begins, into their fields; or with `moved` the square of their way to where they are and, with
+   `more`, go. */
+static PetscErrorCode EachAxis(MpmModel model, const MpmPoints *points, const PetscReal more[], PetscReal moved[])
 {
   const PetscInt dim = model->disc.dim;
 
@@ -122,12 +250,23 @@ static PetscErrorCode EachAxis(MpmModel model, const MpmPoints *points, PetscRea
 
     PetscCall(MpmParticlesGetField(model->state.particles, MpmReductionFields[a], &start));
     for (PetscInt p = 0; p < points->count; p++) {
-      if (moved) moved[p] += PetscSqr(points->x[p * dim + a] - start[p]);
+      if (moved) moved[p] += PetscSqr(points->x[p * dim + a] + (more ? more[p * dim + a] : 0.) - start[p]);
       else start[p] = points->x[p * dim + a];
     }
     PetscCall(MpmParticlesRestoreField(model->state.particles, &start));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A stage whose factor changes seeks anew. */
+static void SeekAnew(MpmModel model)
+{
+  MpmSafety *safety = &model->state.safety;
+  PetscReal  least, most;
+
+  MpmRampBounds(model->scene.stages[model->state.stage].reduction.ramp, &least, &most);
+  if (least != most || safety->start != most) safety->factor = 0.;
+  safety->rate = safety->failed = 0.;
 }
 
 PetscErrorCode MpmReductionBegin(MpmModel model)
@@ -136,31 +275,41 @@ PetscErrorCode MpmReductionBegin(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!model->scene.stages[model->state.stage].reduction.ramp) PetscFunctionReturn(PETSC_SUCCESS);
+  SeekAnew(model);
+  PetscCall(PrintUnreduced(model));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(FindHeight(model, &points, &model->state.safety.height));
-  PetscCall(EachAxis(model, &points, NULL));
+  PetscCall(EachAxis(model, &points, NULL, NULL));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   model->state.safety.moved   = 0.;
   model->state.safety.reduced = MpmReductionFactor(model, model->state.time_start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The longest way of a point since the stage began. */
-static PetscErrorCode FindMoved(MpmModel model, PetscReal *longest)
+/* The longest way of a point since the stage began, to where it is or, with `more`, goes. */
+static PetscErrorCode FindMoved(MpmModel model, const PetscReal more[], PetscReal *longest)
 {
-  PetscReal *moved;
-  MpmPoints  points;
+  const PetscBool lent = (PetscBool)(more != NULL); /* within a step the points' arrays are lent */
+  PetscReal      *moved;
+  MpmPoints       own, *points = lent ? model->disc.points : &own;
 
   PetscFunctionBeginUser;
   *longest = 0.;
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscCalloc1(points.count, &moved));
-  PetscCall(EachAxis(model, &points, moved));
-  for (PetscInt p = 0; p < points.count; p++) *longest = PetscMax(*longest, PetscSqrtReal(moved[p]));
+  if (!lent) PetscCall(MpmParticlesGetArrays(model->state.particles, &own));
+  PetscCall(PetscCalloc1(points->count, &moved));
+  PetscCall(EachAxis(model, points, more, moved));
+  for (PetscInt p = 0; p < points->count; p++) *longest = PetscMax(*longest, PetscSqrtReal(moved[p]));
   PetscCall(PetscFree(moved));
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  if (!lent) PetscCall(MpmParticlesRestoreArrays(model->state.particles, &own));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, longest, 1, MPIU_REAL, MPIU_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* F where the longest way passes the limit, between two states. */
+static PetscReal FactorAtLimit(const MpmSafety *before, PetscReal limit, PetscReal moved, PetscReal factor)
+{
+  if (!(moved > before->moved)) return factor;
+  return before->reduced + (factor - before->reduced) * (limit - before->moved) / (moved - before->moved);
 }
 
 PetscErrorCode MpmReductionObserve(MpmModel model)
@@ -172,14 +321,94 @@ PetscErrorCode MpmReductionObserve(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!reduction->ramp || before.factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindMoved(model, &safety->moved));
+  PetscCall(FindMoved(model, NULL, &safety->moved));
   safety->reduced = MpmReductionFactor(model, model->state.time);
+  if (safety->reduced > before.reduced)
+    safety->rate = (safety->moved - before.moved) / (safety->reduced - before.reduced);
+  if (model->state.time >= safety->failed) safety->failed = 0.;
   if (safety->moved < limit) PetscFunctionReturn(PETSC_SUCCESS);
-  safety->factor = safety->reduced;
-  if (safety->moved > before.moved)
-    safety->factor =
-      before.reduced + (safety->reduced - before.reduced) * (limit - before.moved) / (safety->moved - before.moved);
+  safety->factor = FactorAtLimit(&before, limit, safety->moved, safety->reduced);
   PetscCall(MpmMonitorNote(&model->monitor, "factor of safety %.4g: a point has moved %.3g m, %g of the height",
                            (double)safety->factor, (double)limit, (double)reduction->limit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the bracket ---- */
+
+PetscBool MpmReductionBrackets(const MpmModel model, PetscReal next)
+{
+  if (!MpmReductionSeeks(model) || model->state.scheme.rescuing.on) return PETSC_FALSE;
+  if (model->scene.stages[model->state.stage].time.motion.type != MPM_QUASISTATIC) return PETSC_FALSE;
+  return (PetscBool)(MpmReductionFactor(model, next) > model->state.safety.reduced);
+}
+
+PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why)
+{
+  MpmSafety      *safety = &model->state.safety;
+  const PetscReal limit  = model->scene.stages[model->state.stage].reduction.limit * safety->height;
+  PetscReal      *more, moved;
+
+  PetscFunctionBeginUser;
+  safety->beyond = 0.;
+  if (!MpmReductionBrackets(model, next)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((model->disc.points->count * model->disc.dim), &more));
+  PetscCall(MpmDisplacementsAtPoints(model->disc.sum, model->disc.u, more));
+  PetscCall(FindMoved(model, more, &moved));
+  PetscCall(PetscFree(more));
+  if (moved < limit) PetscFunctionReturn(PETSC_SUCCESS);
+  safety->beyond = moved;
+  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                          "a point moves %.3g m with a reduction of %.5g", (double)moved,
+                          (double)MpmReductionFactor(model, next)));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmReductionNarrows(MpmModel model, PetscReal next)
+{
+  MpmSafety      *safety = &model->state.safety;
+  const PetscReal factor = MpmReductionFactor(model, next);
+
+  safety->failed = next;
+  return (PetscBool)(factor - safety->reduced >
+                     model->scene.stages[model->state.stage].reduction.tolerance * safety->reduced);
+}
+
+/* F at which the way would pass the limit by the last step's rate: an upper bound, since the rate grows as strength goes. */
+static PetscReal FactorByRate(const MpmSafety *safety, PetscReal limit)
+{
+  return safety->rate > 0. ? safety->reduced + (limit - safety->moved) / safety->rate : PETSC_INFINITY;
+}
+
+PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **why)
+{
+  const MpmReduction *reduction = &model->scene.stages[model->state.stage].reduction;
+  MpmSafety          *safety    = &model->state.safety;
+  const PetscReal     limit = reduction->limit * safety->height, factor = MpmReductionFactor(model, next);
+  const PetscReal     most = FactorByRate(safety, limit);
+  char                text[sizeof(model->solver.lost)];
+
+  PetscFunctionBeginUser;
+  if (safety->beyond > 0.) {
+    safety->factor = FactorAtLimit(safety, limit, safety->beyond, factor);
+    PetscCall(MpmMonitorNote(&model->monitor, "factor of safety %.4g: a point moves %.3g m, %g of the height",
+                             (double)safety->factor, (double)limit, (double)reduction->limit));
+  } else {
+    safety->factor = safety->reduced;
+    PetscCall(PetscSNPrintf(text, sizeof(text), "at %.5g %s", (double)factor, *why));
+    if (!(most <= (1. + RUNS_AWAY) * safety->reduced)) {
+      PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                              "factor of safety at least %.4g: %s; nothing runs away, no point has moved further than "
+                              "%.3g m",
+                              (double)safety->factor, text, (double)safety->moved));
+      *why = model->solver.lost;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+    PetscCall(MpmMonitorNote(&model->monitor,
+                             "factor of safety %.4g to %.4g: the slope slides, a point has moved %.3g m; %s",
+                             (double)safety->factor, (double)most, (double)safety->moved, text));
+  }
+  *why = NULL;
+  if (!reduction->slide) MpmStageEndHere(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -66,12 +66,25 @@ PetscErrorCode MpmStageResume(MpmModel model);
   factor of safety is reached. Does any stage reduce, and the factor at a time: 1 where none does. Seeks: does the stage
   under way reduce, without a factor of safety so far?
 */
+/* Once the points are there: are materials without strength more than half of the mass of a stage that reduces? */
+PetscErrorCode MpmReductionCheck(MpmModel model);
 PetscErrorCode MpmReductionBegin(MpmModel model);
 void           MpmReductionApply(MpmModel model, PetscReal time);
 PetscErrorCode MpmReductionObserve(MpmModel model);
 PetscBool      MpmStagesReduce(const MpmModel model);
 PetscBool      MpmReductionSeeks(const MpmModel model);
 PetscReal      MpmReductionFactor(const MpmModel model, PetscReal time);
+/*
+  The bracket, in steps without inertia to `next`: do they raise the factor that is sought? Look: `why` becomes the reason where a
+  solution passes the limit. After a step that failed: is there a shorter one to try? Close: the factor is known, and the stage ends
+  in the state that stood, or goes on; or `why` becomes that the solver gave up, with the lower bound.
+*/
+PetscBool      MpmReductionBrackets(const MpmModel model, PetscReal next);
+PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why);
+PetscBool      MpmReductionNarrows(MpmModel model, PetscReal next);
+PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **why);
+/* The stage under way ends at the present time. */
+void MpmStageEndHere(MpmModel model);
 /* The points' fields for it, one an axis. */
 extern const char *const MpmReductionFields[MPM_MAX_DIM];
 /* The factor of a load, or of a surface behind them, at a time; 0 where it does not act. */

@@ -85,6 +85,45 @@ def slopes(test):
     return associated
 
 
+CUT = {"mpm_grid_cells": "26,18", "mpm_stage_fail_reduction": "0:1,1:1.3", "mpm_quiet": None}
+
+
+def brackets(test):
+    """The factor of a vertical cut is the same whatever the ramp's step, and where the ramp begins beyond it; the last state stands."""
+    scene = FOLDER / "vertical_cut.yaml"
+    factors = []
+    for ramp, step in (("0:1,1:1.3", 0.32), ("0:1,1:1.3", 0.02), ("0:1.4,1:1.5", 0.25), ("0:1.4", 1.0)):
+        run = test.run(scene, **{**CUT, "mpm_stage_fail_reduction": ramp, "mpm_stage_fail_time_step": step, "mpm_output_every": 1000})
+        factors.append(run.results.summary["factor_of_safety"])
+        moved = np.linalg.norm(run.results.state("last")["displacement"], axis=1).max()
+        test.check(f"brackets.{ramp}.{step}.stands", moved, 1e-3, 0.1)
+        test.check(f"brackets.{ramp}.{step}.below", run.results.column("reduction")[-1], 0.998 * factors[-1], factors[-1])
+    test.check("brackets.spread", max(factors) / min(factors) - 1.0, None, 3e-3)
+    slide = test.run(scene, **CUT, mpm_stage_fail_time_step=0.1, mpm_stage_fail_reduction_slide="true")
+    test.near("brackets.slide.factor", slide.results.summary["factor_of_safety"], factors[0], relative=3e-3)
+    test.check("brackets.slide.goes_on", slide.results.column("reduction")[-1], 1.29)
+    late = test.run(scene, **CUT, mpm_stage_fail_time_step=0.1, mpm_stages="rest,fail,last", mpm_stage_last_time_step=1)
+    test.check("brackets.next_stage", late.results.column("stage")[-1], 3, 3)
+    # a solver that gives up far from failure says how far it came
+    confined = {"mpm_stages": "rest,weak,hold", "mpm_stage_rest_geostatic_k0": 0.43, "mpm_stage_weak_reduction": "0:1,1:2",
+                "mpm_stage_weak_time_step": 0.25, "mpm_material_soil_type": "j2", "mpm_material_soil_yield_stress": 6e4,
+                "mpm_material_soil_hardening": 1e6, "mpm_quiet": None}
+    lower = test.run(FOLDER / "level.yaml", status=3, snes_max_it=1, **confined)
+    test.near("brackets.lower_bound", lower.results.summary["factor_of_safety"], lower.results.column("reduction")[-1], relative=1e-8)
+    test.check("brackets.lower_bound_line", float("factor of safety at least 1.4" in lower.errors), 1, 1)
+
+
+def unreduced(test):
+    """Materials without strength are named, and no more than half of the mass; M of Cam-Clay is a strength."""
+    rock = FOLDER / "vertical_cut_rock.yaml"
+    run = test.run(FOLDER / "vertical_cut.yaml", options_file=rock, mpm_grid_cells="26,18", mpm_stage_fail_time_step=0.1)
+    test.check("unreduced.named", float("stay as they are: rock (32." in run.output), 1, 1)
+    heavy = test.run(FOLDER / "vertical_cut.yaml", status=2, options_file=rock, mpm_material_rock_density=8000, **CUT)
+    test.check("unreduced.refused", float("more than half of the mass: rock" in heavy.errors), 1, 1)
+    clay = test.run(FOLDER / "camclay_factor.yaml", mpm_quiet=None)
+    test.check("unreduced.cam_clay", clay.results.summary["factor_of_safety"], 1.5, 2.6)
+
+
 def smoothed(test):
     """At the default limit the slope must stay below a log spiral on the slope as it has moved, 1.377, and with more or less stiffness
     alike; hourglass modes, which smoothed strains go without, cost it as much as a hundredth."""
@@ -120,6 +159,8 @@ def restarts(test, whole):
 with Test() as test:
     confined(test, "mohr_coulomb", {"cohesion": 0, "friction": FRICTION, "dilation": 5}, coulomb, np.min)
     confined(test, "j2", {"yield_stress": 6e4, "hardening": 1e6}, mises, np.max)
+    brackets(test)
+    unreduced(test)
     rests(test)
     smoothed(test)
     restarts(test, slopes(test))
