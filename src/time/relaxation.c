@@ -38,6 +38,7 @@
   Computational Methods for Transient Analysis, 245-265 (masses).
 */
 #include "geometry/geometry.h"
+#include "particles/body.h"
 #include "particles/particles.h"
 #include "space/motion.h"
 #include "space/sum.h"
@@ -370,6 +371,7 @@ static PetscReal StillFrom(const MpmModel model)
     if (motion->rows) until = PetscMax(until, motion->time[motion->rows - 1]);
     else if (MpmMotionMoves(motion)) until = Later(until, motion->ramp, 0.);
   }
+  for (PetscInt b = 0; b < scene->bodies->count; b++) until = Later(until, state->fading[b].ramp, state->fading[b].start);
   if (scene->water && scene->water->there) until = Later(until, scene->water->ramp, 0.);
   return until;
 }

@@ -89,6 +89,7 @@ typedef struct MpmStage {
   MpmTimeControl time;
   PetscBool     *bcs, *motions, *loads, *surfaces; /* by the model's lists: does it act? */
   PetscBool     *removed, *adds;                   /* by the model's bodies */
+  MpmRamp        removal;                          /* of what is removed, over the stage's time; NULL: at once */
   PetscInt      *material;                         /* by the model's bodies: of its points from here on, or -1 */
   PetscBool      reset;                            /* displacements start at zero again */
   PetscBool      drained;                          /* the water's pressure is that of a steady flow */

@@ -385,6 +385,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscCall(MpmStageMarkList(&block, "remove", "bodies that are taken away", bodies, &stage->removed, &given));
   PetscCall(MpmStageMarkList(&block, "bodies", "bodies that join here and were not there before", bodies, &stage->adds,
                              &given));
+  PetscCall(MpmRemovalRead(model, &block, stage));
   PetscCall(ReadMaterials(model, &block, stage));
   PetscCall(ReadReduction(model, &block, stage));
   PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
@@ -468,6 +469,7 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   MpmRelaxationDefaults(&relaxation);
   if (scene.rescue || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, NULL, PETSC_TRUE, &relaxation));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
+  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.fading));
   PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.relaxing.ended));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.relaxing.ended[k] = -1.;
   model->state.relaxing.first = model->state.relaxing.since = -1.;
@@ -505,12 +507,14 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(stage->adds));
     PetscCall(PetscFree(stage->material));
     PetscCall(PetscFree(stage->geostatic.k0));
+    PetscCall(MpmRampDestroy(&stage->removal));
     PetscCall(MpmRampDestroy(&stage->reduction.ramp));
   }
   for (PetscInt b = 0; model->state.parked && b < model->scene.bodies->count; b++)
     PetscCall(PetscFree(model->state.parked[b].data));
   PetscCall(PetscFree(model->scene.stages));
   PetscCall(PetscFree(model->state.parked));
+  PetscCall(PetscFree(model->state.fading));
   PetscCall(PetscFree(model->state.relaxing.ended));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -637,7 +641,8 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
       PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
       PetscCall(MpmWaterFill(model, first, end));
     }
-    if (stage->removed[b]) PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
+    if (stage->removed[b] && !MpmRemovalBegin(model, stage, b))
+      PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
   }
   PetscCall(MpmMovingGridFollow(model, &why));
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
@@ -777,12 +782,14 @@ PetscErrorCode MpmStageResume(MpmModel model)
     SetTime(model, k);
     PetscCall(Activate(model, &model->scene.stages[k]));
     for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+      if (model->scene.stages[k].removed[b]) (void)MpmRemovalBegin(model, &model->scene.stages[k], b);
       if (!model->scene.stages[k].adds[b]) continue;
       PetscCall(PetscFree(model->state.parked[b].data));
       model->state.parked[b].count = 0;
     }
   }
   model->state.time = time;
+  MpmRemovalResume(model);
   MpmReductionApply(model, time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "geometry/geometry.h"
 
 /* Where strength is reduced. */
 typedef struct {
@@ -16,6 +17,14 @@ typedef struct {
   PetscReal failed;  /* s, the run's time of the end of a step that failed; 0: none, or it was passed */
   PetscReal beyond;  /* m, the longest way in a solution that passed the limit; 0: it did not */
 } MpmSafety;
+
+/* A body that is taken away by a ramp (removal.c). */
+typedef struct {
+  MpmRamp   ramp;  /* of the stage that removes it; NULL: it does not fade */
+  PetscReal start; /* s, the run's time from which on the ramp counts */
+  PetscReal left;  /* part of the body */
+  PetscBool gone;  /* its points are parked until the step is accepted */
+} MpmFading;
 
 /* How far a relaxation has come; the columns K_F, K_E and resets. */
 typedef struct {
@@ -113,6 +122,7 @@ typedef struct {
   PetscInt       step, cuts, cuts_total;
   PetscInt       stage;      /* the one under way */
   MpmParked     *parked;     /* per body: points that a later stage adds */
+  MpmFading     *fading;     /* per body: whether it is being taken away */
   MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
   MpmLoadActing *loads;      /* surfaces behind loads */
   MpmWalls       walls;      /* that follow from it */

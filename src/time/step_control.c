@@ -58,12 +58,16 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
                        PetscBool *retryable)
 {
   const MpmIntegrator *integrator = model->state.scheme.integrator;
+  const PetscBool      removes    = MpmRemovalGoesOn(model);
+  const char          *lost;
 
   PetscFunctionBeginUser;
   *retryable = PETSC_FALSE;
+  *why       = NULL;
   if (!again) model->state.scheme.refused = 0.;
   MpmReductionApply(model, time);
-  PetscCall(integrator->begin(model, time, dt, again, why));
+  if (removes) PetscCall(MpmRemovalSet(model, time, why));
+  if (!*why) PetscCall(integrator->begin(model, time, dt, (PetscBool)(again && !removes), why));
   if (!*why) {
     PetscCall(integrator->predict(model));
     PetscCall(integrator->solve(model, why, retryable));
@@ -75,6 +79,8 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
   }
   if (*why) MpmReductionApply(model, model->state.time);
+  if (removes && *why) PetscCall(MpmRemovalSet(model, model->state.time, &lost));
+  else if (removes) PetscCall(MpmRemovalCommit(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -48,6 +48,16 @@ PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why);
 PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next);
 /* The field of the points that a followed body has, NULL where the scene has none. */
 const char *MpmMovingGridField(const MpmModel model);
+/*
+  Bodies that go by a ramp (removal.c): Begin starts it for one, false where it goes at once; does any go on? Set applies the parts at a time, and
+  `why` becomes NULL or the reason for which points are lost; Commit after a step that was accepted; Resume for a run that goes on.
+*/
+PetscErrorCode MpmRemovalRead(MpmModel model, const MpmOptions *block, MpmStage *stage);
+PetscBool      MpmRemovalBegin(MpmModel model, const MpmStage *stage, PetscInt body);
+PetscBool      MpmRemovalGoesOn(const MpmModel model);
+PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, const char **why);
+PetscErrorCode MpmRemovalCommit(MpmModel model);
+void           MpmRemovalResume(MpmModel model);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
@@ -60,14 +70,14 @@ PetscErrorCode MpmStageFinish(MpmModel model, const char **why);
 PetscBool      MpmStageHasFinish(const MpmModel model);
 /* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
 PetscErrorCode MpmStageResume(MpmModel model);
+/* Once the points are there: are materials without strength more than half of the mass of a stage that reduces? */
+PetscErrorCode MpmReductionCheck(MpmModel model);
 /*
   Strength reduction (strength_reduction.c): Begin notes where the points stand as it
   begins, Apply sets the materials' strengths for a time of the stage under way, Observe looks after a step whether the
   factor of safety is reached. Does any stage reduce, and the factor at a time: 1 where none does. Seeks: does the stage
   under way reduce, without a factor of safety so far?
 */
-/* Once the points are there: are materials without strength more than half of the mass of a stage that reduces? */
-PetscErrorCode MpmReductionCheck(MpmModel model);
 PetscErrorCode MpmReductionBegin(MpmModel model);
 void           MpmReductionApply(MpmModel model, PetscReal time);
 PetscErrorCode MpmReductionObserve(MpmModel model);
