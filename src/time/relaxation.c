@@ -371,7 +371,8 @@ static PetscReal StillFrom(const MpmModel model)
     if (motion->rows) until = PetscMax(until, motion->time[motion->rows - 1]);
     else if (MpmMotionMoves(motion)) until = Later(until, motion->ramp, 0.);
   }
-  for (PetscInt b = 0; b < scene->bodies->count; b++) until = Later(until, state->fading[b].ramp, state->fading[b].start);
+  for (PetscInt b = 0; b < scene->bodies->count; b++)
+    until = Later(until, state->fading[b].ramp, state->fading[b].start);
   if (scene->water && scene->water->there) until = Later(until, scene->water->ramp, 0.);
   return until;
 }
