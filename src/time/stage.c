@@ -744,6 +744,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   PetscFunctionBeginUser;
   PetscCall(MpmEnergyMark(model));
   model->state.safety.start = factor;
+  MpmSlideBegin(model);
   SetTime(model, k);
   model->state.dt_wanted = model->state.dt_nominal;
   model->state.dt_last = model->state.scheme.behind = 0.; /* nothing goes on as before */

@@ -26,6 +26,20 @@ typedef struct {
   PetscBool gone;  /* its points are parked until the step is accepted */
 } MpmFading;
 
+/* The point that a solution moves furthest. */
+typedef struct {
+  PetscReal way, place[MPM_MAX_DIM]; /* m */
+  PetscInt  body;                    /* of the scene; -1: none */
+} MpmFastest;
+
+/* Whether steps without inertia follow a path of equilibrium (slide.c). */
+typedef struct {
+  PetscReal  ways, forces;   /* sums over the stage's steps: longest displacements, m, and what drove them, N */
+  PetscReal  force;          /* N, that of the solution at hand */
+  PetscReal  end, span, way; /* s, s, m: of the first suspected step, the run's time of its end; end < 0: none */
+  MpmFastest now, seen;      /* in the solution at hand; in the last one that was suspected */
+} MpmSlide;
+
 /* How far a relaxation has come; the columns K_F, K_E and resets. */
 typedef struct {
   PetscReal  force, energy; /* out of balance over the loads; kinetic over their work */
@@ -132,6 +146,7 @@ typedef struct {
   MpmRescue      rescue;
   PetscInt64     active_dofs_max;
   MpmSafety      safety;
+  MpmSlide       slide;
   MpmRelaxing    relaxing;
   MpmGridMotion  grid;
   MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */

@@ -75,6 +75,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
       *retryable = PETSC_TRUE;
       PetscCall(LookAtError(model, dt, why));
       if (!*why) PetscCall(MpmReductionLook(model, time, why));
+      if (!*why) PetscCall(MpmSlideLook(model, time, why, retryable));
     } else model->state.scheme.refused = 0.;
     PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
   }
@@ -334,6 +335,7 @@ static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscRea
   else {
     *over = PETSC_TRUE;
     PetscCall(OfferRelaxation(model, why));
+    if (*why) MpmSlideExplain(model, why);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -367,6 +369,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   }
   model->state.time = next;
   model->state.step++;
+  MpmSlideObserve(model);
   PetscCall(MpmReductionObserve(model));
   PetscCall(MpmConsolidationObserve(model));
   if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);

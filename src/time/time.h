@@ -93,6 +93,16 @@ PetscBool      MpmReductionBrackets(const MpmModel model, PetscReal next);
 PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why);
 PetscBool      MpmReductionNarrows(MpmModel model, PetscReal next);
 PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **why);
+/*
+  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, where `why` becomes the reason for which it is suspected, and
+  `retryable` false once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the last steps been; Explain adds what was suspected to the reason for which a
+  run gives up.
+*/
+void           MpmSlideBegin(MpmModel model);
+PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable);
+void           MpmSlideObserve(MpmModel model);
+PetscBool      MpmSlideSuspects(const MpmModel model);
+void           MpmSlideExplain(MpmModel model, const char **why);
 /* The stage under way ends at the present time. */
 void MpmStageEndHere(MpmModel model);
 /* The points' fields for it, one an axis. */

@@ -1,0 +1,187 @@
+/*
+  Loss of equilibrium in steps without inertia.
+
+  Where ground loses its equilibrium a solution is a jump: it lies so much further on that the ground has come to rest in another shape, however
+  short the step is. A solution is suspected where a point moves by more than JUMP_WAY cells, and by more than JUMP_RATIO times as much, for
+  the forces that drive the step, as in the stage so far:
+
+    C = max |u_p| / |f_ext(t + dt) - f_int(t)| ,    C > JUMP_RATIO sum max |u_p| / sum |f_ext(t + dt) - f_int(t)|
+
+  Such a step is halved. What is suspected again after JUMP_HALVES halvings, in steps that end no later than the first one, and moves by more than
+  JUMP_SHRINK of what that did, does not shrink with the step: the run ends, and the last line says what slides, how far, and where. Steps that shrink are
+  accepted: they follow a path of equilibrium.
+
+  A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do so, too.
+
+  Order of calls: Begin() with a stage; Look() at a solution before it is accepted, Observe() after that; Explain() where a run gives up.
+*/
+#include "grid/grid.h"
+#include "particles/body.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "time/model.h"
+#include "time/time.h"
+
+#define JUMP_WAY    0.1
+#define JUMP_RATIO  10.
+#define JUMP_SHRINK 0.25
+#define JUMP_HALVES 3
+
+void MpmSlideBegin(MpmModel model)
+{
+  model->state.slide = (MpmSlide){.end = -1.};
+}
+
+/* May the stage under way not slide? */
+static PetscBool MustStand(const MpmModel model)
+{
+  const MpmStage *stage = &model->scene.stages[model->state.stage];
+
+  return (PetscBool)(stage->time.motion.type == MPM_QUASISTATIC && stage->geostatic.method == MPM_GEOSTATIC_NONE &&
+                     !stage->reduction.ramp && !model->state.scheme.rescuing.on && !stage->time.rescue);
+}
+
+/* The number of a point's body; -1: none. */
+static PetscInt BodyOf(const MpmModel model, PetscInt id)
+{
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscInt first, end;
+
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    if (id >= first && id < end) return b;
+  }
+  return -1;
+}
+
+/* The longest displacement of a node along an axis, m. */
+static PetscErrorCode FindLongest(MpmModel model, PetscReal *way)
+{
+  const PetscInt bs = model->disc.block;
+
+  PetscFunctionBeginUser;
+  *way = 0.;
+  for (PetscInt i = 0; i < model->disc.space->owned; i++)
+    for (PetscInt a = 0; a < model->disc.dim; a++) *way = PetscMax(*way, PetscAbsReal(model->disc.u[i * bs + a]));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, way, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is a point's body being taken away? */
+static PetscBool IsFading(const MpmModel model, PetscInt id)
+{
+  const PetscInt body = BodyOf(model, id);
+
+  return (PetscBool)(body >= 0 && model->state.fading[body].ramp);
+}
+
+/* The longest displacement of a point that stays, m, and on every rank the place and the body of that point. */
+static PetscErrorCode FindFastest(MpmModel model, MpmFastest *fastest)
+{
+  const MpmPoints *points = model->disc.points;
+  const PetscInt   dim    = model->disc.dim;
+  PetscReal       *moves, send[MPM_MAX_DIM + 1] = {0.};
+  const PetscBool  fades = MpmRemovalGoesOn(model);
+  PetscInt         at    = -1;
+  struct {
+    double way;
+    int    rank;
+  } most = {0., model->rank};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((points->count * dim), &moves));
+  PetscCall(MpmDisplacementsAtPoints(model->disc.sum, model->disc.u, moves));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal square = 0.;
+
+    if (fades && IsFading(model, points->id[p])) continue;
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(moves[p * dim + a]);
+    if (at >= 0 && !(PetscSqrtReal(square) > most.way)) continue;
+    most.way = PetscSqrtReal(square);
+    at       = p;
+  }
+  PetscCall(PetscFree(moves));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, model->comm));
+  if (most.rank == model->rank && at >= 0) {
+    for (PetscInt a = 0; a < dim; a++) send[a] = points->x[at * dim + a];
+    send[MPM_MAX_DIM] = (PetscReal)BodyOf(model, points->id[at]);
+  }
+  PetscCallMPI(MPI_Bcast(send, MPM_MAX_DIM + 1, MPIU_REAL, most.rank, model->comm));
+  fastest->way  = most.way;
+  fastest->body = (PetscInt)send[MPM_MAX_DIM];
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) fastest->place[a] = send[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Says what moves, how far and where, by a format of a name, a length and a place. */
+static void Describe(MpmModel model, const MpmFastest *fastest, const char format[])
+{
+  const char *body = fastest->body >= 0 ? model->scene.bodies->names[fastest->body] : "a body";
+  char        place[96];
+
+  (void)PetscSNPrintf(place, sizeof(place), model->disc.dim > 2 ? "(%.4g, %.4g, %.4g)" : "(%.4g, %.4g)",
+                      (double)fastest->place[0], (double)fastest->place[1], (double)fastest->place[2]);
+  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost), format, body, (double)fastest->way, place);
+}
+
+#define SLIDES "the ground slides: %.40s, %.3g m a step whatever the step, fastest at %s"
+#define JUMPS  "body %.40s jumps by %.3g m at %s"
+
+PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable)
+{
+  MpmSlide       *slide = &model->state.slide;
+  const PetscReal force = model->solver.cache.reference, cell = model->disc.grid->h[0];
+  const PetscReal span = next - model->state.time;
+  PetscReal       most;
+
+  PetscFunctionBeginUser;
+  slide->now = (MpmFastest){.way = 0.};
+  if (!MustStand(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindLongest(model, &slide->now.way));
+  slide->force = force;
+  if (!(slide->ways > 0.) || slide->now.way <= JUMP_WAY * cell) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindFastest(model, &slide->now));
+  most = JUMP_RATIO * force * slide->ways;
+  if (slide->now.way <= JUMP_WAY * cell || slide->now.way * slide->forces <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (next > slide->end) {
+    slide->end  = next;
+    slide->span = span;
+    slide->way  = slide->now.way;
+  }
+  slide->seen = slide->now;
+  Describe(model, &slide->now, JUMPS);
+  *why = model->solver.lost;
+  if (span <= 1.001 * PetscPowRealInt(0.5, JUMP_HALVES) * slide->span && slide->now.way >= JUMP_SHRINK * slide->way) {
+    *retryable = PETSC_FALSE;
+    Describe(model, &slide->now, SLIDES);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmSlideObserve(MpmModel model)
+{
+  MpmSlide *slide = &model->state.slide;
+
+  slide->ways += slide->now.way;
+  slide->forces += slide->now.way > 0. ? slide->force : 0.;
+}
+
+PetscBool MpmSlideSuspects(const MpmModel model)
+{
+  return (PetscBool)(model->state.slide.seen.way > 0. &&
+                     model->state.time <= model->state.slide.end + model->state.dt_nominal);
+}
+
+void MpmSlideExplain(MpmModel model, const char **why)
+{
+  const MpmSlide *slide = &model->state.slide;
+  char            text[sizeof(model->solver.lost)];
+
+  if (!MpmSlideSuspects(model)) return;
+  (void)PetscStrncpy(text, *why, sizeof(text));
+  Describe(model, &slide->seen, SLIDES);
+  if (strstr(text, " jumps by ")) text[0] = '\0';
+  if (text[0]) (void)PetscStrlcat(model->solver.lost, "; ", sizeof(model->solver.lost));
+  (void)PetscStrlcat(model->solver.lost, text, sizeof(model->solver.lost));
+  *why = model->solver.lost;
+}
