@@ -52,3 +52,8 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict);
 PetscErrorCode MpmStepPredict(MpmModel model);
 /* Newton. `why`, unless NULL: what went wrong; `retryable`: a shorter step may not. */
 PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable);
+
+/* ---- failure.c ---- */
+
+/* Adds the place of the largest force out of balance, and the share of points that flow, to the reason of a failure. */
+PetscErrorCode MpmStepLocate(MpmModel model, const char **why);

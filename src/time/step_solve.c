@@ -191,6 +191,7 @@ PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryab
     *why       = MpmNewtonReason(reason);
     PetscCall(MpmUnconstrainedExplain(model, why, retryable));
     if (*why == MpmNewtonReason(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
+    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStepLocate(model, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *retryable = PETSC_FALSE;
