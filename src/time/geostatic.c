@@ -187,12 +187,61 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define SLOWS    0.5  /* of the way half of the iterations ago: with less it converges */
+#define COLLAPSE 0.01 /* of the first way under the full loads: what goes on by more does not stand */
+
+/*
+  Says why no equilibrium was found in as many iterations as there may be: it converges slowly, the ground collapses, or points go to and fro.
+  `first` and `half`: their ways in the first iteration and after half of them, m.
+*/
+static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solved, PetscReal first, PetscReal half,
+                              const char **why)
+{
+  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const PetscReal most = stage->geostatic.tolerance * rest->height, moved = rest->moved;
+  char            text[256];
+
+  if (moved < SLOWS * half) {
+    const PetscReal rate = PetscPowReal(moved / half, 1. / PetscMax(1., (PetscReal)(solved - solved / 2)));
+
+    (void)PetscSNPrintf(text, sizeof(text),
+                        "it converges slowly, by %.3g an iteration; -mpm_stage_%.40s_geostatic_iterations %d should do",
+                        (double)rate, stage->name,
+                        (int)(solved + PetscCeilReal(1.2 * PetscLogReal(most / moved) / PetscLogReal(rate))));
+  } else if (moved > COLLAPSE * first)
+    (void)PetscSNPrintf(text, sizeof(text),
+                        "the ground collapses under its loads: it moves by %.3g of its first way in each",
+                        (double)(moved / first));
+  else
+    (void)PetscSNPrintf(text, sizeof(text),
+                        "points go to and fro; -mpm_stage_%.40s_geostatic_tolerance %.2g would take that for rest",
+                        stage->name, (double)(2. * moved / rest->height));
+  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                      "no equilibrium in %" PetscInt_FMT " iterations: points still move by %.3g m; %s", solved,
+                      (double)moved, text);
+  *why = model->solver.lost;
+}
+
+/* Says how much of the loads the ground bears, where they grow. */
+static void ExplainPart(MpmModel model, PetscReal part, const char **why)
+{
+  char text[sizeof(model->solver.lost)];
+
+  if (part <= 0. || part >= 1.) return;
+  (void)PetscStrncpy(text, *why, sizeof(text));
+  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                      "the ground collapses under its loads: it bears %.4g of them; beyond that %s", (double)part,
+                      text);
+  *why = model->solver.lost;
+}
+
 /* Steps until the points are in equilibrium; `solved` counts those under the full loads. */
 static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *solved, const char **why)
 {
   const MpmGeostatic *geostatic = &model->scene.stages[model->state.stage].geostatic;
   PetscReal           part      = geostatic->method == MPM_GEOSTATIC_K0 ? 1. : 0.; /* of the loads that act */
-  PetscReal           grow = PetscMin(model->state.dt_nominal / (model->state.time_end - model->state.time_start), 1.);
+  PetscReal           grow  = PetscMin(model->state.dt_nominal / (model->state.time_end - model->state.time_start), 1.);
+  PetscReal           first = 0., half = 0.;
   PetscInt            newton = 0, linear = 0;
   PetscBool           retryable, again;
 
@@ -203,10 +252,7 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
     const PetscReal next = part + grow > 1. - 1e-9 ? 1. : part + grow;
 
     if (*solved == geostatic->iterations) {
-      PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                              "no equilibrium in %" PetscInt_FMT " iterations: points still move by %.3g m", *solved,
-                              (double)rest->moved));
-      *why = model->solver.lost;
+      ExplainIterations(model, rest, *solved, first, half, why);
       break;
     }
     PetscCall(MpmRestSettle(model, rest, next, why, &retryable));
@@ -215,11 +261,13 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
     if (*why) {
       again = PETSC_FALSE;
       if (retryable) PetscCall(TryAgain(model, part, &grow, *why, &again));
+      if (!again && retryable) ExplainPart(model, part, why);
       if (!again) break;
       continue;
     }
     part = next;
-    if (part == 1.) ++*solved;
+    if (part == 1. && !(*solved)++) first = half = rest->moved;
+    if (*solved == geostatic->iterations / 2) half = rest->moved;
   }
   model->solver.newton           = newton;
   model->solver.linear           = linear;
