@@ -19,6 +19,7 @@ typedef struct MpmGrid      MpmGrid;
 typedef struct MpmSplit     MpmSplit;
 typedef struct MpmBodies    MpmBodies;
 typedef struct _p_MpmBody  *MpmBody;
+typedef struct _p_MpmRamp  *MpmRamp;
 typedef struct MpmParked    MpmParked;
 typedef struct MpmParticles MpmParticles;
 typedef struct MpmPoints    MpmPoints;

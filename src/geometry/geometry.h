@@ -17,7 +17,6 @@ typedef enum {
 } MpmRegionType;
 
 typedef struct _p_MpmRegion *MpmRegion;
-typedef struct _p_MpmRamp   *MpmRamp;
 
 /* For -help: the options of every type of region. */
 PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm);

@@ -227,11 +227,17 @@ static void ExplainPart(MpmModel model, PetscReal part, const char **why)
 {
   char text[sizeof(model->solver.lost)];
 
-  if (part <= 0. || part >= 1.) return;
+  if (part <= 0.) return;
   (void)PetscStrncpy(text, *why, sizeof(text));
-  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                      "the ground collapses under its loads: it bears %.4g of them; beyond that %s", (double)part,
-                      text);
+  if (part >= 1.)
+    (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                        "no equilibrium under the loads: %s; with the method gravity the line says which part of them "
+                        "the ground bears",
+                        text);
+  else
+    (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                        "the ground collapses under its loads: it bears %.4g of them; beyond that %s", (double)part,
+                        text);
   *why = model->solver.lost;
 }
 

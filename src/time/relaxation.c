@@ -372,7 +372,7 @@ static PetscReal StillFrom(const MpmModel model)
     else if (MpmMotionMoves(motion)) until = Later(until, motion->ramp, 0.);
   }
   for (PetscInt b = 0; b < scene->bodies->count; b++)
-    until = Later(until, state->fading[b].ramp, state->fading[b].start);
+    until = Later(until, state->scheme.fading[b].ramp, state->scheme.fading[b].start);
   if (scene->water && scene->water->there) until = Later(until, scene->water->ramp, 0.);
   return until;
 }

@@ -62,7 +62,7 @@ PetscErrorCode MpmRemovalRead(MpmModel model, const MpmOptions *block, MpmStage 
 
 PetscBool MpmRemovalBegin(MpmModel model, const MpmStage *stage, PetscInt body)
 {
-  MpmFading *fading = &model->state.fading[body];
+  MpmFading *fading = &model->state.scheme.fading[body];
 
   if (!stage->removal || MpmRampEvaluate(stage->removal, 0.) == 1.) return PETSC_FALSE;
   *fading = (MpmFading){.ramp = stage->removal, .start = model->state.time_start, .left = 1.};
@@ -83,7 +83,7 @@ static PetscReal Left(const MpmFading *fading, PetscReal time)
 void MpmRemovalResume(MpmModel model)
 {
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-    MpmFading *fading = &model->state.fading[b];
+    MpmFading *fading = &model->state.scheme.fading[b];
 
     if (fading->ramp) fading->left = Left(fading, model->state.time);
     if (!(fading->left > 0.)) fading->ramp = NULL;
@@ -92,8 +92,8 @@ void MpmRemovalResume(MpmModel model)
 
 PetscBool MpmRemovalGoesOn(const MpmModel model)
 {
-  for (PetscInt b = 0; model->state.fading && b < model->scene.bodies->count; b++)
-    if (model->state.fading[b].ramp) return PETSC_TRUE;
+  for (PetscInt b = 0; model->state.scheme.fading && b < model->scene.bodies->count; b++)
+    if (model->state.scheme.fading[b].ramp) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -132,7 +132,7 @@ static PetscErrorCode ScaleBody(MpmModel model, PetscInt body, PetscReal by)
 /* Brings one body to its part at a time; `moved`: its points have come or gone. */
 static PetscErrorCode SetBody(MpmModel model, PetscInt body, PetscReal time, PetscBool *moved)
 {
-  MpmFading      *fading = &model->state.fading[body];
+  MpmFading      *fading = &model->state.scheme.fading[body];
   const PetscReal left   = Left(fading, time);
   PetscInt        first, end;
 
@@ -163,7 +163,7 @@ PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, const char **why)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmEnergyMark(model));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-    if (model->state.fading[b].ramp) PetscCall(SetBody(model, b, time, &moved));
+    if (model->state.scheme.fading[b].ramp) PetscCall(SetBody(model, b, time, &moved));
   if (moved) {
     PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
     PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
@@ -176,10 +176,10 @@ PetscErrorCode MpmRemovalCommit(MpmModel model)
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-    if (!model->state.fading[b].gone) continue;
+    if (!model->state.scheme.fading[b].gone) continue;
     PetscCall(PetscFree(model->state.parked[b].data));
-    model->state.parked[b].count = 0;
-    model->state.fading[b]       = (MpmFading){.ramp = NULL};
+    model->state.parked[b].count  = 0;
+    model->state.scheme.fading[b] = (MpmFading){.ramp = NULL};
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,9 +7,10 @@
 
     C = max |u_p| / |f_ext(t + dt) - f_int(t)| ,    C > JUMP_RATIO sum max |u_p| / sum |f_ext(t + dt) - f_int(t)|
 
-  Such a step is halved. What is suspected again after JUMP_HALVES halvings, in steps that end no later than the first one, and moves by more than
+  The sums leave out steps that were as far out of proportion, but those that halving has confirmed. A suspected step is halved. What is suspected again after JUMP_HALVES halvings, in steps that end no later than the first one, and moves by more than
   JUMP_SHRINK of what that did, does not shrink with the step: the run ends, and the last line says what slides, how far, and where. Steps that shrink are
-  accepted: they follow a path of equilibrium.
+  accepted: they follow a path of equilibrium. Where the run gives up, because no solution is found, it is told to slide if the last step was as far out
+  of proportion.
 
   A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do so, too.
 
@@ -30,7 +31,7 @@
 
 void MpmSlideBegin(MpmModel model)
 {
-  model->state.slide = (MpmSlide){.end = -1.};
+  model->state.scheme.slide = (MpmSlide){.end = -1.};
 }
 
 /* May the stage under way not slide? */
@@ -72,7 +73,7 @@ static PetscBool IsFading(const MpmModel model, PetscInt id)
 {
   const PetscInt body = BodyOf(model, id);
 
-  return (PetscBool)(body >= 0 && model->state.fading[body].ramp);
+  return (PetscBool)(body >= 0 && model->state.scheme.fading[body].ramp);
 }
 
 /* The longest displacement of a point that stays, m, and on every rank the place and the body of that point. */
@@ -129,7 +130,7 @@ static void Describe(MpmModel model, const MpmFastest *fastest, const char forma
 
 PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable)
 {
-  MpmSlide       *slide = &model->state.slide;
+  MpmSlide       *slide = &model->state.scheme.slide;
   const PetscReal force = model->solver.cache.reference, cell = model->disc.grid->h[0];
   const PetscReal span = next - model->state.time;
   PetscReal       most;
@@ -139,9 +140,9 @@ PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, Pe
   if (!MustStand(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindLongest(model, &slide->now.way));
   slide->force = force;
-  if (!(slide->ways > 0.) || slide->now.way <= JUMP_WAY * cell) PetscFunctionReturn(PETSC_SUCCESS);
+  most         = JUMP_RATIO * force * slide->ways;
+  if (!(slide->ways > 0.) || slide->now.way * slide->forces <= most) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindFastest(model, &slide->now));
-  most = JUMP_RATIO * force * slide->ways;
   if (slide->now.way <= JUMP_WAY * cell || slide->now.way * slide->forces <= most) PetscFunctionReturn(PETSC_SUCCESS);
   if (next > slide->end) {
     slide->end  = next;
@@ -160,28 +161,36 @@ PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, Pe
 
 void MpmSlideObserve(MpmModel model)
 {
-  MpmSlide *slide = &model->state.slide;
+  MpmSlide *slide = &model->state.scheme.slide;
 
+  if (!(slide->now.way > 0.)) return;
+  slide->last = slide->now;
+  slide->ratio =
+    slide->ways > 0. && slide->force > 0. ? slide->now.way / slide->ways * slide->forces / slide->force : 0.;
+  if (slide->ratio > JUMP_RATIO && model->state.time > slide->end) return;
   slide->ways += slide->now.way;
-  slide->forces += slide->now.way > 0. ? slide->force : 0.;
+  slide->forces += slide->force;
 }
 
 PetscBool MpmSlideSuspects(const MpmModel model)
 {
-  return (PetscBool)(model->state.slide.seen.way > 0. &&
-                     model->state.time <= model->state.slide.end + model->state.dt_nominal);
+  return (PetscBool)(model->state.scheme.slide.seen.way > 0. &&
+                     model->state.time <= model->state.scheme.slide.end + model->state.dt_nominal);
 }
 
-void MpmSlideExplain(MpmModel model, const char **why)
+PetscErrorCode MpmSlideExplain(MpmModel model, const char **why)
 {
-  const MpmSlide *slide = &model->state.slide;
-  char            text[sizeof(model->solver.lost)];
+  const MpmSlide   *slide   = &model->state.scheme.slide;
+  const MpmFastest *fastest = MpmSlideSuspects(model) ? &slide->seen : &slide->last;
+  char              text[sizeof(model->solver.lost)];
 
-  if (!MpmSlideSuspects(model)) return;
-  (void)PetscStrncpy(text, *why, sizeof(text));
-  Describe(model, &slide->seen, SLIDES);
-  if (strstr(text, " jumps by ")) text[0] = '\0';
-  if (text[0]) (void)PetscStrlcat(model->solver.lost, "; ", sizeof(model->solver.lost));
-  (void)PetscStrlcat(model->solver.lost, text, sizeof(model->solver.lost));
+  PetscFunctionBeginUser;
+  if (!MustStand(model) || (!MpmSlideSuspects(model) && !(slide->ratio > JUMP_RATIO)))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrncpy(text, strstr(*why, " jumps by ") ? "" : *why, sizeof(text)));
+  Describe(model, fastest, SLIDES);
+  if (text[0]) PetscCall(PetscStrlcat(model->solver.lost, "; ", sizeof(model->solver.lost)));
+  PetscCall(PetscStrlcat(model->solver.lost, text, sizeof(model->solver.lost)));
   *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -469,7 +469,7 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   MpmRelaxationDefaults(&relaxation);
   if (scene.rescue || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, NULL, PETSC_TRUE, &relaxation));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
-  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.fading));
+  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.scheme.fading));
   PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.relaxing.ended));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.relaxing.ended[k] = -1.;
   model->state.relaxing.first = model->state.relaxing.since = -1.;
@@ -514,7 +514,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(model->state.parked[b].data));
   PetscCall(PetscFree(model->scene.stages));
   PetscCall(PetscFree(model->state.parked));
-  PetscCall(PetscFree(model->state.fading));
+  PetscCall(PetscFree(model->state.scheme.fading));
   PetscCall(PetscFree(model->state.relaxing.ended));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "geometry/geometry.h"
 
 /* Where strength is reduced. */
 typedef struct {
@@ -34,10 +33,11 @@ typedef struct {
 
 /* Whether steps without inertia follow a path of equilibrium (slide.c). */
 typedef struct {
-  PetscReal  ways, forces;   /* sums over the stage's steps: longest displacements, m, and what drove them, N */
-  PetscReal  force;          /* N, that of the solution at hand */
-  PetscReal  end, span, way; /* s, s, m: of the first suspected step, the run's time of its end; end < 0: none */
-  MpmFastest now, seen;      /* in the solution at hand; in the last one that was suspected */
+  PetscReal  ways, forces;    /* sums over the stage's steps: longest displacements, m, and what drove them, N */
+  PetscReal  force;           /* N, that of the solution at hand */
+  PetscReal  ratio;           /* of the last step: its way by force over that of the stage before */
+  PetscReal  end, span, way;  /* s, s, m: of the first suspected step, the run's time of its end; end < 0: none */
+  MpmFastest now, seen, last; /* in the solution at hand, in the last one that was suspected, in the last step */
 } MpmSlide;
 
 /* How far a relaxation has come; the columns K_F, K_E and resets. */
@@ -105,16 +105,18 @@ typedef struct {
 /* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
-  MpmDynamics         *dynamics; /* velocities at the nodes; NULL before the first dynamic step */
-  MpmSdirk            *sdirk;    /* what the integrator of two stages keeps of the first; NULL before its first step */
-  PetscReal            error;    /* largest that is accepted, relative; 0: any */
-  PetscReal            estimate; /* of the last step that has converged */
-  PetscReal refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
-  PetscBool met;                 /* contact has been near since the stage began, see dynamics.c */
-  PetscReal load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
-  PetscReal behind;              /* s, how far the points' velocities are behind their places: explicit steps */
-  PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
-  MpmEnergy energy;
+  MpmDynamics         *dynamics;  /* velocities at the nodes; NULL before the first dynamic step */
+  MpmSdirk            *sdirk;     /* what the integrator of two stages keeps of the first; NULL before its first step */
+  PetscReal            error;     /* largest that is accepted, relative; 0: any */
+  PetscReal            estimate;  /* of the last step that has converged */
+  PetscReal  refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
+  PetscBool  met;                 /* contact has been near since the stage began, see dynamics.c */
+  PetscReal  load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
+  PetscReal  behind;              /* s, how far the points' velocities are behind their places: explicit steps */
+  PetscBool  water_held;          /* the pressure of the water is not solved for: geostatic stages */
+  MpmEnergy  energy;
+  MpmSlide   slide;
+  MpmFading *fading; /* per body: whether it is being taken away */
   MpmRescuing rescuing;
   PetscReal   order;   /* the power of a step's length that the estimate goes with */
   PetscReal   trial;   /* what `largest` will be, should the step be accepted */
@@ -136,7 +138,6 @@ typedef struct {
   PetscInt       step, cuts, cuts_total;
   PetscInt       stage;      /* the one under way */
   MpmParked     *parked;     /* per body: points that a later stage adds */
-  MpmFading     *fading;     /* per body: whether it is being taken away */
   MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
   MpmLoadActing *loads;      /* surfaces behind loads */
   MpmWalls       walls;      /* that follow from it */
@@ -146,7 +147,6 @@ typedef struct {
   MpmRescue      rescue;
   PetscInt64     active_dofs_max;
   MpmSafety      safety;
-  MpmSlide       slide;
   MpmRelaxing    relaxing;
   MpmGridMotion  grid;
   MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */

@@ -335,7 +335,7 @@ static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscRea
   else {
     *over = PETSC_TRUE;
     PetscCall(OfferRelaxation(model, why));
-    if (*why) MpmSlideExplain(model, why);
+    if (*why) PetscCall(MpmSlideExplain(model, why));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

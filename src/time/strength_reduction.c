@@ -397,10 +397,11 @@ PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **wh
     safety->factor = safety->reduced;
     PetscCall(PetscSNPrintf(text, sizeof(text), "at %.5g %s", (double)factor, *why));
     if (!(most <= (1. + RUNS_AWAY) * safety->reduced)) {
-      PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                              "factor of safety at least %.4g: %s; nothing runs away, no point has moved further than "
-                              "%.3g m",
-                              (double)safety->factor, text, (double)safety->moved));
+      PetscCall(
+        PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                      "factor of safety at least %.4g, by the last movement at most %.4g: %s; no point has moved "
+                      "further than %.3g m",
+                      (double)safety->factor, (double)most, text, (double)safety->moved));
       *why = model->solver.lost;
       PetscFunctionReturn(PETSC_SUCCESS);
     }

@@ -102,7 +102,7 @@ void           MpmSlideBegin(MpmModel model);
 PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable);
 void           MpmSlideObserve(MpmModel model);
 PetscBool      MpmSlideSuspects(const MpmModel model);
-void           MpmSlideExplain(MpmModel model, const char **why);
+PetscErrorCode MpmSlideExplain(MpmModel model, const char **why);
 /* The stage under way ends at the present time. */
 void MpmStageEndHere(MpmModel model);
 /* The points' fields for it, one an axis. */
