@@ -76,7 +76,8 @@ def excess(test, label, run):
 def slopes(test):
     associated = slope(test, "associated", {}, 1.32, 1.40)
     excess(test, "associated", associated)
-    low = slope(test, "psi_0", {"mpm_material_soil_dilation": 0}, 1.25, associated.results.summary["factor_of_safety"])
+    low = test.run(example("slope_reduction"), **{**COARSE, **FAIL}, mpm_material_soil_dilation=0, mpm_stage_fail_reduction_slide="false")
+    test.check("psi_0.factor_of_safety", low.results.summary["factor_of_safety"], 1.25, associated.results.summary["factor_of_safety"])
     test.check("psi_0.lower", low.results.summary["factor_of_safety"] / associated.results.summary["factor_of_safety"], None, 0.999)
     # steps that are far too long: cut, and again with the strength of their own end
     long = slope(test, "cut", {"mpm_stage_fail_time_step": 0.5, "snes_max_it": 8}, 1.3, 1.5)
