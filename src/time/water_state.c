@@ -17,8 +17,8 @@
 
   a (1 - a)/2 is the error of the trapezoidal rule at a bend; b follows from the second moment (k + 1)/12 of the spline.
 
-  Held pressures. At nodes that are not below the water's level the pressure is held, as that of water at rest (see above): in dry ground 0
-  but beside the level, where no point stands above it hydrostatic.
+  Held pressures. Nodes that are not below the water's level have the pressure of water at rest: in dry ground 0 but beside the
+  level, hydrostatic where no point stands above it.
 */
 #include "point/layout.h"
 #include "point/material.h"
@@ -461,7 +461,7 @@ static PetscBool FindPorosity(const MpmModel model, PetscInt *first)
   const MpmPhysics *physics = &model->scene.physics;
 
   *first = 0;
-  for (size_t k = 0; k < physics->state_count; k++) {
+  for (size_t k = 0; k < (size_t)physics->state_count; k++) {
     if (!strcmp(physics->states[k].name, "porosity")) return PETSC_TRUE;
     *first += MpmStateComponents(&physics->states[k], model->disc.dim);
   }
