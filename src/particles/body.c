@@ -10,6 +10,7 @@
 #include "particles/body_file.h"
 #include "particles/body_initial.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 
 struct _p_MpmBody {
@@ -376,7 +377,8 @@ static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const 
       MpmMaterialStateAtRest(material, particles->dim, state);
       MpmBodyInitialFill(body->initial, particles->dim, Height(body, &points->x[p * particles->dim]), state);
     }
-    if (points->mass) points->mass[p] = points->volume0[p] * material->density;
+    if (points->mass)
+      points->mass[p] = points->volume0[p] * MpmMaterialDensity(material, MpmPointOwn(points, material, p));
   }
 }
 
@@ -384,12 +386,13 @@ static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const 
 static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
                                const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
 {
-  const PetscInt begin = *first;
+  const PetscInt begin = *first, vertical[2] = {body->axis, body->up};
 
   PetscFunctionBeginUser;
   if (!body->imported) {
     *first += FillCells(body, grid, id, begin, points);
     FillCuts(body, grid->dim, begin, *first, points);
+    MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
     FillAtRest(body, materials, particles, begin, *first, points);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -402,6 +405,7 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
     MpmMaterialStateAtRest(&materials[body->material], grid->dim, &points->state[p * particles->state_size]);
   FillCuts(body, grid->dim, begin, *first, points);
   PetscCall(MpmImportedPlace(body->imported, grid->dim, begin, points));
+  MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
   for (PetscInt p = begin; p < *first && points->state; p++)
     MpmBodyInitialFill(body->initial, grid->dim, Height(body, &points->x[p * grid->dim]),
                        &points->state[p * particles->state_size]);

@@ -436,7 +436,7 @@ static PetscErrorCode Solve(MpmStressPoint *point, const char **why)
   for (PetscInt k = 0; k < point->count; k++)
     largest = PetscMax(largest, PetscAbsReal(point->control.value[point->unknown[k]]));
   point->noise =
-    NOISE * PETSC_MACHINE_EPSILON * (largest + MpmMaterialStiffness(point->material, point->now.history, NULL));
+    NOISE * PETSC_MACHINE_EPSILON * (largest + MpmMaterialStiffness(point->material, NULL, point->now.history, NULL));
   PetscCall(VecGetArray(point->x, &x));
   for (PetscInt k = 0; k < point->count && !point->rank; k++) x[k] = point->now.strain[point->unknown[k]];
   PetscCall(VecRestoreArray(point->x, &x));

@@ -576,16 +576,6 @@ static PetscBool NeedsBodies(const MpmModel model)
                      model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
-/* Contact knows points by where they were drawn, which is not where their displacements begin in a later stage. */
-static PetscBool KeepsOrigin(const MpmModel model)
-{
-  PetscBool contact = (PetscBool)(model->scene.boundaries->count > 0 || model->scene.pairs->count > 0),
-            resets  = PETSC_FALSE;
-
-  for (PetscInt s = 0; s < model->scene.stage_count; s++) resets = (PetscBool)(resets || model->scene.stages[s].reset);
-  return (PetscBool)(contact && resets);
-}
-
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
@@ -622,7 +612,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(model->disc.grid,
-                               &(MpmParticleFields){.state_size   = state_size,
+                               &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
+                                                    .state_size   = state_size,
                                                     .own_size     = model->disc.layout->own_size,
                                                     .rates        = model->disc.layout->rates,
                                                     .half_length  = half_length,
@@ -630,7 +621,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                                                     .faces        = faces,
                                                     .part         = parts,
                                                     .divisions    = (PetscBool)(model->scene.divide > 0.),
-                                                    .origin       = KeepsOrigin(model),
+                                                    .origin       = MpmOriginIsKept(model),
                                                     .velocity     = model->disc.inertia->dynamic,
                                                     .affine       = MpmStagesAreAffine(model),
                                                     .acceleration = MpmStagesAreImplicit(model),

@@ -5,6 +5,7 @@
 #include "point/material.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "terms/inertia.h"
 #include "run/run.h"
@@ -13,7 +14,7 @@
 typedef struct {
   MpmModel         model;
   const MpmPoints *points;
-  const char      *state; /* a history variable's name */
+  const char      *state; /* a history variable's or a parameter's name */
   PetscInt         first; /* of its own states, where the physics has it */
   PetscInt         rate;  /* which value with a rate */
   PetscInt         components;
@@ -121,6 +122,24 @@ static PetscErrorCode FillState(const void *ctx, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A parameter of laws that varies: zero where a point's law has none of this name. */
+static PetscErrorCode FillParameter(const void *ctx, PetscReal values[])
+{
+  const Source    *source = (const Source *)ctx;
+  const MpmPoints *points = source->points;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) {
+    const MpmMaterial *material = &source->model->scene.materials->at[points->material[p]];
+    const double      *own      = MpmPointOwn(points, material, p);
+    size_t             k        = 0;
+
+    while (k < material->info.parameter_count && strcmp(material->info.parameters[k].name, source->state)) k++;
+    values[p] = k == material->info.parameter_count ? 0. : own ? own[k] : material->parameter[k];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A state of the physics' own. */
 static PetscErrorCode FillOwn(const void *ctx, PetscReal values[])
 {
@@ -169,6 +188,22 @@ static void Add(Fields *fields, const MpmDataset *set, const Source *source)
   fields->count++;
 }
 
+/* Parameters of laws that vary, as they are in force. */
+static void AddParameters(MpmModel model, Source source, Fields *fields)
+{
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    const MpmMaterial *material = &model->scene.materials->at[m];
+
+    for (PetscInt v = 0; material->varies && v < material->varies->count; v++) {
+      const PetscInt place = material->varies->at[v].place;
+
+      if (place >= (PetscInt)material->info.parameter_count) continue;
+      source.state = material->info.parameters[place].name;
+      Add(fields, &(MpmDataset){.name = source.state, .components = 1, .fill = FillParameter}, &source);
+    }
+  }
+}
+
 static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fields *fields)
 {
   const PetscInt   dim      = model->disc.dim;
@@ -187,7 +222,8 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    capacity += (PetscInt)model->scene.materials->at[m].info.state_count;
+    capacity +=
+      (PetscInt)(model->scene.materials->at[m].info.state_count + model->scene.materials->at[m].info.parameter_count);
   fields->count = 0;
   PetscCall(PetscMalloc2(capacity, &fields->set, capacity, &fields->source));
   for (size_t k = 0; k < known; k++) Add(fields, &always[k], &source);
@@ -220,6 +256,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
 
     Add(fields, &set, &source);
   }
+  AddParameters(model, source, fields);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -45,7 +45,8 @@ typedef struct {
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM];
   PetscReal line[MPM_MAX_DIM][16]; /* weights by axis, at these nodes */
   PetscReal area, place[MPM_MAX_DIM], normal[MPM_MAX_DIM];
-  PetscReal astray; /* distance of the point from where it should be beside the surface, m */
+  PetscReal modulus; /* scale of its penalty, Pa */
+  PetscReal astray;  /* distance of the point from where it should be beside the surface, m */
   PetscReal kept[MPM_PIECE_SLOTS];
 } MpmPiece;
 

@@ -610,7 +610,7 @@ static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
   if (IsDry(sum, face)) return 0.;
   for (PetscInt k = 0; k < 2; k++) {
     const MpmMaterial       *material = &sum->materials[face->material[k]];
-    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, sum->layout->dim);
+    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
 
     factor[k] = sum->layout->ghost(&of, material->physics_parameter, sum->dt, sum->grid->h[face->axis]);
   }

@@ -19,6 +19,7 @@
 #include "point/material.h"
 #include "point/stored_energy.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/momentum.h"
 #include "space/sum.h"
@@ -45,10 +46,13 @@ MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const Mpm
   const PetscInt sym = MpmSymSize(dim), size = model->state.particles->state_size;
   PetscReal      sum = 0.;
 
-  for (PetscInt p = 0; p < points->count; p++)
-    sum += points->volume0[p] *
-           MpmStoredEnergy(&model->scene.materials->at[points->material[p]], dim, &points->stress[p * sym],
-                           points->state ? &points->state[p * size] : NULL, &points->F[p * dim * dim]);
+  for (PetscInt p = 0; p < points->count; p++) {
+    const MpmMaterial *material = &model->scene.materials->at[points->material[p]];
+
+    sum +=
+      points->volume0[p] * MpmStoredEnergy(material, MpmPointOwn(points, material, p), dim, &points->stress[p * sym],
+                                           points->state ? &points->state[p * size] : NULL, &points->F[p * dim * dim]);
+  }
   return sum;
 }
 

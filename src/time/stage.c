@@ -692,7 +692,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   SetTime(model, k);
   model->state.dt_wanted = model->state.dt_nominal;
   model->state.dt_last = model->state.scheme.behind = 0.; /* nothing goes on as before */
-  MpmReductionApply(model, model->state.time);
+  PetscCall(MpmReductionApply(model, model->state.time));
   if (stage->name) {
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
     PetscCall(ChangeBodies(model, stage));
@@ -733,6 +733,6 @@ PetscErrorCode MpmStageResume(MpmModel model)
     }
   }
   model->state.time = time;
-  MpmReductionApply(model, time);
+  PetscCall(MpmReductionApply(model, time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -61,7 +61,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
   PetscFunctionBeginUser;
   *retryable = PETSC_FALSE;
   if (!again) model->state.scheme.refused = 0.;
-  MpmReductionApply(model, time);
+  PetscCall(MpmReductionApply(model, time));
   PetscCall(integrator->begin(model, time, dt, again, why));
   if (!*why) {
     PetscCall(integrator->predict(model));
@@ -72,7 +72,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     } else model->state.scheme.refused = 0.;
     PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
   }
-  if (*why) MpmReductionApply(model, model->state.time);
+  if (*why) PetscCall(MpmReductionApply(model, model->state.time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

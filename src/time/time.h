@@ -67,7 +67,9 @@ PetscErrorCode MpmStageResume(MpmModel model);
   under way reduce, without a factor of safety so far?
 */
 PetscErrorCode MpmReductionBegin(MpmModel model);
-void           MpmReductionApply(MpmModel model, PetscReal time);
+PetscErrorCode MpmReductionApply(MpmModel model, PetscReal time);
+/* Own parameters of all points, of materials that vary, at the reduction in force. */
+PetscErrorCode MpmModelSetOwn(MpmModel model);
 PetscErrorCode MpmReductionObserve(MpmModel model);
 PetscBool      MpmStagesReduce(const MpmModel model);
 PetscBool      MpmReductionSeeks(const MpmModel model);
