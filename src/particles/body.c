@@ -24,6 +24,10 @@ struct _p_MpmBody {
   PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
   PetscInt       id_first, id_end;
   PetscInt       per_cell[MPM_MAX_DIM];
+  MpmFill        fill;  /* down to settled ground, */
+  PetscBool      joins; /* where it joins a stage; room for these points is left behind its ids */
+  PetscInt       count, fill_rows;
+  MpmBodyLattice lattice;
   PetscInt       cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   PetscInt       before_count;
   MpmBody       *before; /* bodies whose points on a shared edge are not this one's */
@@ -69,7 +73,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   MpmOptions   block = {options->comm, prefix, options->record};
   const char **names;
   PetscReal    tolerance[MPM_MAX_DIM];
-  PetscBool    is_file;
+  PetscBool    is_file, fill = PETSC_FALSE, given = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(body));
@@ -91,9 +95,23 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
   PetscCall(PetscFree(names));
   if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[(*body)->material], &(*body)->initial));
+  if (!is_file || MpmOptionsHelp())
+    PetscCall(MpmOptionsBool(
+      &block, "fill",
+      "where the body joins a stage: fill the gap down to settled ground; unless given, gaps within a cell", &fill,
+      &given));
+  if (given) (*body)->fill = fill ? MPM_FILL_YES : MPM_FILL_NO;
   if (is_file || MpmOptionsHelp())
     PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
   if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    MpmBodyLattice *lattice = &(*body)->lattice;
+
+    lattice->count[a] = ((*body)->cell_upper[a] - (*body)->cell_lower[a]) * (*body)->per_cell[a];
+    if (a >= grid->dim) continue;
+    lattice->spacing[a] = grid->h[a] / (PetscReal)(*body)->per_cell[a];
+    lattice->lower[a]   = grid->lower[a] + grid->h[a] * (PetscReal)(*body)->cell_lower[a];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -180,6 +198,28 @@ void MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end)
 {
   *first = body->id_first;
   *end   = body->id_end;
+}
+
+void MpmBodyGetLattice(MpmBody body, MpmBodyLattice *lattice)
+{
+  *lattice = body->lattice;
+}
+
+MpmFill MpmBodyFills(MpmBody body)
+{
+  return body->fill;
+}
+
+void MpmBodySetJoins(MpmBody body)
+{
+  body->joins = PETSC_TRUE;
+}
+
+PetscInt MpmBodyFillId(MpmBody body, const MpmPoints *points, PetscInt column, PetscInt row)
+{
+  const PetscInt room = points->divisions ? 1 << MPM_DIVISIONS : 1;
+
+  return body->id_first + room * (body->count + column * body->fill_rows + row);
 }
 
 PetscReal MpmBodySpacing(MpmBody body)
@@ -448,6 +488,18 @@ static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Ids that are left for points with which a body fills the gap beneath: all rows of the grid in each column. */
+static PetscInt64 FillIds(MpmBody body, const MpmGrid *grid)
+{
+  PetscInt64 columns = 1;
+
+  if (!body->joins || body->imported || body->fill == MPM_FILL_NO) return 0;
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (a != body->axis) columns *= body->lattice.count[a];
+  body->fill_rows = grid->cells[body->axis] * body->per_cell[body->axis];
+  return columns * body->fill_rows;
+}
+
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles)
 {
@@ -466,6 +518,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   for (PetscInt b = 0; b < body_count; b++) {
     MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it", bodies[b]->name);
   }
+  particles->total = 0;
   PetscCall(MpmParticlesRelease(particles));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, MPM_PARTICLES_SPARE));
   PetscCall(MpmParticlesGetArrays(particles, &points));
@@ -473,8 +526,10 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
   for (PetscInt b = 0; b < body_count; b++) {
     PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));
+    bodies[b]->count    = (PetscInt)total[b];
     bodies[b]->id_first = (PetscInt)id;
-    id += total[b];
+    id += total[b] + FillIds(bodies[b], grid);
+    particles->total += total[b];
     bodies[b]->id_end = (PetscInt)id;
   }
   for (PetscInt b = 0; b < body_count; b++) PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
@@ -484,7 +539,6 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscCall(FillMotion(body_count, bodies, grid->dim, &points));
   PetscCall(MakeRoom(body_count, bodies, grid->comm, id, &points));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
-  particles->total = id;
   PetscCall(PetscFree3(count, before, total));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -53,6 +53,19 @@ PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody befo
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
+/* The lattice of a body's points: its cells are the points' domains. Not of bodies from files. */
+typedef struct {
+  PetscReal lower[MPM_MAX_DIM], spacing[MPM_MAX_DIM]; /* m */
+  PetscInt  count[MPM_MAX_DIM];
+} MpmBodyLattice;
+void MpmBodyGetLattice(MpmBody body, MpmBodyLattice *lattice);
+/* Does the body fill the gap down to settled ground where it joins a stage? AUTO: gaps within a cell. */
+typedef enum { MPM_FILL_AUTO, MPM_FILL_YES, MPM_FILL_NO } MpmFill;
+MpmFill MpmBodyFills(MpmBody body);
+/* The body joins a stage: room is left in the ids. To be called before the points are made. */
+void MpmBodySetJoins(MpmBody body);
+/* Ids of the points that fill the gap, by column and row. */
+PetscInt MpmBodyFillId(MpmBody body, const MpmPoints *points, PetscInt column, PetscInt row);
 /* Its region where that is round and cut a lattice of points, or NULL. */
 MpmRegion MpmBodyRound(MpmBody body);
 /* Most cells from point to point on an axis; 0 for bodies from files. */

@@ -579,7 +579,7 @@ static PetscBool NeedsBodies(const MpmModel model)
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt  state_size = 0, extra = 0, shared, axis, up;
+  PetscInt  state_size = 0, extra = 0, shared;
   PetscBool parts       = (PetscBool)(model->disc.parts > 1);
   PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
@@ -634,8 +634,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &axis, &up);
-  for (PetscInt b = 0; b < model->scene.bodies->count; b++) MpmBodySetVertical(model->scene.bodies->at[b], axis, up);
+  PetscCall(MpmBodiesPrepare(model));
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));

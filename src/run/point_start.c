@@ -8,6 +8,7 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "terms/body_contact.h"
+#include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/scene.h"
 #include "run/run.h"
@@ -34,6 +35,26 @@ PetscInt MpmOwnParametersSize(MpmModel model)
   for (PetscInt m = 0; m < materials->count; m++)
     if (materials->at[m].varies) materials->at[m].varies->stride = most;
   return most;
+}
+
+PetscErrorCode MpmBodiesPrepare(MpmModel model)
+{
+  PetscInt axis, up;
+
+  PetscFunctionBeginUser;
+  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &axis, &up);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscBool joins = PETSC_FALSE;
+
+    MpmBodySetVertical(model->scene.bodies->at[b], axis, up);
+    for (PetscInt k = 1; k < model->scene.stage_count; k++)
+      joins = (PetscBool)(joins || model->scene.stages[k].adds[b]);
+    if (joins) MpmBodySetJoins(model->scene.bodies->at[b]);
+    MpmCheckInput(joins || MpmBodyFills(model->scene.bodies->at[b]) != MPM_FILL_YES,
+                  "-mpm_body_%s_fill true: the body joins no stage, must be in the list of bodies of a later one",
+                  model->scene.bodies->names[b]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmFillOwnStates(MpmModel model)

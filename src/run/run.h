@@ -148,6 +148,8 @@ PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool 
 /* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); is there water? */
 PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options);
 /* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */
+/* Before points are made: which way is up, and which bodies join a stage. */
+PetscErrorCode MpmBodiesPrepare(MpmModel model);
 PetscErrorCode MpmFillOwnStates(MpmModel model);
 /* Numbers of the row of parameters that each point has; 0: no material varies. Sets the materials' strides. */
 PetscInt MpmOwnParametersSize(MpmModel model);

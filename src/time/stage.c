@@ -593,11 +593,14 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
-    if (stage->adds[b]) {
-      PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
-      PetscCall(MpmWaterFill(model, first, end));
-    }
+    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
     if (stage->removed[b]) PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
+  }
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    if (!stage->adds[b]) continue;
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    if (model->state.stage) PetscCall(MpmGapClose(model, b, stage->name));
+    PetscCall(MpmWaterFill(model, first, end));
   }
   PetscCall(MpmMovingGridFollow(model, &why));
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
