@@ -6,6 +6,7 @@
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "grid/shape.h"
 #include "particles/body.h"
 #include "particles/body_file.h"
 #include "particles/body_initial.h"
@@ -18,8 +19,10 @@ struct _p_MpmBody {
   MpmRegion      region;
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
-  PetscReal      pressure; /* of the water, beyond the hydrostatic one */
-  PetscReal      velocity[MPM_MAX_DIM];
+  PetscReal      pressure;                       /* of the water, beyond the hydrostatic one */
+  PetscReal      velocity[MPM_MAX_DIM], spin[3]; /* m/s; rad/s, 2D: the third */
+  PetscBool      spins, averaged;                /* averaged: the shape is, over the points' domains */
+  PetscInt       degree;                         /* of splines, by which affine velocities are kept (momentum.c) */
   PetscInt       dim, material;
   PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
   PetscInt       id_first, id_end;
@@ -128,15 +131,23 @@ PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given)
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
+                                   const char **given)
 {
   char             prefix[256];
   const MpmOptions block = {options->comm, prefix, options->record};
+  PetscBool        moves;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsReals(&block, "velocity", "m/s", "with which its points start, in scenes with a dynamic stage",
-                            MPM_RANGE_ANY, MPM_OPTIONAL, body->dim, body->velocity, given));
+                            MPM_RANGE_ANY, MPM_OPTIONAL, body->dim, body->velocity, &moves));
+  PetscCall(MpmOptionsReals(
+    &block, "spin", "rad/s", "angular velocity about its centre of mass with which its points start; in 3D a vector",
+    MPM_RANGE_ANY, MPM_OPTIONAL, body->dim == 2 ? 1 : 3, &body->spin[body->dim == 2 ? 2 : 0], &body->spins));
+  body->degree   = MpmShapeDegree(shape);
+  body->averaged = MpmShapeHasDomain(shape);
+  *given         = moves ? "velocity" : body->spins ? "spin" : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -453,10 +464,60 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How the points move as they are made. */
-static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], PetscInt dim, const MpmPoints *points)
+/* omega x r */
+static void Turn(const PetscReal spin[3], PetscInt dim, const PetscReal r[], PetscReal v[])
 {
-  PetscInt *body_of;
+  const PetscReal z = dim == 3 ? r[2] : 0.;
+
+  v[0] = spin[1] * z - spin[2] * r[1];
+  v[1] = spin[2] * r[0] - spin[0] * z;
+  if (dim == 3) v[2] = spin[0] * r[1] - spin[1] * r[0];
+}
+
+/*
+  A body that spins about its centre of mass. A point's affine velocity is W D with v = W r: for splines of degree p >= 2 over
+  a domain of half-length l the second moment is D = (p + 1) h^2/12 + l^2/3; for linear ones W itself is kept.
+*/
+static PetscErrorCode FillSpin(const MpmBody body, PetscInt number, const MpmGrid *grid, const MpmMaterial materials[],
+                               const PetscInt body_of[], const MpmPoints *points)
+{
+  const PetscInt dim                     = grid->dim;
+  PetscReal      centre[MPM_MAX_DIM + 1] = {0.}, v[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  if (!body->spins) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal mass = body_of[p] == number ? MpmPointMass(points, materials, p) : 0.;
+
+    for (PetscInt a = 0; a < dim; a++) centre[a] += mass * points->x[p * dim + a];
+    centre[MPM_MAX_DIM] += mass;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, centre, MPM_MAX_DIM + 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal r[MPM_MAX_DIM] = {0., 0., 0.};
+
+    if (body_of[p] != number) continue;
+    for (PetscInt a = 0; a < dim; a++) r[a] = points->x[p * dim + a] - centre[a] / centre[MPM_MAX_DIM];
+    Turn(body->spin, dim, r, v);
+    for (PetscInt a = 0; a < dim; a++) points->velocity[p * dim + a] += v[a];
+    for (PetscInt b = 0; points->affine && b < dim; b++) {
+      const PetscReal h = grid->h[b], l = body->averaged && points->half_length ? points->half_length[p * dim + b] : 0.;
+      PetscReal       unit[MPM_MAX_DIM] = {0., 0., 0.};
+
+      unit[b] = body->degree < 2 ? 1. : (PetscReal)(body->degree + 1) * h * h / 12. + l * l / 3.;
+      Turn(body->spin, dim, unit, v);
+      for (PetscInt a = 0; a < dim; a++) points->affine[(p * dim + a) * dim + b] = v[a];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How the points move as they are made. */
+static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                                 const MpmGrid *grid, const MpmPoints *points)
+{
+  const PetscInt dim = grid->dim;
+  PetscInt      *body_of;
 
   PetscFunctionBeginUser;
   if (!points->velocity) PetscFunctionReturn(PETSC_SUCCESS);
@@ -465,6 +526,7 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], Pe
   for (PetscInt k = 0; k < points->count * dim; k++) points->velocity[k] = bodies[body_of[k / dim]]->velocity[k % dim];
   if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
   if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
+  for (PetscInt b = 0; b < body_count; b++) PetscCall(FillSpin(bodies[b], b, grid, materials, body_of, points));
   PetscCall(PetscFree(body_of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -536,7 +598,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));
-  PetscCall(FillMotion(body_count, bodies, grid->dim, &points));
+  PetscCall(FillMotion(body_count, bodies, materials, grid, &points));
   PetscCall(MakeRoom(body_count, bodies, grid->comm, id, &points));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(PetscFree3(count, before, total));

@@ -19,8 +19,12 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
 /* The excess of the water's pressure that its points start with, Pa, where the physics has water. */
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
 PetscReal      MpmBodyPressure(const MpmBody body);
-/* The velocity that its points start with; `given` tells whether there is one. */
-PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given);
+/*
+  The velocity that its points start with, and the angular one about the body's centre of mass, by which points turn, too, as
+  the shape keeps it. `given` names the one that there is, or is NULL.
+*/
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
+                                   const char **given);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],

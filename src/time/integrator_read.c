@@ -310,12 +310,13 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
     stage->time.motion.transfer.degree = stage->relaxation.motion.transfer.degree = MpmShapeDegree(model->scene.shape);
   }
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-    PetscBool given;
+    const char *given;
 
-    PetscCall(MpmBodyReadVelocity(options, model->scene.bodies->names[b], model->scene.bodies->at[b], &given));
+    PetscCall(MpmBodyReadVelocity(options, model->scene.bodies->names[b], model->scene.shape,
+                                  model->scene.bodies->at[b], &given));
     MpmCheckInput(!given || AnyMoves(model) || MpmOptionsHelp(),
-                  "-mpm_body_%s_velocity: no stage has inertia; -mpm_time_integrator names one",
-                  model->scene.bodies->names[b]);
+                  "-mpm_body_%s_%s: no stage has inertia; -mpm_time_integrator names one",
+                  model->scene.bodies->names[b], given);
   }
   model->disc.inertia->dynamic = dynamic;
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
