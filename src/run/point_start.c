@@ -8,21 +8,24 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "terms/body_contact.h"
+#include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
 #include "time/scene.h"
 #include "run/run.h"
 
-/* Contact and parameters that vary need initial places, which a stage that resets displacements would overwrite. */
+/* Contact, regions of surfaces and parameters that vary need initial places, which a stage may overwrite otherwise. */
 PetscBool MpmOriginIsKept(const MpmModel model)
 {
-  PetscBool contact = (PetscBool)(model->scene.boundaries->count > 0 || model->scene.pairs->count > 0),
-            resets  = PETSC_FALSE;
+  PetscBool wanted = (PetscBool)(model->scene.boundaries->count > 0 || model->scene.pairs->count > 0),
+            resets = PETSC_FALSE;
 
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    contact = (PetscBool)(contact || model->scene.materials->at[m].varies);
+    wanted = (PetscBool)(wanted || model->scene.materials->at[m].varies);
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++)
+    wanted = (PetscBool)(wanted || model->scene.surfaces->at[k].region);
   for (PetscInt s = 0; s < model->scene.stage_count; s++) resets = (PetscBool)(resets || model->scene.stages[s].reset);
-  return (PetscBool)(contact && resets);
+  return (PetscBool)(wanted && resets);
 }
 
 /* Numbers that a point has of its own where parameters vary, as many for each. */
