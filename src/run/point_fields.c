@@ -3,6 +3,7 @@
 */
 #include "point/layout.h"
 #include "point/material.h"
+#include "point/strain_measure.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
 #include "particles/point_mass.h"
@@ -92,6 +93,45 @@ static PetscErrorCode FillF(const void *ctx, PetscReal values[])
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < points->count; p++) CopyF(dim, &points->F[p * dim * dim], &values[9 * p]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ln V in the plane, V V = F F^T */
+static void PlaneLogStrain(const PetscReal F[4], PetscReal strain[6])
+{
+  const PetscReal xx = F[0] * F[0] + F[1] * F[1], yy = F[2] * F[2] + F[3] * F[3], xy = F[0] * F[2] + F[1] * F[3],
+                  J = F[0] * F[3] - F[1] * F[2], mean = 0.5 * (xx + yy), half = 0.5 * (xx - yy);
+  const PetscReal radius = PetscSqrtReal(half * half + xy * xy), large = PetscLogReal(mean + radius);
+  const PetscReal volume = PetscLogReal(J),
+                  shear  = 0.5 * large - 0.5 * volume; /* half of the principal strains' difference */
+  const PetscReal by     = radius > PETSC_SQRT_MACHINE_EPSILON * mean ? shear / radius : 0.5 / mean;
+
+  for (PetscInt k = 0; k < 6; k++) strain[k] = 0.;
+  strain[0] = 0.5 * volume + by * half;
+  strain[1] = 0.5 * volume - by * half;
+  strain[3] = by * xy;
+}
+
+/* The total strain: ln V, or of laws of small strain sym(F) - I. */
+static PetscErrorCode FillStrain(const void *ctx, PetscReal values[])
+{
+  const MpmPoints *points = ((const Source *)ctx)->points;
+  const MpmModel   model  = ((const Source *)ctx)->model;
+  const PetscInt   dim    = model->disc.dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) {
+    const unsigned traits = model->scene.materials->at[points->material[p]].info.traits;
+    PetscReal      F[9];
+
+    if (dim == 2 && !(traits & MPM_LAW_SMALL_STRAIN)) {
+      PlaneLogStrain(&points->F[p * 4], &values[6 * p]);
+      continue;
+    }
+    CopyF(dim, &points->F[p * dim * dim], F);
+    PetscCall(MpmStrainFromDeformation(traits & MPM_LAW_SMALL_STRAIN ? MPM_STRAIN_ENGINEERING : MPM_STRAIN_LOG, F,
+                                       &values[6 * p]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -212,6 +252,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
     {.name = "material", .components = 1, .integer = points ? points->material : NULL},
     {.name = "displacement", .components = dim, .fill = FillDisplacement},
     {.name = "stress", .components = 6, .fill = FillStress},
+    {.name = "strain", .components = 6, .fill = FillStrain},
     {.name = "volume", .components = 1, .fill = FillVolume},
     {.name = "mass", .components = 1, .fill = FillMass},
     {.name = "F", .components = 9, .fill = FillF},

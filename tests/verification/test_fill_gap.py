@@ -47,7 +47,7 @@ with Test() as test:
     test.check("auto.line", float("body second filled down to the settled ground: a gap of up to 0.2 m" in filled.output), 1, 1)
     left = test.run(scene, **QUIET, mpm_body_second_fill="false")
     test.near("false.mass", left.table("mass").sum(), 4.0 * (4.0 * 1600 + 2.0 * 1800), relative=1e-12)
-    test.check("false.line", float("filled" in left.output), 0, 0)
+    test.check("false.line", float("filled down" in left.output), 0, 0)
     refused = test.run(scene, status=2, **QUIET, mpm_material_soft_E=45e3, mpm_grid_cells="16,32")
     test.check("refused.line", float("-mpm_body_second_fill is missing: in stage two" in refused.errors), 1, 1)
     soft = test.run(scene, **QUIET, **SOFT, mpm_checkpoint_every=7, mpm_checkpoint_keep=9)
