@@ -10,6 +10,7 @@
 #include "particles/body.h"
 #include "particles/body_file.h"
 #include "particles/body_initial.h"
+#include "particles/body_stress.h"
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
@@ -19,6 +20,7 @@ struct _p_MpmBody {
   MpmRegion      region;
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
+  PetscReal     *stress;                         /* Cauchy, with which its points start, Pa; or NULL */
   PetscReal      pressure;                       /* of the water, beyond the hydrostatic one */
   PetscReal      velocity[MPM_MAX_DIM], spin[3]; /* m/s; rad/s, 2D: the third */
   PetscBool      spins, averaged;                /* averaged: the shape is, over the points' domains */
@@ -30,6 +32,7 @@ struct _p_MpmBody {
   MpmFill        fill;  /* down to settled ground, */
   PetscBool      joins; /* where it joins a stage; room for these points is left behind its ids */
   PetscInt       count, fill_rows;
+  int            wrong; /* what is with its stress, as MpmBodyStressFill() says */
   MpmBodyLattice lattice;
   PetscInt       cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   PetscInt       before_count;
@@ -69,6 +72,28 @@ static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* One number, alike in all directions, or all components; in 2D also six, of which two are 0. */
+static PetscErrorCode ReadStress(const MpmOptions *block, PetscInt dim, MpmBody body)
+{
+  const PetscInt size = MpmSymSize(dim);
+  PetscInt       count;
+  PetscReal     *given;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsRealList(block, "initial_stress", "Pa",
+                       "Cauchy's, with which its points start: xx, yy, zz, xy, in 3D yz, xz; or one number, alike "
+                       "in all directions",
+                       MPM_OPTIONAL, &count, &given));
+  MpmCheckInput(!count || count == 1 || count == size || (count == 6 && given[4] == 0. && given[5] == 0.),
+                "-%sinitial_stress has %" PetscInt_FMT " numbers: must be 1 or %" PetscInt_FMT, block->prefix, count,
+                size);
+  if (count) PetscCall(PetscCalloc1(6, &body->stress));
+  for (PetscInt c = 0; count && c < size; c++) body->stress[c] = count > 1 ? given[c] : c < 3 ? given[0] : 0.;
+  PetscCall(PetscFree(given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial materials[], MpmBody *body)
 {
@@ -103,6 +128,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
       &block, "fill",
       "where the body joins a stage: fill the gap down to settled ground; unless given, gaps within a cell", &fill,
       &given));
+  if (!is_file || MpmOptionsHelp()) PetscCall(ReadStress(&block, grid->dim, *body));
   if (given) (*body)->fill = fill ? MPM_FILL_YES : MPM_FILL_NO;
   if (is_file || MpmOptionsHelp())
     PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
@@ -116,6 +142,11 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
     lattice->lower[a]   = grid->lower[a] + grid->h[a] * (PetscReal)(*body)->cell_lower[a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmBodyIsStressed(MpmBody body)
+{
+  return (PetscBool)(body->stress != NULL);
 }
 
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
@@ -165,6 +196,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscCall(MpmImportedDestroy(&(*body)->imported));
   PetscCall(MpmBodyInitialDestroy(&(*body)->initial));
   PetscCall(PetscFree((*body)->before));
+  PetscCall(PetscFree((*body)->stress));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -445,6 +477,9 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
     FillCuts(body, grid->dim, begin, *first, points);
     MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
     FillAtRest(body, materials, particles, begin, *first, points);
+    if (body->stress)
+      PetscCall(MpmBodyStressFill(&materials[body->material], grid->dim, body->stress, particles->state_size,
+                                  (const PetscInt[]){begin, *first}, points, &body->wrong));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *first += MpmImportedCount(body->imported);
@@ -594,7 +629,13 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
     particles->total += total[b];
     bodies[b]->id_end = (PetscInt)id;
   }
-  for (PetscInt b = 0; b < body_count; b++) PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
+  for (PetscInt b = 0; b < body_count; b++) {
+    PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bodies[b]->wrong, 1, MPI_INT, MPI_MAX, grid->comm));
+    MpmCheckInput(!bodies[b]->wrong, "-mpm_body_%s_initial_stress: %s of material %s", bodies[b]->name,
+                  bodies[b]->wrong == 1 ? "lies outside of the yield surface" : "is none that a state has",
+                  materials[bodies[b]->material].name);
+  }
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));

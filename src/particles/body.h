@@ -57,6 +57,8 @@ PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody befo
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
+/* Do its points start with a uniform stress? Their masses are then fields. */
+PetscBool MpmBodyIsStressed(MpmBody body);
 /* The lattice of a body's points: its cells are the points' domains. Not of bodies from files. */
 typedef struct {
   PetscReal lower[MPM_MAX_DIM], spacing[MPM_MAX_DIM]; /* m */

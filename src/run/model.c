@@ -610,7 +610,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
 
   model->state.particles->has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-    if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
+    if (MpmBodyIsImported(model->scene.bodies->at[b]) || MpmBodyIsStressed(model->scene.bodies->at[b]))
+      model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(model->disc.grid,
                                &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
                                                     .state_size   = state_size,
