@@ -566,6 +566,7 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
     if (model->scene.boundaries->at[k].augmented) fields[(*count)++] = model->scene.boundaries->at[k].pressure_field;
     if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].gap_field;
+    if (model->scene.boundaries->at[k].broken_field) fields[(*count)++] = model->scene.boundaries->at[k].broken_field;
   }
 }
 
@@ -590,7 +591,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
                           model->scene.motions->count +
-                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 2) + 1),
+                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 3) + 1),
                          &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
