@@ -48,9 +48,9 @@ PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why);
 PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next);
 /* The field of the points that a followed body has, NULL where the scene has none. */
 const char *MpmMovingGridField(const MpmModel model);
-/* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
 /* Closes the gap beneath a body that joins, or refuses the body (fill_gap.c). Its points are there. Collective. */
 PetscErrorCode MpmGapClose(MpmModel model, PetscInt body, const char stage[]);
+/* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
