@@ -4,6 +4,7 @@
 */
 #include <string.h>
 #include "solid.h"
+#include "talus/point/flow.h"
 
 /* Places among the physics' values: those of the material, then those of the scene. */
 enum {
@@ -73,11 +74,27 @@ MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, 
   if (compliance == 0.) return ScalarShift(J, -1.);
   return ScalarShift(ScalarMul(ScalarShift(J, -grains), ScalarShift(ScalarScale(compliance, p), 1.)), grains - 1.);
 }
+#define PORO_KEPT 1e-10 /* of what flows through a cell for a difference of pressure of one */
+
+/*
+  Storage by pressure of ground that drains at once: none, but so little that sealed ground, in which any pressure is steady, keeps
+  its own. Over n cells it changes a steady pressure by a part n^2 PORO_KEPT.
+*/
+MPM_FN double PoroKept(const MpmKernelPoint *point)
+{
+  double through = HUGE_VAL;
+
+  for (int a = 0; a < MPM_DIM; a++)
+    through = fmin(through, point->physics_parameter[PORO_MOBILITY + a] / (point->cell[a] * point->cell[a]));
+  return PORO_KEPT * point->dt * through;
+}
+
 /* Its derivative by p. */
 MPM_FN double PoroContentByPressure(const MpmKernelPoint *point, double J)
 {
   const double volume = point->traits & MPM_LAW_SMALL_STRAIN ? 1. : J;
 
+  if (point->traits & MPM_POINT_DRAINED) return PoroKept(point);
   return (volume - PoroGrains(point)) / point->physics_parameter[PORO_MODULUS];
 }
 MPM_FN double PoroContentValue(const MpmKernelPoint *point, double grains, const double *F, double p)
@@ -185,7 +202,7 @@ MPM_FN double PoroProjection(const MpmKernelPoint *point, double grains)
 /* The factor of what the pressure's deviation has changed by, in its flux. */
 MPM_FN double PoroSmoothing(const MpmKernelPoint *point, double grains)
 {
-  return -point->volume0 * PoroProjection(point, grains);
+  return point->traits & MPM_POINT_DRAINED ? 0. : -point->volume0 * PoroProjection(point, grains);
 }
 
 /* Fluxes of p, of its gradient and of its deviation, from J and dF; non-zero where there are no pores. */
@@ -200,7 +217,9 @@ MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
   Scalar                factor;
 
   if (PoroPermeabilityFactor(point, grains, J, &factor)) return 1;
-  flux[PORO_P] = ScalarScale(-point->volume0, ScalarShift(content, -PoroReference(point, start, first)));
+  flux[PORO_P] = point->traits & MPM_POINT_DRAINED
+                   ? ScalarScale(-point->volume0 * PoroKept(point), ScalarShift(input[PORO_P], -point->value_n[0]))
+                   : ScalarScale(-point->volume0, ScalarShift(content, -PoroReference(point, start, first)));
   PoroSeepage(point, dF, factor, &input[PORO_GRAD_P], &flux[PORO_GRAD_P]);
   flux[PORO_DEVIATION] = ScalarScale(PoroSmoothing(point, grains), ScalarShift(input[PORO_DEVIATION], -deviation));
   if (point->F) point->own[PORO_STATE_POROSITY] = 1. - grains / ScalarValue(J);

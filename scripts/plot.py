@@ -89,9 +89,9 @@ def domain_corners(state, origin, corners, deformed):
     """Corners of the points' domains, (points, corners, dim): boxes, or what F makes of them. `corners` are those of a
     box of edge length two about the origin."""
     dim = state.dim
-    corners = 0.5 * corners[None] * origin.lengths[:, None, :]
     if not deformed:
-        return origin.position[:, None, :] + corners
+        return origin.position[:, None, :] + 0.5 * corners[None] * origin.lengths[:, None, :]
+    corners = corners[None] * (state["half_length"] if "half_length" in state else 0.5 * origin.lengths)[:, None, :]
     if "F" in state:
         gradient = state["F"].reshape(-1, 3, 3)[:, :dim, :dim]
         corners = np.einsum("pij,pkj->pki", gradient, corners)
@@ -179,7 +179,7 @@ def figure_size(lower, upper):
 
 def state_frame(state, origin, deformed):
     """Limits of the axes for one state, and in the plane for its points' first places behind it."""
-    corners = BOX if state.dim == 3 else BOX[::2, :2]
+    corners = BOX if state.dim == 3 else BOX[:4, :2]
     drawn = domain_corners(state, origin, corners, deformed)
     if state.dim == 3:
         return frame_of(drawn, 0.02)

@@ -26,11 +26,19 @@ def is_laboratory(results):
 
 
 def read_measurements(path):
-    """The columns of a CSV file that are drawn; lines that start with # are remarks, empty cells are no numbers."""
+    """The columns of a CSV file that are drawn, written as the program's own tables may be (docs/scene.md); lines that start with #
+    are remarks, empty cells are no numbers."""
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        columns = {name: np.array([float(row[name] or "nan") for row in rows]) for name in rows[0] if name in COLUMNS}
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            lines = [line for line in file if not line.startswith("#") and line.strip(" \t\r\n;,")]
+        separator = next((mark for mark in ";,\t" if mark in lines[0]), " ")
+        names, *rows = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+        names = [name.strip().lower() for name in names]
+        known = [name for name in COLUMNS if name in names]
+        twice = [name for name in known if names.count(name) > 1]
+        if twice:
+            raise ValueError(f"column {twice[0]} is there twice")
+        columns = {name: np.array([float(row[names.index(name)].replace(",", ".") or "nan") for row in rows]) for name in known}
     except (OSError, ValueError, TypeError, IndexError) as error:
         raise ResultsError(f"{path}: no table of numbers with a line of names: {error}") from error
     if not columns:

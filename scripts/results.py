@@ -68,7 +68,7 @@ class Results:
     def __init__(self, prefix):
         self.prefix = re.sub(r"\.(h5|xdmf)$", "", str(prefix))
         self._history = self._options = self._summary = self._initial = None
-        self._born, self._ids, self._origin = 0, np.empty(0, np.int64), None  # states looked at; their points
+        self._born, self._ids, self._origin, self._half = 0, np.empty(0, np.int64), None, None  # states looked at; their points
 
     def path(self, suffix):
         path = Path(self.prefix + suffix)
@@ -104,12 +104,18 @@ class Results:
         return self._initial
 
     def origin(self, state):
-        """The origin of a state's points, row by row: bodies may come and go."""
+        """The origin of a state's points, row by row: bodies may come and go, points may be divided."""
         while not np.isin(state["id"], self._ids).all():
             self._take_births()
         order = np.argsort(self._ids)
         rows = order[np.searchsorted(self._ids, state["id"], sorter=order)]
-        return Origin(self._origin.position[rows], self._origin.lengths[rows])
+        position, lengths = self._origin.position[rows], self._origin.lengths[rows]
+        if "half_length" in state and "displacement" in state:
+            ratio = state["half_length"] / self._half[rows]
+            divided = np.any(ratio < 0.75, axis=1)  # halved, once or more
+            position[divided] = (state["position"] - state["displacement"])[divided]
+            lengths[divided] *= ratio[divided]
+        return Origin(position, lengths)
 
     def _take_births(self):
         """Adds the points of the next state that none before it has."""
@@ -121,8 +127,10 @@ class Results:
         born = State(state.step, state.time, {name: values[new] for name, values in state.fields.items()})
         if "position0" not in born:
             born.fields["position0"] = born["position"] - (born["displacement"] if "displacement" in born else 0.0)
-        origin = Origin(born["position0"], initial_lengths(born))
+        origin = Origin(born["position0"], initial_lengths(born, self._born > 1))
         self._origin = Origin(*map(np.concatenate, zip(self._origin, origin))) if self._origin else origin
+        half = born["half_length"] if "half_length" in born else np.full(born["position"].shape, np.nan)
+        self._half = np.concatenate([self._half, half]) if self._half is not None else half
         self._ids = np.concatenate([self._ids, born["id"]])
 
     def _columns(self, suffix):
@@ -189,13 +197,17 @@ def component_names(count):
     return {1: ("",), 2: AXES[:2], 3: AXES, 6: SYMMETRIC, 9: FULL}.get(count, tuple(map(str, range(count))))
 
 
-def initial_lengths(initial):
-    """Edge lengths of each point's domain before deformation, (points, dim), from where the points stand.
+def initial_lengths(initial, joined=False):
+    """Edge lengths of each point's domain before deformation, (points, dim): written, or from where the points stand.
 
     Along each axis it is the smallest distance between two points; where that does not give the points' volumes (points
     that are not on a lattice), the domains are taken as squares or cubes.
     """
     position, dim = initial["position0"], initial.dim
+    if "half_length" in initial:  # of the domain that F deforms, also in the first state; halves of points are born deformed
+        first = "F" in initial and not joined
+        stretch = np.linalg.norm(initial["F"].reshape(-1, 3, 3), axis=1)[:, :dim] if first else 1.0
+        return 2.0 * initial["half_length"] * stretch
     volume = initial["volume"] / (np.linalg.det(initial["F"].reshape(-1, 3, 3)) if "F" in initial else 1.0)
     lengths = np.empty(dim)
     for axis in range(dim):

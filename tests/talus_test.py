@@ -43,7 +43,7 @@ def call(command, folder):
     """Runs a command in a folder; the completed process, with its output as text."""
     environment = ENVIRONMENT if command[0] == "mpiexec" else {**ENVIRONMENT, **alone()}
     return subprocess.run([str(word) for word in command], cwd=folder, env=environment, capture_output=True, text=True,
-                          timeout=TIME_LIMIT, check=False)
+                          errors="backslashreplace", timeout=TIME_LIMIT, check=False)
 
 
 def must(test, name, command, folder):

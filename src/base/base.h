@@ -12,7 +12,8 @@
 /* A loop that is written once and compiled with constants for its usual cases. */
 #define MPM_INLINE static inline __attribute__((always_inline))
 
-#define MPM_MAX_DIM 3
+#define MPM_MAX_DIM   3
+#define MPM_MAX_WIDTH 16 /* nodes of a point on an axis */
 
 #define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
 /* Basis functions of one shape: weights, then derivatives, then weights less their means. */
@@ -53,6 +54,16 @@ PetscErrorCode MpmTextQuote(const char value[], char **quoted);
 PetscErrorCode MpmTextSplit(const char text[], PetscInt *count, char ***parts);
 
 PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
+
+/* Bytes of the UTF-8 character at s, and its code point; 0 where there is none. */
+int MpmDecodeUTF8(const unsigned char s[], unsigned *code);
+
+/*
+  Single-character insertions, deletions and replacements that turn one text into the other, case aside (Levenshtein 1966,
+  Soviet Physics Doklady 10); and the name that fewest of them, at most `most`, turn into the text: NULL where there is none.
+*/
+PetscInt    MpmTextDistance(const char a[], const char b[]);
+const char *MpmTextNearest(const char text[], PetscInt count, char *const names[], PetscInt most);
 
 /* ---- text_buffer.c ---- */
 

@@ -116,3 +116,55 @@ PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names)
   PetscCall(PetscFree(*names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscInt MpmTextDistance(const char a[], const char b[])
+{
+  const size_t length = strlen(b);
+  PetscInt     distance, *row = (PetscInt *)malloc((length + 1) * sizeof(*row));
+
+  if (!row) return PETSC_INT_MAX;
+  for (size_t j = 0; j <= length; j++) row[j] = (PetscInt)j;
+  for (size_t i = 0; a[i]; i++) {
+    PetscInt diagonal = row[0];
+
+    row[0] = (PetscInt)i + 1;
+    for (size_t j = 0; j < length; j++) {
+      const PetscInt above  = row[j + 1];
+      const int      differ = tolower((unsigned char)a[i]) != tolower((unsigned char)b[j]);
+
+      row[j + 1] = PetscMin(PetscMin(above, row[j]) + 1, diagonal + differ);
+      diagonal   = above;
+    }
+  }
+  distance = row[length];
+  free(row);
+  return distance;
+}
+
+const char *MpmTextNearest(const char text[], PetscInt count, char *const names[], PetscInt most)
+{
+  const char *nearest = NULL;
+
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscInt distance = MpmTextDistance(text, names[k]);
+
+    if (distance > most || (nearest && distance == most)) continue;
+    most    = distance;
+    nearest = names[k];
+  }
+  return nearest;
+}
+
+int MpmDecodeUTF8(const unsigned char s[], unsigned *code)
+{
+  static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000}; /* longer forms than needed are not UTF-8 */
+  const int size = s[0] < 0x80 ? 1 : s[0] < 0xC0 ? 0 : s[0] < 0xE0 ? 2 : s[0] < 0xF0 ? 3 : s[0] < 0xF8 ? 4 : 0;
+
+  *code = size < 2 ? s[0] : s[0] & (0x7Fu >> size);
+  for (int i = 1; i < size; i++) {
+    if ((s[i] & 0xC0) != 0x80) return 0;
+    *code = (*code << 6) | (s[i] & 0x3Fu);
+  }
+  if (*code < least[size] || *code > 0x10FFFF || (*code >= 0xD800 && *code < 0xE000)) return 0;
+  return size;
+}

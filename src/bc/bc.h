@@ -85,6 +85,8 @@ typedef struct MpmConstraints {
 
 PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                   const MpmLayout *layout, MpmCondition *bc);
+/* Whether a condition keeps its nodes from moving along an axis. */
+PetscBool      MpmConditionFixes(const MpmCondition *bc, PetscInt axis);
 PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
 /* The walls that a condition makes; walls has room for 2*dim. */
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,

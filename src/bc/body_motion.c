@@ -154,7 +154,7 @@ PetscErrorCode MpmBodyMotionsTouch(const MpmBodyMotions *motions, const MpmActin
   *marks = NULL;
   for (PetscInt m = 0; m < motions->count; m++) any = (PetscBool)(any || acting[m].active);
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1((space->local * motions->count), marks));
+  PetscCall(PetscCalloc1((space->local * motions->count + 1), marks));
   for (PetscInt m = 0; m < motions->count; m++) {
     PetscReal *share;
 

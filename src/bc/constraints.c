@@ -348,6 +348,7 @@ void MpmConstraintsHold(MpmConstraints *constraints, PetscInt unknown, PetscReal
 {
   constraints->condition[unknown] = MPM_HELD;
   constraints->value[unknown]     = value / constraints->unit[unknown % constraints->block];
+  constraints->any                = PETSC_TRUE;
 }
 
 void MpmUnitsTimes(const MpmConstraints *constraints, PetscInt count, PetscReal values[])

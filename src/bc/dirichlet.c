@@ -262,6 +262,13 @@ static PetscBool MotionAlong(const MpmCondition *bc, PetscInt axis, PetscReal *l
   return held;
 }
 
+PetscBool MpmConditionFixes(const MpmCondition *bc, PetscInt axis)
+{
+  PetscReal least, most;
+
+  return (PetscBool)(!bc->absorbing && MotionAlong(bc, axis, &least, &most) && least == 0. && most == 0.);
+}
+
 PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
                                     MpmWall walls[])
 {

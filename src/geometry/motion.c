@@ -13,7 +13,7 @@
 #include "geometry/geometry.h"
 #include "geometry/motion.h"
 
-#include <string.h>
+#include <strings.h>
 
 #define COMPONENTS (2 * MPM_MAX_DIM) /* of a row: displacement, then rotation */
 #define DEGREE     (PETSC_PI / 180.)
@@ -34,17 +34,15 @@ static PetscErrorCode CheckNames(const MpmCsvTable *table, PetscInt dim, char me
   PetscFunctionBeginUser;
   if (MpmCsvTableFind(table, "time") < 0) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column time"));
   for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
-    PetscBool known = (PetscBool)!strcmp(table->name[c], "time");
+    PetscBool known = (PetscBool)!strcasecmp(table->name[c], "time");
 
     for (PetscInt k = 0; k < COMPONENTS && !known; k++) {
-      known = (PetscBool)(InPlane(dim, k) && !strcmp(table->name[c], columns[k]));
+      known = (PetscBool)(InPlane(dim, k) && !strcasecmp(table->name[c], columns[k]));
       if (known) found++;
     }
     if (!known)
       PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "column %.40s is unknown: must be time, %s", table->name[c],
                               dim == 2 ? "ux, uy or rz" : "ux, uy, uz, rx, ry or rz"));
-    if (MpmCsvTableFind(table, table->name[c]) != c)
-      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has column %.40s twice", table->name[c]));
   }
   if (!found && !message[0])
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column that moves anything: %s",
@@ -137,10 +135,10 @@ PetscErrorCode MpmMotionRead(const MpmOptions *block, PetscInt dim, MpmMotion *m
   PetscCall(MpmOptionsReals(block, "pivot", "m",
                             "place about which it turns, before the motion; the middle of the shape if absent",
                             MPM_RANGE_ANY, MPM_OPTIONAL, dim, motion->pivot, NULL));
-  PetscCall(MpmOptionsText(block, "motion_table",
+  PetscCall(MpmOptionsPath(block, "motion_table",
                            "in place of motion, rotation, growth and ramp, a CSV file: time (s), ux, uy, uz (m), rx, "
                            "ry, rz (degrees)",
-                           NULL, MPM_OPTIONAL, &table));
+                           MPM_OPTIONAL, &table));
   if (table && !help) {
     PetscCall(CheckAlone(block));
     PetscCall(ReadTable(block, table, dim, motion));

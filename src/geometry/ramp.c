@@ -253,10 +253,10 @@ PetscErrorCode MpmRampReadTable(const MpmOptions *options, const char *name, Pet
   PetscFunctionBegin;
   *ramp = NULL;
   PetscCall(
-    MpmOptionsText(options, name,
+    MpmOptionsPath(options, name,
                    "in place of ramp, a CSV file with the columns time (s) and value, the factor; of a velocity or an "
                    "acceleration a record with even intervals, 0 outside of it",
-                   NULL, MPM_OPTIONAL, &path));
+                   MPM_OPTIONAL, &path));
   if (!path || MpmOptionsHelp()) {
     PetscCall(PetscFree(path));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -112,7 +112,7 @@ static PetscErrorCode ReadTriangles(const MpmOptions *block, MpmSolid *solid)
   PetscMPIInt rank;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsText(block, "file", "STL file, binary or ASCII, of a closed surface", NULL, MPM_REQUIRED, &file));
+  PetscCall(MpmOptionsPath(block, "file", "STL file, binary or ASCII, of a closed surface", MPM_REQUIRED, &file));
   PetscCall(MpmOptionsReal(block, "scale", "m", "length of the STL file's unit", MPM_RANGE_POSITIVE, MPM_OPTIONAL,
                            &scale, NULL));
   PetscCall(MpmOptionsReals(block, "origin", "m", "where the STL file's origin stands", MPM_RANGE_ANY, MPM_OPTIONAL,

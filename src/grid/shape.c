@@ -283,6 +283,20 @@ static inline void TrimEnds(MpmShapeLine *line)
 }
 
 /*
+  A point's place in its interval. On an edge, and of points without a domain with linear functions on any knot, a node has a gradient and
+  no weight: a share in the strain, and no mass to move with the point. Points there lie inside the interval by a rounding error: the mean
+  velocity of such a node is that of its points, as in the limit from inside.
+*/
+static inline PetscReal Inside(PetscInt degree, Interval at, PetscReal l)
+{
+  PetscReal local = at.local;
+
+  if (at.index == at.lower || (degree == 1 && !(l > MPM_SHAPE_POINT))) local = PetscMax(local, MPM_SHAPE_INSIDE);
+  if (at.index == at.upper) local = PetscMin(local, (PetscReal)(degree % 2) - MPM_SHAPE_INSIDE);
+  return local;
+}
+
+/*
   The weights, or with `whole` their means over pieces, of all nodes of the intervals that the domain touches. Inlined with a constant
   degree, so that each shape gets its own straight-line code.
 */
@@ -290,6 +304,7 @@ MPM_INLINE void Touch(PetscInt degree, PetscBool whole, MpmEdgeType edge, Interv
 {
   const PetscInt edge_lower = at.lower, edge_upper = degree % 2 ? at.upper + 1 : at.upper;
 
+  at.local = Inside(degree, at, l);
   if (l > MPM_SHAPE_POINT) {
     line->count = AddDomain(degree, whole, at, l, &line->first, line->weight, line->gradient);
   } else {

@@ -43,6 +43,8 @@ typedef struct {
 
 /* Overlaps with an interval that are smaller than this part of the domain are rounding. */
 #define MPM_SHAPE_TOUCH 1e-9
+/* Distance, in cells, that points on a face or an edge count as inside: no node has a gradient without a weight. */
+#define MPM_SHAPE_INSIDE PETSC_MACHINE_EPSILON
 /* Domains shorter than this count as points: their inverse length would overflow. */
 #define MPM_SHAPE_POINT 1e-100
 
@@ -65,7 +67,7 @@ typedef struct {
   the spline's pieces (the cells, for even degrees the cells around nodes) in which the domain lies. Linear fields keep their gradients.
 
   Nodes beyond the edges do not exist. With MPM_EDGE_LINEAR their coefficients are the linear extension u_{-k} = 2 u_0 -
-  u_k. With either type the edge node carries the edge's value exactly, and a linear field has its nodal values as
+  u_k. With either type the edge node carries the edge's value to rounding, and a linear field has its nodal values as
   coefficients.
 */
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,

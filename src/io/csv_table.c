@@ -1,75 +1,210 @@
 /*
-  Tables in CSV files.
+  Tables in CSV files, as spreadsheets of any country write them.
+
+  The line of names tells what separates: semicolons where it has one, else commas, else tabs, else blanks. Where
+  commas do not separate, or in quotes, a comma in a number is a decimal one; a file has decimal commas or decimal
+  points. Names and numbers may stand in quotes, a doubled quote within them is one. A byte-order mark of UTF-8 is
+  passed over, and a separator at the end of all lines makes no column.
 */
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include "io/csv_table.h"
 
-/* Cuts a line at its commas, blanks around the words taken off; returns how many words there are. */
-static PetscInt CutLine(char *line, PetscInt most, char *word[])
+/* How the file is written, as far as it has been read. */
+typedef struct {
+  char      separator;    /* ' ': any number of blanks and tabs */
+  char    **word;         /* of the line under way */
+  PetscInt  most;         /* room for words */
+  long long comma, point; /* the first line with a decimal comma, and with a decimal point; 0: none yet */
+} Form;
+
+/* ---- words ---- */
+
+#define BLANKS     " \t\r\n"
+#define BAD_QUOTES "line %lld: quotes that do not close, or text behind them"
+
+/* Takes a word out of its quotes, in place; returns the rest of the line, NULL where the quotes do not close. */
+static char *Unquote(char *begin)
+{
+  char *to = begin, *from = begin + 1;
+
+  for (; *from && (*from != '"' || from[1] == '"'); from++) {
+    if (*from == '"') from++;
+    *to++ = *from;
+  }
+  if (!*from) return NULL;
+  *to = '\0';
+  return from + 1;
+}
+
+/*
+  Takes a word off the line, blanks around it dropped; NULL for one whose quotes are at fault. Returns the rest, or
+  NULL.
+*/
+static char *TakeWord(char *begin, char separator, char **word)
+{
+  const char  ends[] = {separator, separator == ' ' ? '\t' : '\0', '\0'};
+  const char *blanks = separator == '\t' ? " " : BLANKS;
+  char       *rest, *end;
+
+  begin += strspn(begin, blanks);
+  rest  = *begin == '"' ? Unquote(begin) : begin;
+  *word = NULL;
+  if (!rest) return NULL;
+  end = rest + strcspn(rest, ends);
+  if (rest == begin || rest + strspn(rest, BLANKS) >= end) *word = begin;
+  rest = *end ? end + 1 : NULL;
+  *end = '\0';
+  if (rest && separator == ' ' && !rest[strspn(rest, BLANKS)]) rest = NULL;
+  begin += strspn(begin, BLANKS);
+  if (*word) *word = begin;
+  for (end = begin + strlen(begin); end > begin && strchr(BLANKS, end[-1]);) *--end = '\0';
+  return rest;
+}
+
+/* Cuts a line into words; returns how many there are, -1 for quotes that are at fault. */
+static PetscInt CutLine(char *line, Form *form)
 {
   PetscInt count = 0;
 
   for (char *next = line; next; count++) {
-    char *end = strchr(next, ','), *last;
+    char *word;
 
-    if (end) *end = '\0';
-    while (*next == ' ' || *next == '\t') next++;
-    for (last = next + strlen(next); last > next && strchr(" \t\r\n", last[-1]); last--) last[-1] = '\0';
-    if (count < most) word[count] = next;
-    next = end ? end + 1 : NULL;
+    next = TakeWord(next, form->separator, &word);
+    if (!word) return -1;
+    if (count < form->most) form->word[count] = word;
   }
   return count;
 }
 
-/* One row into the table; a complaint where it is not one. */
-static PetscErrorCode TakeRow(MpmCsvTable *table, char *line, long long number, char message[MPM_CSV_MESSAGE])
+/* Whether the line has this character outside of quotes. */
+static PetscBool HasOutside(const char *line, char wanted)
 {
-  char   **word;
-  PetscInt count;
+  PetscBool quoted = PETSC_FALSE;
+
+  for (const char *c = line; *c; c++) {
+    if (*c == '"') quoted = (PetscBool)!quoted;
+    else if (*c == wanted && !quoted) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* A number, its comma read as a decimal one where the word has no point; PETSC_FALSE where it is none. */
+static PetscBool ParseNumber(char *word, long long line, Form *form, PetscReal *value)
+{
+  char *comma = strchr(word, ','), *end;
+
+  if (strchr(word, '.') && !form->point) form->point = line;
+  if (comma) {
+    if (!form->comma) form->comma = line;
+    if (strchr(word, '.') || strchr(comma + 1, ',')) return PETSC_FALSE;
+    *comma = '.';
+  }
+  *value = (PetscReal)strtod(word, &end);
+  if (comma) *comma = ',';
+  return (PetscBool)(end != word && !*end);
+}
+
+/* ---- lines ---- */
+
+/* One row into the table; a complaint where it is not one. */
+static PetscErrorCode TakeRow(MpmCsvTable *table, Form *form, char *line, long long number,
+                              char message[MPM_CSV_MESSAGE])
+{
+  PetscInt count = CutLine(line, form);
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(table->columns, &word));
-  count = CutLine(line, table->columns, word);
-  if (count != table->columns)
+  if (count == table->columns + 1 && !form->word[count - 1][0]) count--; /* a separator at the line's end */
+  if (count < 0) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, BAD_QUOTES, number));
+  else if (count != table->columns)
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld has %d numbers, its columns are %d", number,
                             (int)count, (int)table->columns));
   for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
-    char *end;
-
-    table->value[table->rows * table->columns + c] = (PetscReal)strtod(word[c], &end);
-    if (end == word[c] || *end)
+    if (!ParseNumber(form->word[c], number, form, &table->value[table->rows * table->columns + c]))
       PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld, column %s: '%.40s' is not a number", number,
-                              table->name[c], word[c]));
+                              table->name[c], form->word[c]));
+    else if (form->comma && form->point)
+      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE,
+                              "line %lld has a decimal comma, line %lld a decimal point: must be one of them",
+                              form->comma, form->point));
   }
   table->rows++;
-  PetscCall(PetscFree(word));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode TakeNames(MpmCsvTable *table, char *line)
+static PetscBool IsNumber(const char *word)
 {
-  PetscInt most = 1;
-  char   **word;
+  char *end;
+
+  (void)strtod(word, &end);
+  return (PetscBool)(end != word && !*end);
+}
+
+/* What is wrong with the names: one that is empty or there twice, or numbers in their place. */
+static PetscErrorCode CheckNames(const MpmCsvTable *table, long long number, char message[MPM_CSV_MESSAGE])
+{
+  PetscInt numbers = 0;
 
   PetscFunctionBeginUser;
-  for (const char *c = line; *c; c++) most += *c == ',';
-  PetscCall(PetscMalloc1(most, &word));
-  table->columns = CutLine(line, most, word);
-  PetscCall(PetscMalloc1(table->columns, &table->name));
-  for (PetscInt c = 0; c < table->columns; c++) PetscCall(PetscStrallocpy(word[c], &table->name[c]));
-  PetscCall(PetscFree(word));
+  while (numbers < table->columns && IsNumber(table->name[numbers])) numbers++;
+  if (numbers && numbers == table->columns)
+    PetscCall(
+      PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld has numbers, must have the names of the columns", number));
+  for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
+    const PetscInt first = MpmCsvTableFind(table, table->name[c]);
+
+    if (!table->name[c][0])
+      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld: column %d has no name", number, (int)c + 1));
+    else if (first != c)
+      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld has column %.40s twice, as number %d and %d", number,
+                              table->name[c], (int)first + 1, (int)c + 1));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The whole file as text, or NULL and a complaint. */
-static PetscErrorCode ReadText(const char *path, char **text, char message[MPM_CSV_MESSAGE])
+static PetscErrorCode TakeNames(MpmCsvTable *table, Form *form, char *line, long long number,
+                                char message[MPM_CSV_MESSAGE])
 {
-  FILE *stream = fopen(path, "rb");
-  long  length = -1;
+  static const char separators[] = ";,\t";
+
+  PetscFunctionBeginUser;
+  form->separator = ' ';
+  for (size_t k = 0; separators[k] && form->separator == ' '; k++)
+    if (HasOutside(line, separators[k])) form->separator = separators[k];
+  form->most = 2;
+  for (const char *c = line; *c; c++) form->most += *c == form->separator || *c == '\t';
+  PetscCall(PetscCalloc1(form->most, &form->word));
+  table->columns = CutLine(line, form);
+  if (table->columns < 0) {
+    table->columns = 0;
+    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, BAD_QUOTES, number));
+  }
+  if (table->columns > 1 && !form->word[table->columns - 1][0]) table->columns--;
+  PetscCall(PetscMalloc1(table->columns, &table->name));
+  for (PetscInt c = 0; c < table->columns; c++) PetscCall(PetscStrallocpy(form->word[c], &table->name[c]));
+  if (!message[0]) PetscCall(CheckNames(table, number, message));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- files ---- */
+
+/* What is no text: UTF-16, or a byte of value 0, behind which a string would end. */
+static const char *TextFault(const char *text, size_t length)
+{
+  if (length > 1 && (!memcmp(text, "\xFF\xFE", 2) || !memcmp(text, "\xFE\xFF", 2)))
+    return "is text in UTF-16, must be in UTF-8";
+  return memchr(text, '\0', length) ? "holds a byte of value 0: not a text" : NULL;
+}
+
+PetscErrorCode MpmTextRead(const char *path, char **text, char message[MPM_CSV_MESSAGE])
+{
+  FILE       *stream = fopen(path, "rb");
+  long        length = -1;
+  const char *fault  = NULL;
 
   PetscFunctionBeginUser;
   *text = NULL;
@@ -82,8 +217,12 @@ static PetscErrorCode ReadText(const char *path, char **text, char message[MPM_C
   else {
     rewind(stream);
     PetscCall(PetscCalloc1(((size_t)length + 1), text));
-    if (fread(*text, 1, (size_t)length, stream) != (size_t)length)
-      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "cannot be read"));
+    if (fread(*text, 1, (size_t)length, stream) != (size_t)length) fault = "cannot be read";
+    else fault = TextFault(*text, (size_t)length);
+    if (fault) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "%s", fault));
+    if (!strncmp(*text, "\xEF\xBB\xBF", 3)) memset(*text, ' ', 3); /* byte-order mark */
+    for (char *c = *text; *c; c++)
+      if (*c == '\r' && c[1] != '\n') *c = '\n';
   }
   if (stream) (void)fclose(stream);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -94,20 +233,23 @@ PetscErrorCode MpmCsvTableRead(const char *path, MpmCsvTable *table, char messag
   char     *text, *next;
   PetscInt  lines  = 1;
   long long number = 0;
+  Form      form   = {.separator = ','};
 
   PetscFunctionBeginUser;
-  PetscCall(ReadText(path, &text, message));
+  PetscCall(MpmTextRead(path, &text, message));
   for (const char *c = text; c && *c; c++) lines += *c == '\n';
   for (char *line = text; line && !message[0]; line = next) {
     number++;
     next = strchr(line, '\n');
     if (next) *next++ = '\0';
-    if (line[0] == '#' || !line[strspn(line, " \t\r")]) continue;
+    line += strspn(line, " ");
+    if (line[0] == '#' || !line[strspn(line, " \t\r;,\"")]) continue; /* a remark, or a row of empty cells */
     if (!table->columns) {
-      PetscCall(TakeNames(table, line));
+      PetscCall(TakeNames(table, &form, line, number, message));
       PetscCall(PetscMalloc1(((size_t)lines * (size_t)table->columns), &table->value));
-    } else PetscCall(TakeRow(table, line, number, message));
+    } else PetscCall(TakeRow(table, &form, line, number, message));
   }
+  PetscCall(PetscFree(form.word));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,7 +257,7 @@ PetscErrorCode MpmCsvTableRead(const char *path, MpmCsvTable *table, char messag
 PetscInt MpmCsvTableFind(const MpmCsvTable *table, const char *name)
 {
   for (PetscInt c = 0; c < table->columns; c++)
-    if (!strcmp(table->name[c], name)) return c;
+    if (!strcasecmp(table->name[c], name)) return c;
   return -1;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /*
-  A table in a CSV file: a line of names, then a row of numbers each. Lines that start with # are remarks.
+  A table in a CSV file: a line of names, then a row of numbers each. Lines that start with # are remarks. Separated by
+  commas, semicolons, tabs or blanks; names are found whatever their case, and none may be there twice.
 */
 #include "base/base.h"
 
@@ -15,6 +16,8 @@ typedef struct {
 #define MPM_CSV_MESSAGE 512
 /* Not collective. What is wrong with the file goes into `message`, which stays as it is where nothing is. */
 PetscErrorCode MpmCsvTableRead(const char *path, MpmCsvTable *table, char message[MPM_CSV_MESSAGE]);
-/* The column of that name, or -1. */
+/* The whole file as text, with line feeds at its lines' ends and no byte-order mark; to be freed. The same of `message`. */
+PetscErrorCode MpmTextRead(const char *path, char **text, char message[MPM_CSV_MESSAGE]);
+/* The column of that name, case aside, or -1. */
 PetscInt       MpmCsvTableFind(const MpmCsvTable *table, const char *name);
 PetscErrorCode MpmCsvTableDestroy(MpmCsvTable *table);

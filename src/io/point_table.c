@@ -3,11 +3,12 @@
 
   HDF5: datasets of one row a point, in the group /points/<step> where the file has a group /points, as this program
   writes them, or at its root. Every rank reads its own rows.
-  CSV: a line of names, then a row of numbers a point; lines that start with # are remarks. A quantity of several
-  components has a column each: stress_xx, F_xy, half_length_x; the position's are x, y and z. Rank 0 reads.
+  CSV: a table as of csv_table.h, a row a point. A quantity of several components has a column each: stress_xx, F_xy,
+  half_length_x; the position's are x, y and z. Rank 0 reads.
 */
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include "options/options.h"
 #include "io/csv_table.h"
 #include "io/hdf5_rows.h"
@@ -27,7 +28,10 @@ struct _p_MpmPointFile {
   hid_t       file, group; /* HDF5, or negative; it stays silent while the file is open */
   H5E_auto2_t report;
   void       *context;
+  PetscBool   run;
   MpmCsvTable csv; /* rank 0 */
+  PetscInt    known_count;
+  char      **known; /* columns and datasets that have been asked for */
 };
 
 /* A complaint that rank 0 has, or an empty one: all ranks end with it, or none. */
@@ -177,6 +181,7 @@ static PetscErrorCode OpenHDF5(MpmPointFile file, const char *step)
   PetscCallMPI(MPI_Bcast(group, (PetscMPIInt)sizeof(group), MPI_CHAR, 0, file->comm));
   PetscCheck(file->file >= 0, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "rank %d cannot open %s", (int)file->rank,
              file->path);
+  file->run   = (PetscBool)(strcmp(group, "/") != 0);
   file->group = H5Gopen2(file->file, group, H5P_DEFAULT);
   MpmHdf5Extent(file->group, "position", extent);
   file->total = PetscMax(extent[0], 0);
@@ -226,6 +231,7 @@ PetscErrorCode MpmPointFileClose(MpmPointFile *handle)
   if (file->file >= 0) (void)H5Fclose(file->file);
   (void)H5Eset_auto2(H5E_DEFAULT, file->report, file->context);
   PetscCall(MpmCsvTableDestroy(&file->csv));
+  PetscCall(MpmNamesDestroy(file->known_count, &file->known));
   PetscCall(PetscFree(file->path));
   PetscCall(PetscFree(*handle));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -266,6 +272,14 @@ static PetscErrorCode CheckFinite(MpmPointFile file, const char *quantity, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Know(MpmPointFile file, const char *name)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscRealloc(sizeof(*file->known) * (size_t)(file->known_count + 1), &file->known));
+  PetscCall(PetscStrallocpy(name, &file->known[file->known_count++]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
                                PetscReal **values)
 {
@@ -280,7 +294,9 @@ PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt
 
     PetscCall(ColumnName(quantity, components, k, name));
     PetscCall(PetscStrallocpy(name, &names[k]));
+    if (file->group < 0) PetscCall(Know(file, name));
   }
+  if (file->group >= 0) PetscCall(Know(file, quantity));
   if (file->group >= 0) PetscCall(GetDataset(file, quantity, components, &found, *values));
   else {
     PetscCall(GetColumns(file, components, names, &found, *values));
@@ -293,5 +309,61 @@ PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt
   PetscCall(PetscFree(names));
   if (found) PetscCall(CheckFinite(file, quantity, components, *values));
   else PetscCall(PetscFree(*values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmPointFileIsRun(MpmPointFile file)
+{
+  return file->run;
+}
+
+/* ---- what nobody asked for ---- */
+
+static PetscErrorCode CheckName(MpmPointFile file, const char *name, char message[MESSAGE_LENGTH])
+{
+  static const char *const aside[] = {"id", "material", "displacement", "position0"};
+  const char              *nearest = MpmTextNearest(name, file->known_count, file->known, PETSC_INT_MAX);
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(aside); k++) {
+    const size_t length = strlen(aside[k]);
+    const char  *axis   = &name[length];
+
+    if (strncasecmp(name, aside[k], length)) continue;
+    if (!*axis || (axis[0] == '_' && axis[1] && strchr("xyzXYZ", axis[1]) && !axis[2]))
+      PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (nearest && !strcasecmp(nearest, name)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(message, MESSAGE_LENGTH, "%s %.60s is unknown%s%s", file->group < 0 ? "column" : "dataset",
+                          name, nearest ? ": the nearest that is known is " : "", nearest ? nearest : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+typedef struct {
+  MpmPointFile file;
+  char        *message;
+} Look;
+
+static herr_t CheckDataset(hid_t group, const char *name, const H5L_info_t *info, void *context)
+{
+  const Look *look = (const Look *)context;
+
+  (void)group;
+  (void)info;
+  if (!look->message[0]) (void)CheckName(look->file, name, look->message);
+  return 0;
+}
+
+PetscErrorCode MpmPointFileCheck(MpmPointFile file)
+{
+  char message[MESSAGE_LENGTH] = "";
+  Look look                    = {file, message};
+
+  PetscFunctionBeginUser;
+  for (PetscInt c = 0; c < file->csv.columns && !message[0]; c++)
+    PetscCall(CheckName(file, file->csv.name[c], message));
+  if (!file->rank && file->group >= 0 && !file->run)
+    (void)H5Literate(file->group, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, CheckDataset, &look);
+  PetscCall(Share(file, message));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

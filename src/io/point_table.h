@@ -12,3 +12,10 @@ PetscErrorCode MpmPointFileClose(MpmPointFile *file);
 PetscInt       MpmPointFileCount(MpmPointFile file);
 PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
                                PetscReal **values);
+/* Is it a run's, with a group /points? */
+PetscBool MpmPointFileIsRun(MpmPointFile file);
+/*
+  After all Gets: refuses a column, or a dataset of a file that is no run's, that nobody has asked for, with the nearest name.
+  What a run writes and points do not start with (id, material, displacement, position0) may be there.
+*/
+PetscErrorCode MpmPointFileCheck(MpmPointFile file);

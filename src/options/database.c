@@ -194,8 +194,21 @@ static PetscErrorCode InsertFile(MpmDatabase *database, MPI_Comm comm, const cha
   PetscCall(PetscTestFile(path, 'r', &readable));
   MpmCheckInput(readable, "%s %s: the file cannot be read", option, path);
   PetscCall(MpmOptionsCheckFile(comm, option, path, yaml));
-  if (yaml) PetscCall(PetscOptionsInsertFileYAML(PETSC_COMM_SELF, database->options, path, PETSC_TRUE));
-  else PetscCall(PetscOptionsInsertFile(PETSC_COMM_SELF, database->options, path, PETSC_TRUE));
+  PetscCall(MpmSourcesInsertFile(database->sources, PETSC_COMM_SELF, database->options, path, yaml));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One option, which is a source of its own. */
+static PetscErrorCode InsertOption(MpmDatabase *database, const char name[], const char value[])
+{
+  PetscOptions alone;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsSetValue(database->options, name, value));
+  PetscCall(PetscOptionsCreate(&alone));
+  PetscCall(PetscOptionsSetValue(alone, name, value));
+  PetscCall(MpmSourcesAdd(database->sources, NULL, alone));
+  PetscCall(PetscOptionsDestroy(&alone));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -206,6 +219,7 @@ PetscErrorCode MpmDatabaseInsert(MpmDatabase *database, MPI_Comm comm, const cha
 
   PetscFunctionBegin;
   if (!database->options) PetscCall(PetscOptionsCreate(&database->options));
+  if (!database->sources) PetscCall(MpmSourcesCreate(&database->sources));
   PetscCall(PetscStrallocpy(text, &copy));
   for (char *c = copy; *c; c++)
     if (strchr("\t\r\n", *c)) *c = ' ';
@@ -222,9 +236,9 @@ PetscErrorCode MpmDatabaseInsert(MpmDatabase *database, MPI_Comm comm, const cha
     MpmCheckInput(words[k][0] == '-', "%.100s: the name of an option, with its dash, was expected", words[k]);
     /* a value may begin with a dash where it is a number's */
     if (!last && (words[k + 1][0] != '-' || strspn(words[k + 1], "-.0123456789") > 1)) {
-      PetscCall(PetscOptionsSetValue(database->options, words[k], words[k + 1]));
+      PetscCall(InsertOption(database, words[k], words[k + 1]));
       k++;
-    } else PetscCall(PetscOptionsSetValue(database->options, words[k], NULL));
+    } else PetscCall(InsertOption(database, words[k], NULL));
   }
   PetscCall(PetscStrToArrayDestroy(count, words));
   PetscCall(PetscFree(copy));
@@ -262,6 +276,7 @@ PetscErrorCode MpmDatabaseDestroy(MpmDatabase **database)
   if (!*database) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < (*database)->count; k++) PetscCall(PetscFree((*database)->taken[k].there));
   PetscCall(PetscFree((*database)->taken));
+  PetscCall(MpmSourcesDestroy(&(*database)->sources));
   if ((*database)->options) PetscCall(PetscOptionsDestroy(&(*database)->options));
   PetscCall(PetscFree(*database));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -24,6 +24,25 @@ PetscErrorCode MpmDatabaseGet(PetscInt *count, MpmDatabaseOption **options, char
 PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmDatabaseOption **options, char **text);
 PetscErrorCode MpmDatabaseIsOurs(const char name[], PetscBool *ours);
 
+/* ---- sources.c ---- */
+
+/*
+  Where options were given: files in their order, and what stood on the command line behind them. Names as in the database,
+  case aside. A NULL handle knows of no option.
+*/
+typedef struct _p_MpmSources *MpmSources;
+PetscErrorCode                MpmSourcesCreate(MpmSources *sources);
+PetscErrorCode                MpmSourcesDestroy(MpmSources *sources);
+/* The next source, a file of this path or none (NULL), has given these options. */
+PetscErrorCode MpmSourcesAdd(MpmSources sources, const char path[], PetscOptions options);
+/* Reads a file into a database, as the next source. */
+PetscErrorCode MpmSourcesInsertFile(MpmSources sources, MPI_Comm comm, PetscOptions options, const char path[],
+                                    PetscBool yaml);
+/* The number of the last source that gave the option, from 1 on; 0 where none did. */
+PetscInt MpmSourcesOrder(MpmSources sources, const char name[]);
+/* The file that it gave it in, or NULL. */
+const char *MpmSourcesFile(MpmSources sources, const char name[]);
+
 /* An option that a model has taken from the database in force. */
 typedef struct {
   char       *there; /* its name there */
@@ -37,6 +56,7 @@ typedef struct MpmDatabase {
   PetscInt        depth;   /* how often entered */
   PetscInt        count;
   MpmTakenOption *taken;
+  MpmSources      sources; /* of options that were inserted as text */
 } MpmDatabase;
 
 PetscErrorCode MpmDatabaseCreate(MpmDatabase **database);

@@ -88,6 +88,14 @@ PetscErrorCode MpmOptionsWord(const MpmOptions *options, const char *name, const
 PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
                               MpmNeed need, char **value);
 /*
+  The name of a file to be read, as MpmOptionsText(). A relative one that a scene's file gives is looked for in that file's
+  folder first, then in the working directory.
+*/
+PetscErrorCode MpmOptionsPath(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
+                              char **value);
+/* The same for a path out of an option's text; `path` is replaced. */
+PetscErrorCode MpmOptionsResolve(const MpmOptions *options, const char *name, char **path);
+/*
   A comma-separated list of names: letters, digits and underscores, no two alike. Free with MpmNamesDestroy().
 */
 PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
@@ -99,10 +107,11 @@ PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, con
 PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has);
 
 /*
-  After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name;
-  and so does an option of PETSc's that is not a number where it must be one.
+  After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name or
+  the list that its block is not in; and so does an option of PETSc's that is not a number where it must be one. `warning`
+  tells of blocks that a later list leaves out, NULL for none; free with PetscFree().
 */
-PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options);
+PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options, char **warning);
 /* When options are looked through that nobody has used: after the first linear solve, and at the end of the run. */
 typedef enum { MPM_BEFORE_SOLVE, MPM_AFTER_SOLVE, MPM_AT_END } MpmMoment;
 /*

@@ -18,6 +18,7 @@
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* What an option means. */
 typedef struct {
@@ -243,6 +244,7 @@ PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title)
   PetscBool help;
 
   PetscFunctionBegin;
+  PetscCall(MpmRecordAddBlock(options->record, options->prefix));
   PetscCall(PetscOptionsHasHelp(NULL, &help));
   if (help && !strcmp(title, "bcs")) title = "conditions";
   if (help) PetscCall((*PetscHelpPrintf)(options->comm, "\n%c%s\n", toupper((unsigned char)title[0]), title + 1));
@@ -450,6 +452,58 @@ PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether there is such a file, and another one than the second. */
+static int IsOther(const char path[], const char second[])
+{
+  struct stat one, two;
+
+  if (stat(path, &one)) return 0;
+  return stat(second, &two) || one.st_dev != two.st_dev || one.st_ino != two.st_ino;
+}
+
+PetscErrorCode MpmOptionsResolve(const MpmOptions *options, const char *name, char **path)
+{
+  MpmRecord   record = options->record;
+  char       *full, *beside = NULL;
+  const char *scene, *slash;
+  PetscMPIInt rank;
+  int         found = 0;
+
+  PetscFunctionBegin;
+  if (!record || !*path || !**path || **path == '/') PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FullName(options, name, &full));
+  scene = MpmSourcesFile(record->sources, full);
+  slash = scene ? strrchr(scene, '/') : NULL;
+  if (slash) {
+    PetscCall(MpmTextAppend(&beside, "%.*s%s", (int)(slash - scene) + 1, scene, *path));
+    PetscCallMPI(MPI_Comm_rank(options->comm, &rank));
+    if (!rank) found = IsOther(beside, *path);
+    PetscCallMPI(MPI_Bcast(&found, 1, MPI_INT, 0, options->comm));
+  }
+  PetscCall(PetscFree(full));
+  if (!found) PetscFunctionReturn(PetscFree(beside));
+  PetscCall(PetscFree(*path));
+  *path = beside;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsPath(const MpmOptions *options, const char *name, const char *help, MpmNeed need, char **value)
+{
+  MpmRecordEntry *entry;
+  char           *full;
+
+  PetscFunctionBegin;
+  PetscCall(MpmOptionsText(options, name, help, NULL, need, value));
+  if (!*value || !options->record || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsResolve(options, name, value));
+  PetscCall(FullName(options, name, &full));
+  PetscCall(MpmRecordGet(options->record, full, &entry));
+  PetscCall(PetscFree(entry->value));
+  PetscCall(PetscStrallocpy(*value, &entry->value));
+  PetscCall(PetscFree(full));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Options are looked up without regard to case, so names that differ in case only would share their block. */
 static PetscErrorCode CheckName(const Item *item, const ItemSpec *spec, PetscInt index, char *const names[])
 {
@@ -505,6 +559,15 @@ PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, con
   PetscFunctionBegin;
   PetscCall(MpmOptionsHeading(options, list));
   PetscCall(ReadNames(options, list, help, "names of blocks, comma-separated", need, count, names));
+  if (options->record) {
+    MpmRecordEntry *entry;
+    char           *full;
+
+    PetscCall(FullName(options, list, &full));
+    PetscCall(MpmRecordGet(options->record, full, &entry));
+    entry->list = PETSC_TRUE;
+    PetscCall(PetscFree(full));
+  }
   if (*count || !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   *count = 1;
   PetscCall(PetscMalloc1(1, names));

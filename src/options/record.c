@@ -35,12 +35,13 @@ PetscErrorCode MpmRecordDestroy(MpmRecord *record)
     PetscCall(PetscFree((*record)->entries[i].value));
   }
   PetscCall(PetscFree((*record)->entries));
+  PetscCall(MpmNamesDestroy((*record)->block_count, &(*record)->blocks));
   PetscCall(MpmForeignOptionsForget(*record));
   PetscCall(PetscFree(*record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry)
+PetscErrorCode MpmRecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry)
 {
   PetscFunctionBegin;
   *entry = NULL;
@@ -59,7 +60,7 @@ static PetscErrorCode RecordFind(MpmRecord record, const char name[], MpmRecordE
 PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry **entry)
 {
   PetscFunctionBegin;
-  PetscCall(RecordFind(record, name, entry));
+  PetscCall(MpmRecordFind(record, name, entry));
   if (*entry) PetscFunctionReturn(PETSC_SUCCESS);
   if (record->count == record->capacity) {
     const PetscInt  capacity = record->capacity ? 2 * record->capacity : 64;
@@ -76,99 +77,7 @@ PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- unknown ---- */
-
-/* Single-character insertions, deletions and replacements that turn one name into the other (Levenshtein 1966), case
-   aside. */
-static PetscErrorCode EditDistance(const char a[], const char b[], size_t *distance)
-{
-  const size_t length = strlen(b);
-  size_t      *row;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(length + 1, &row));
-  for (size_t j = 0; j <= length; j++) row[j] = j;
-  for (size_t i = 0; a[i]; i++) {
-    size_t diagonal = row[0];
-
-    row[0] = i + 1;
-    for (size_t j = 0; j < length; j++) {
-      const size_t above  = row[j + 1];
-      const int    differ = tolower((unsigned char)a[i]) != tolower((unsigned char)b[j]);
-
-      row[j + 1] = PetscMin(PetscMin(above, row[j]) + 1, diagonal + (size_t)differ);
-      diagonal   = above;
-    }
-  }
-  *distance = row[length];
-  PetscCall(PetscFree(row));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The known option whose name is nearest; NULL where none is known. */
-static PetscErrorCode NearestKnown(MpmRecord record, const char name[], const char **nearest)
-{
-  size_t best = 0;
-
-  PetscFunctionBegin;
-  *nearest = NULL;
-  for (PetscInt i = 0; record && i < record->count; i++) {
-    size_t distance = 0;
-
-    if (!record->entries[i].known) continue;
-    PetscCall(EditDistance(name, record->entries[i].name, &distance));
-    if (*nearest && distance >= best) continue;
-    best     = distance;
-    *nearest = record->entries[i].name;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options)
-{
-  PetscInt count;
-  Pair    *pairs;
-  char    *text, *unknown = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(MpmForeignOptionsCheck());
-  PetscCall(MpmDatabaseGet(&count, &pairs, &text));
-  for (PetscInt i = 0; i < count && !unknown; i++) {
-    MpmRecordEntry *entry;
-    const char     *nearest;
-    PetscBool       ours;
-
-    PetscCall(MpmDatabaseIsOurs(pairs[i].name, &ours));
-    if (!ours) continue;
-    PetscCall(RecordFind(options->record, pairs[i].name, &entry));
-    if (entry && entry->known) continue;
-    PetscCall(NearestKnown(options->record, pairs[i].name, &nearest));
-    PetscCall(MpmTextAppend(&unknown, "-%.200s: unknown option%s%.200s%s", pairs[i].name,
-                            nearest ? "; did you mean -" : "", nearest ? nearest : "", nearest ? "?" : ""));
-  }
-  PetscCall(PetscFree(pairs));
-  PetscCall(PetscFree(text));
-  MpmCheckInput(!unknown, "%s", unknown);
-  PetscCall(MpmForeignOptionsKeep(options->record));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- YAML ---- */
-
-/* Bytes of the UTF-8 character at s, and its code point; 0 where there is none. */
-static int DecodeUTF8(const unsigned char s[], unsigned *code)
-{
-  static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000}; /* longer forms than needed are not UTF-8 */
-  const int size = s[0] < 0x80 ? 1 : s[0] < 0xC0 ? 0 : s[0] < 0xE0 ? 2 : s[0] < 0xF0 ? 3 : s[0] < 0xF8 ? 4 : 0;
-
-  *code = size < 2 ? s[0] : s[0] & (0x7Fu >> size);
-  for (int i = 1; i < size; i++) {
-    if ((s[i] & 0xC0) != 0x80) return 0;
-    *code = (*code << 6) | (s[i] & 0x3Fu);
-  }
-  if (*code < least[size] || *code > 0x10FFFF || (*code >= 0xD800 && *code < 0xE000)) return 0;
-  return size;
-}
 
 /* May the character stand in a double-quoted scalar as it is? The YAML reader refuses controls and folds line breaks.
    */
@@ -187,7 +96,7 @@ static void WriteQuoted(FILE *file, const char text[])
   fputc('"', file);
   while (*s) {
     unsigned  code;
-    const int size = DecodeUTF8(s, &code);
+    const int size = MpmDecodeUTF8(s, &code);
 
     if (size && IsPlain(code)) fwrite(s, 1, (size_t)size, file);
     else if (*s == '"' || *s == '\\') fprintf(file, "\\%c", *s);
@@ -256,9 +165,9 @@ static PetscErrorCode WriteAll(FILE *file, MpmRecord record, PetscInt count, con
     MpmRecordEntry *entry;
     PetscBool       transient;
 
-    PetscCall(RecordFind(record, pairs[i].name, &entry));
+    PetscCall(MpmRecordFind(record, pairs[i].name, &entry));
     PetscCall(IsTransient(pairs[i].name, &transient));
-    if (!transient && !(entry && entry->known)) WriteLine(file, "", pairs[i].name, pairs[i].value);
+    if (!transient && !(entry && (entry->known || entry->aside))) WriteLine(file, "", pairs[i].name, pairs[i].value);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

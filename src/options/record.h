@@ -19,6 +19,8 @@ typedef struct {
   PetscBool known;    /* a reader has asked for it, and has not merely looked whether it is there */
   PetscBool given;    /* by the user */
   PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
+  PetscBool list;     /* of blocks */
+  PetscBool aside;    /* of a block that a later list leaves out */
 } MpmRecordEntry;
 
 /* An option of PETSc's that the user gave. */
@@ -30,10 +32,17 @@ typedef struct {
 struct _p_MpmRecord {
   PetscInt        count, capacity;
   MpmRecordEntry *entries;
+  PetscInt        block_count;
+  char          **blocks;  /* prefixes of the blocks that have been read */
+  MpmSources      sources; /* borrowed; NULL: where options were given is not known */
   PetscInt        foreign_count;
   MpmGivenOption *foreign; /* unused.c */
   MpmMoment       moment;  /* up to which they have been looked through */
 };
 
+/* The block with this prefix is being read. */
+PetscErrorCode MpmRecordAddBlock(MpmRecord record, const char prefix[]);
+/* Lends the option's entry, or NULL. */
+PetscErrorCode MpmRecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry);
 /* Lends the option's entry, which is made where there is none; it lives until the next call. */
 PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry **entry);

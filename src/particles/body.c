@@ -20,8 +20,10 @@ struct _p_MpmBody {
   MpmRegion      region;
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
-  PetscReal     *stress;                         /* Cauchy, with which its points start, Pa; or NULL */
-  PetscReal      pressure;                       /* of the water, beyond the hydrostatic one */
+  PetscReal     *stress;       /* Cauchy, with which its points start, Pa; or NULL */
+  PetscReal      pressure;     /* of the water, beyond the hydrostatic one */
+  PetscBool      own_pressure; /* the block has it, and it counts for points from a file, too */
+  PetscBool      of_block;     /* the velocity is its block's, and counts for points from a file, too */
   PetscReal      velocity[MPM_MAX_DIM], spin[3]; /* m/s; rad/s, 2D: the third */
   PetscBool      spins, averaged;                /* averaged: the shape is, over the points' domains */
   PetscInt       degree;                         /* of splines, by which affine velocities are kept (momentum.c) */
@@ -130,8 +132,6 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
       &given));
   if (!is_file || MpmOptionsHelp()) PetscCall(ReadStress(&block, grid->dim, *body));
   if (given) (*body)->fill = fill ? MPM_FILL_YES : MPM_FILL_NO;
-  if (is_file || MpmOptionsHelp())
-    PetscCall(MpmImportedCreate(&block, grid, &materials[(*body)->material], &(*body)->imported));
   if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     MpmBodyLattice *lattice = &(*body)->lattice;
@@ -149,6 +149,30 @@ PetscBool MpmBodyIsStressed(MpmBody body)
   return (PetscBool)(body->stress != NULL);
 }
 
+PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                               const MpmMaterial materials[], PetscInt field_count, const MpmFileField fields[],
+                               MpmBody body)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  if (MpmRegionGetType(body->region) != MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const PetscReal *MpmBodyFileField(MpmBody body, const char *name)
+{
+  return body->imported ? MpmImportedField(body->imported, name) : NULL;
+}
+
+PetscBool MpmBodyFileHasMass(MpmBody body)
+{
+  return (PetscBool)(body->imported && MpmImportedHasMass(body->imported));
+}
+
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
 {
   char             prefix[256];
@@ -158,12 +182,12 @@ PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, 
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsReal(&block, "initial_pressure", "Pa",
                            "pressure of the water to start with, beyond the hydrostatic one", MPM_RANGE_ANY,
-                           MPM_OPTIONAL, &body->pressure, NULL));
+                           MPM_OPTIONAL, &body->pressure, &body->own_pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
-                                   const char **given)
+                                   const char **given, const char **file, PetscBool *run)
 {
   char             prefix[256];
   const MpmOptions block = {options->comm, prefix, options->record};
@@ -179,7 +203,16 @@ PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, 
   body->degree   = MpmShapeDegree(shape);
   body->averaged = MpmShapeHasDomain(shape);
   *given         = moves ? "velocity" : body->spins ? "spin" : NULL;
+  *file          = NULL;
+  body->of_block = moves;
+  if (!MpmOptionsHelp() && body->imported && MpmImportedVelocity(body->imported) && !moves)
+    *file = MpmImportedPath(body->imported, run);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name)
+{
+  return body->own_pressure ? NULL : MpmBodyFileField(body, name);
 }
 
 PetscReal MpmBodyPressure(const MpmBody body)
@@ -552,13 +585,21 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], co
                                  const MpmGrid *grid, const MpmPoints *points)
 {
   const PetscInt dim = grid->dim;
-  PetscInt      *body_of;
+  PetscInt      *body_of, row = 0;
 
   PetscFunctionBeginUser;
   if (!points->velocity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(points->count, &body_of));
   MpmBodiesOfPoints(body_count, bodies, points, body_of);
-  for (PetscInt k = 0; k < points->count * dim; k++) points->velocity[k] = bodies[body_of[k / dim]]->velocity[k % dim];
+  for (PetscInt p = 0; p < points->count; p++, row++) {
+    const MpmBody    body = bodies[body_of[p]];
+    const PetscReal *velocity;
+
+    if (!p || body_of[p] != body_of[p - 1]) row = 0;
+    velocity = body->imported && !body->of_block ? MpmImportedVelocity(body->imported) : NULL;
+    for (PetscInt a = 0; a < dim; a++)
+      points->velocity[p * dim + a] = velocity ? velocity[row * dim + a] : body->velocity[a];
+  }
   if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
   if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
   for (PetscInt b = 0; b < body_count; b++) PetscCall(FillSpin(bodies[b], b, grid, materials, body_of, points));
@@ -620,6 +661,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, MPM_PARTICLES_SPARE));
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
+  if (points.across) PetscCall(PetscArrayzero(points.across, local));
   if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
   for (PetscInt b = 0; b < body_count; b++) {
     PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));

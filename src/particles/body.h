@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "particles/body_file.h"
 
 /* Bodies, with the names of their blocks. */
 typedef struct MpmBodies {
@@ -16,15 +17,25 @@ typedef struct MpmBodies {
 
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial *materials, MpmBody *body);
+/* Reads the points of a body whose region is a file, with what else the physics keeps of a point. */
+PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
+                               const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
+                               MpmBody body);
+/* One of these fields, point by point as they are made, or NULL where the file has none; that of the water's pressure, which
+   an excess in the body's block replaces; and whether the file has masses. */
+const PetscReal *MpmBodyFileField(MpmBody body, const char *name);
+const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name);
+PetscBool        MpmBodyFileHasMass(MpmBody body);
 /* The excess of the water's pressure that its points start with, Pa, where the physics has water. */
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
 PetscReal      MpmBodyPressure(const MpmBody body);
 /*
-  The velocity that its points start with, and the angular one about the body's centre of mass, by which points turn, too, as
-  the shape keeps it. `given` names the one that there is, or is NULL.
+  The velocity that its points start with, the block's or that of its file, and the block's angular one about the centre of
+  mass, by which points turn, too, as the shape keeps it. `given` names what the block has, or is NULL; `file` names the file
+  that has a velocity; `run`: another run has written it.
 */
 PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
-                                   const char **given);
+                                   const char **given, const char **file, PetscBool *run);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],

@@ -10,10 +10,11 @@
     F             deformation gradient, 9 components; the initial volume is then volume/det F
     half_length   of the domain that F deforms; else a cube of the volume
     mass          else density times the volume
+    velocity      else that of the body's block, which counts where both are given
     stress        Cauchy, xx, yy, zz, xy, yz, xz. Where F or the law's history do not say it already, they are searched
-    ...           the law's history by its names
+    ...           the law's history by its names, and what the physics keeps of a point, such as pressure and porosity
 
-  Displacements start at zero.
+  Displacements start at zero. Other columns are refused, and datasets of files that are no run's.
 */
 #include "options/options.h"
 #include "io/io.h"
@@ -26,18 +27,22 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 
-enum { POSITION, VOLUME, DEFORMATION, HALF_LENGTH, MASS, STRESS, STATES };
+enum { POSITION, VOLUME, DEFORMATION, HALF_LENGTH, MASS, STRESS, VELOCITY, STATES };
+
+#define WIDER 1.01 /* a domain over its volume, from where on it is wider and not rounded */
 
 /* `components` values a point, or NULL where the file has none. */
 typedef struct {
-  PetscInt   components;
-  PetscReal *value;
+  const char *name;
+  PetscInt    components;
+  PetscReal  *value;
 } Quantity;
 
 struct _p_MpmImported {
   PetscInt  count, quantity_count;
-  Quantity *quantity; /* by the names above, then by the law's history variables */
+  Quantity *quantity; /* by the names above, then the law's history, then the physics' fields */
   char     *path;
+  PetscBool run; /* another run has written the file */
 };
 
 /* Leaves the points of one material of the file; a file with several needs a choice. */
@@ -76,31 +81,37 @@ static PetscErrorCode ChooseRows(const MpmOptions *block, MpmPointFile file, Mpm
 }
 
 /* What is wrong with a point's own numbers, or NULL. */
-static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, PetscInt p)
+static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, PetscReal density, PetscInt p)
 {
   const PetscInt   dim = grid->dim;
   const PetscReal *x = &imported->quantity[POSITION].value[p * dim], *F = imported->quantity[DEFORMATION].value;
-  PetscReal        plane[MPM_MAX_DIM * MPM_MAX_DIM], room               = 1.;
+  const PetscReal *half = imported->quantity[HALF_LENGTH].value;
+  PetscReal        plane[MPM_MAX_DIM * MPM_MAX_DIM], room = 1., domain = 1.;
 
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal slack = MPM_TOLERANCE * grid->h[a], extent = grid->upper[a] - grid->lower[a];
 
     room *= extent;
     if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return "is outside the grid";
-    if (imported->quantity[HALF_LENGTH].value && !(imported->quantity[HALF_LENGTH].value[p * dim + a] > 0.))
-      return "has a half_length that is not positive";
-    if (imported->quantity[HALF_LENGTH].value && imported->quantity[HALF_LENGTH].value[p * dim + a] > extent)
-      return "has a half_length that is more than the grid's extent";
+    if (half && !(half[p * dim + a] > 0.)) return "has a half_length that is not positive";
+    if (half && half[p * dim + a] > extent) return "has a half_length that is more than the grid's extent";
+    if (half) domain *= 2. * half[p * dim + a];
     for (PetscInt b = 0; F && b < dim; b++) plane[a * dim + b] = F[9 * p + 3 * a + b];
   }
   if (!(imported->quantity[VOLUME].value[p] > 0.)) return "has a volume that is not positive";
   if (imported->quantity[VOLUME].value[p] > room) return "has a volume that is more than the grid's";
   if (imported->quantity[MASS].value && !(imported->quantity[MASS].value[p] >= 0.)) return "has a negative mass";
+  if (imported->quantity[MASS].value && imported->quantity[MASS].value[p] == 0. && density > 0.)
+    return "has a mass of 0, and its material a density: without the column the mass is density times volume";
   if (F && !(MpmDeterminant(dim, plane) > 0.)) return "has an F whose determinant is not positive";
+  if (half && !imported->run &&
+      domain * (F ? MpmDeterminant(dim, plane) : 1.) > WIDER * imported->quantity[VOLUME].value[p])
+    return "has half_lengths whose domain, the product of their doubles, is larger than its volume";
   return NULL;
 }
 
-static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, const MpmImported imported)
+static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, PetscReal density,
+                                  const MpmImported imported)
 {
   const char *why          = NULL;
   PetscMPIInt rank         = grid->size;
@@ -108,7 +119,7 @@ static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, 
   PetscInt    p;
 
   PetscFunctionBeginUser;
-  for (p = 0; p < imported->count && !why; p++) why = WrongPoint(imported, grid, p);
+  for (p = 0; p < imported->count && !why; p++) why = WrongPoint(imported, grid, density, p);
   if (why) {
     const PetscReal *x = &imported->quantity[POSITION].value[(p - 1) * grid->dim];
 
@@ -126,28 +137,33 @@ static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmMaterial *material, MpmImported imported)
+static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmMaterial *material, PetscInt field_count,
+                                     const MpmFileField fields[], MpmImported imported)
 {
-  static const char *const names[STATES]      = {"position", "volume", "F", "half_length", "mass", "stress"};
-  const PetscInt           components[STATES] = {dim, 1, 9, dim, 1, 6};
+  static const char *const names[STATES] = {"position", "volume", "F", "half_length", "mass", "stress", "velocity"};
+  const PetscInt           components[STATES] = {dim, 1, 9, dim, 1, 6, dim};
 
   PetscFunctionBeginUser;
   imported->count          = MpmPointFileCount(file);
-  imported->quantity_count = STATES + (PetscInt)material->info.state_count;
+  imported->quantity_count = STATES + (PetscInt)material->info.state_count + field_count;
   PetscCall(PetscCalloc1(imported->quantity_count, &imported->quantity));
   for (PetscInt q = 0; q < imported->quantity_count; q++) {
-    const MpmStateVariable *variable = q < STATES ? NULL : &material->info.states[q - STATES];
-    Quantity               *quantity = &imported->quantity[q];
+    const PetscInt state = q - STATES, field = state - (PetscInt)material->info.state_count;
+    Quantity      *quantity = &imported->quantity[q];
 
-    quantity->components = !variable ? components[q] : variable->kind == MPM_STATE_SYM ? 6 : 1;
-    PetscCall(MpmPointFileGet(file, variable ? variable->name : names[q], quantity->components,
-                              q <= VOLUME ? MPM_REQUIRED : MPM_OPTIONAL, &quantity->value));
+    if (field >= 0) *quantity = (Quantity){fields[field].name, fields[field].components, NULL};
+    else if (state >= 0)
+      *quantity =
+        (Quantity){material->info.states[state].name, material->info.states[state].kind == MPM_STATE_SYM ? 6 : 1, NULL};
+    else *quantity = (Quantity){names[q], components[q], NULL};
+    PetscCall(MpmPointFileGet(file, quantity->name, quantity->components, q <= VOLUME ? MPM_REQUIRED : MPM_OPTIONAL,
+                              &quantity->value));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
-                                 MpmImported *handle)
+                                 PetscInt field_count, const MpmFileField fields[], MpmImported *handle)
 {
   MpmPointFile file;
   MpmImported  imported;
@@ -157,7 +173,7 @@ PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, c
   PetscCall(PetscNew(handle));
   imported = *handle;
   PetscCall(
-    MpmOptionsText(block, "file", "HDF5 or CSV file of points, for region file", NULL, MPM_REQUIRED, &imported->path));
+    MpmOptionsPath(block, "file", "HDF5 or CSV file of points, for region file", MPM_REQUIRED, &imported->path));
   PetscCall(MpmOptionsText(block, "step", "which step of a file with /points: a number, or latest", "latest",
                            MPM_OPTIONAL, &step));
   if (MpmOptionsHelp()) {
@@ -165,9 +181,11 @@ PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, c
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmPointFileOpen(block, grid->dim, imported->path, step, &file));
-  PetscCall(ReadQuantities(file, grid->dim, material, imported));
+  PetscCall(ReadQuantities(file, grid->dim, material, field_count, fields, imported));
   PetscCall(ChooseRows(block, file, imported));
-  PetscCall(CheckPoints(block, grid, imported));
+  PetscCall(MpmPointFileCheck(file));
+  imported->run = MpmPointFileIsRun(file);
+  PetscCall(CheckPoints(block, grid, material->density, imported));
   PetscCall(MpmPointFileClose(&file));
   PetscCall(PetscFree(step));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -187,6 +205,29 @@ PetscErrorCode MpmImportedDestroy(MpmImported *handle)
 PetscInt MpmImportedCount(MpmImported imported)
 {
   return imported->count;
+}
+
+const PetscReal *MpmImportedVelocity(MpmImported imported)
+{
+  return imported->quantity[VELOCITY].value;
+}
+
+const PetscReal *MpmImportedField(MpmImported imported, const char *name)
+{
+  for (PetscInt q = STATES; q < imported->quantity_count; q++)
+    if (!strcmp(imported->quantity[q].name, name)) return imported->quantity[q].value;
+  return NULL;
+}
+
+PetscBool MpmImportedHasMass(MpmImported imported)
+{
+  return (PetscBool)(imported->quantity[MASS].value != NULL);
+}
+
+const char *MpmImportedPath(MpmImported imported, PetscBool *run)
+{
+  *run = imported->run;
+  return imported->path;
 }
 
 /* ---- into the particles ---- */
@@ -253,10 +294,11 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
 
   if (!imported->quantity[STRESS].value) return 0;
   for (PetscInt c = 0; c < size; c++) stress[c] = imported->quantity[STRESS].value[6 * row + c];
-  if (initial->stateful ? has_state : has_F) return 0;
+  if (initial->stateful ? has_state : has_F)
+    return points->across && MpmInitialAcross(initial, F, state, stress, &points->across[p]) ? 2 : 0;
   J = MpmDeterminant(dim, F);
   for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] *= J; /* history holds the Kirchhoff stress */
-  answer = MpmInitialFind(initial, state, stress, found, own);
+  answer = MpmInitialFind(initial, state, stress, found, own, points->across ? &points->across[p] : NULL);
   if (answer == 2) return 2;
   for (PetscInt k = 0; k < initial->material->state_size; k++) state[k] = own[k];
   for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] /= J;

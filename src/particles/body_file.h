@@ -7,10 +7,22 @@
 
 /* The points of a body that come from a file, this rank's. */
 typedef struct _p_MpmImported *MpmImported;
+/* What the physics keeps of a point and a file may have. */
+typedef struct {
+  const char *name; /* borrowed for as long as the points are */
+  PetscInt    components;
+} MpmFileField;
 PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
-                                 MpmImported *imported);
+                                 PetscInt field_count, const MpmFileField fields[], MpmImported *imported);
 PetscErrorCode MpmImportedDestroy(MpmImported *imported);
 PetscInt       MpmImportedCount(MpmImported imported);
+/* Row by row, or NULL where the file has none. */
+const PetscReal *MpmImportedVelocity(MpmImported imported);
+/* The same of one of the fields. */
+const PetscReal *MpmImportedField(MpmImported imported, const char *name);
+PetscBool        MpmImportedHasMass(MpmImported imported);
+/* The file's name, and whether another run has written it. */
+const char *MpmImportedPath(MpmImported imported, PetscBool *run);
 /* Writes their positions from point `first` on. */
 PetscErrorCode MpmImportedPlace(MpmImported imported, PetscInt dim, PetscInt first, MpmPoints *points);
 /*

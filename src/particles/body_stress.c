@@ -19,7 +19,7 @@ static int SetStress(const MpmInitial *initial, MpmStretch stretch, const PetscR
   int            answer;
 
   for (PetscInt c = 0; c < size; c++) sigma[c] = stress[c];
-  answer = MpmInitialFind(initial, state_n, sigma, F, state);
+  answer = MpmInitialFind(initial, state_n, sigma, F, state, points->across ? &points->across[p] : NULL);
   if (answer) return answer;
   for (PetscInt k = 0; k < initial->material->state_size; k++) state_n[k] = state[k];
   if (stretch(F, U)) return 2;

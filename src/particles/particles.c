@@ -56,6 +56,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
   PetscCall(Register(particles, "stress", MpmSymSize(dim), PETSC_REAL));
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
+  if (fields->across) PetscCall(Register(particles, "across", 1, PETSC_REAL));
   if (fields->half_length) PetscCall(Register(particles, "half_length", dim, PETSC_REAL));
   if (fields->faces) PetscCall(Register(particles, "faces", 1, PETSC_INT));
   if (fields->divisions) PetscCall(Register(particles, "divisions", 1, PETSC_INT));
@@ -119,6 +120,9 @@ static void *HeldArray(const MpmParticles *particles, const char name[])
   return field ? field->array : NULL;
 }
 
+/* The array of a registered field on a rank without points, where the swarm has NULL: NULL is a field that is not registered. */
+static PetscReal nothing[1];
+
 /*
   Takes all fields from the swarm, which looks each up by name: a step of a small scene cannot afford that again and again. They are held until
   the number of points changes.
@@ -129,8 +133,10 @@ static PetscErrorCode Hold(MpmParticles *particles)
 
   PetscFunctionBeginUser;
   if (points->lent) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < particles->field_count; k++)
+  for (PetscInt k = 0; k < particles->field_count; k++) {
     PetscCall(DMSwarmGetField(particles->swarm, particles->fields[k].name, NULL, NULL, &particles->fields[k].array));
+    if (!particles->fields[k].array) particles->fields[k].array = nothing;
+  }
   points->lent = PETSC_TRUE;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &points->count));
   points->id             = HeldArray(particles, "id");
@@ -142,6 +148,7 @@ static PetscErrorCode Hold(MpmParticles *particles)
   points->volume0        = HeldArray(particles, "volume0");
   points->stress         = HeldArray(particles, "stress");
   points->mass           = HeldArray(particles, "mass");
+  points->across         = HeldArray(particles, "across");
   points->half_length    = HeldArray(particles, "half_length");
   points->state          = HeldArray(particles, "state");
   points->parameter      = HeldArray(particles, "parameter");

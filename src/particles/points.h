@@ -24,6 +24,7 @@ typedef struct MpmPoints {
   PetscReal *volume0;
   PetscReal *mass;      /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
   PetscReal *stress;    /* Cauchy, xx, yy, zz, xy (, yz, xz) */
+  PetscReal *across;    /* part of stress_zz that F does not carry, Pa; plane strain with initial stresses only */
   PetscReal *state;     /* state_size values */
   PetscReal *parameter; /* of law and physics at the point, where any varies; at the reduction of strength in force */
   PetscReal *own;       /* own_size values: states of the physics' own */

@@ -84,6 +84,49 @@ static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How far the place is from the nearest domain, in cells along the axis on which it is farthest. */
+static PetscErrorCode DistanceInCells(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
+                                      PetscReal *distance)
+{
+  const PetscInt dim = grid->dim;
+
+  PetscFunctionBeginUser;
+  *distance = PETSC_INFINITY;
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal far = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal half = points->half_length ? points->half_length[p * dim + a]
+                                                 : 0.5 * PetscPowReal(points->volume0[p], 1. / (PetscReal)dim);
+
+      far = PetscMax(far, (PetscAbsReal(points->x0[p * dim + a] - selection->at[a]) - half) / grid->h[a]);
+    }
+    *distance = PetscMin(*distance, far);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, distance, 1, MPIU_REAL, MPIU_MIN, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The place must stand in the material or within a cell of it. */
+static PetscErrorCode CheckPlace(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
+                                 const char *prefix, const char *name)
+{
+  char     *text = NULL, number[MPM_NUMBER_TEXT];
+  PetscReal distance;
+
+  PetscFunctionBeginUser;
+  PetscCall(DistanceInCells(selection, grid, points, &distance));
+  if (distance <= 1. + MPM_TOLERANCE) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    MpmRealText(selection->at[a], number);
+    PetscCall(MpmTextAppend(&text, "%s%s", a ? "," : "", number));
+  }
+  MpmRealText(PetscCeilReal(10. * distance) / 10., number);
+  MpmCheckInput(PETSC_FALSE, "-mpm_%s_%s_at %s: is %s cells from the material, must be within one", prefix, name, text,
+                number);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* share = the point's part of the volume of all points in the region */
 static PetscErrorCode ShareRegion(MpmRegion region, const MpmGrid *grid, const MpmPoints *points, PetscReal share[],
                                   PetscReal *volume)
@@ -113,6 +156,7 @@ PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *g
   MpmCheckInput(selection->nearest <= total,
                 "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points", prefix, name,
                 selection->nearest, total);
+  PetscCall(CheckPlace(selection, grid, points, prefix, name));
   PetscCall(ShareNearest(selection, grid, points, share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

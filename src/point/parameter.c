@@ -2,16 +2,17 @@
   The parameters of a law, as the scene has them: numbers, words, tables and data.
 
   A table is text, "0:5e3,10:8e3", or a file of rows x, y. Data are numbers in a file, any number of them a line. In files
-  commas and blanks separate, and what follows a # is a remark; rank 0 reads them and sends what they hold to the others.
+  commas and blanks separate, in lines with semicolons, or tabs between numbers, these, and commas are decimal ones there. What
+  follows a # is a remark; rank 0 reads files and sends what they hold to the others.
 */
 #include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "options/options.h"
+#include "io/csv_table.h"
 #include "point/parameter.h"
 
-#define MESSAGE_LENGTH 256
+#define MESSAGE_LENGTH MPM_CSV_MESSAGE
 
 /* Numbers as they come, and what is wrong with them; empty for nothing. */
 typedef struct {
@@ -31,19 +32,44 @@ static PetscErrorCode Append(Numbers *numbers, PetscReal value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What separates the numbers of a line: where semicolons or tabs do, a comma is a decimal one. */
+static const char *Separators(const char text[])
+{
+  if (strchr(text, ';')) return "; \t\r";
+  for (const char *tab = strchr(text, '\t'); tab; tab = strchr(tab + 1, '\t'))
+    if (tab > text && isdigit((unsigned char)tab[-1]) && tab[1] && !strchr(" \t\r,", tab[1])) return " \t\r";
+  return ", \t\r";
+}
+
+/* A number, out of its quotes; PETSC_FALSE where it is none. */
+static PetscBool ParseWord(char *word, PetscBool decimal_comma, PetscReal *value)
+{
+  const size_t length = strlen(word);
+  char        *comma  = decimal_comma ? strchr(word, ',') : NULL;
+
+  if (length > 1 && word[0] == '"' && word[length - 1] == '"') {
+    word[length - 1] = '\0';
+    word++;
+  }
+  if (comma && !strchr(word, '.')) *comma = '.';
+  return MpmParseReal(word, value);
+}
+
 /* One line of a file, its remark cut off; a row of a table has two numbers. */
 static PetscErrorCode TakeLine(PetscBool table, long long line, char *text, Numbers *numbers)
 {
-  PetscInt before = numbers->count;
-  char    *rest;
+  const char *separators;
+  PetscInt    before = numbers->count;
+  char       *rest;
 
   PetscFunctionBeginUser;
   text[strcspn(text, "#")] = '\0';
-  for (char *word = strtok_r(text, ", \t\r\n", &rest); word && !numbers->message[0];
-       word       = strtok_r(NULL, ", \t\r\n", &rest)) {
+  separators               = Separators(text);
+  for (char *word = strtok_r(text, separators, &rest); word && !numbers->message[0];
+       word       = strtok_r(NULL, separators, &rest)) {
     PetscReal value;
 
-    if (MpmParseReal(word, &value)) PetscCall(Append(numbers, value));
+    if (ParseWord(word, (PetscBool)(separators[0] != ','), &value)) PetscCall(Append(numbers, value));
     else snprintf(numbers->message, MESSAGE_LENGTH, "line %lld: '%.40s' is not a number", line, word);
   }
   before = numbers->count - before;
@@ -55,18 +81,18 @@ static PetscErrorCode TakeLine(PetscBool table, long long line, char *text, Numb
 
 static PetscErrorCode TakeFile(PetscBool table, const char path[], Numbers *numbers)
 {
-  FILE  *file;
-  char  *text = NULL;
-  size_t size = 0;
+  char      message[MPM_CSV_MESSAGE] = "", *text, *next;
+  long long number                   = 0;
 
   PetscFunctionBeginUser;
-  file = fopen(path, "r");
-  for (long long line = 1; file && !numbers->message[0] && getline(&text, &size, file) >= 0; line++)
-    PetscCall(TakeLine(table, line, text, numbers));
-  if (!file || (ferror(file) && !numbers->message[0]))
-    snprintf(numbers->message, MESSAGE_LENGTH, "cannot be read: %s", strerror(errno));
-  free(text);
-  if (file) (void)fclose(file);
+  PetscCall(MpmTextRead(path, &text, message));
+  snprintf(numbers->message, MESSAGE_LENGTH, "%s", message);
+  for (char *line = text; line && !numbers->message[0]; line = next) {
+    next = strchr(line, '\n');
+    if (next) *next++ = '\0';
+    PetscCall(TakeLine(table, ++number, line, numbers));
+  }
+  PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,8 +170,7 @@ static PetscErrorCode ReadNumbers(const MpmOptions *block, const MpmParameter *p
   PetscFunctionBeginUser;
   PetscCall(MpmTextAppend(&help, "%s (%s), %s", parameter->help, parameter->unit,
                           is_table ? "x:y pairs or the name of a file" : "the name of a file"));
-  PetscCall(
-    MpmOptionsText(block, parameter->name, help, NULL, parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, &text));
+  PetscCall(MpmOptionsPath(block, parameter->name, help, parameter->required ? MPM_REQUIRED : MPM_OPTIONAL, &text));
   PetscCall(PetscFree(help));
   if (!text) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(block->comm, &rank));

@@ -15,6 +15,7 @@
 */
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include "options/options.h"
 #include "io/csv_table.h"
 #include "point/point_path.h"
@@ -29,6 +30,7 @@ static const char *const component[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
 
 #define SAME_STRAIN 1e-12 /* how near the first row of a table must be to the start */
 #define SAME_STRESS 1e-6  /* relative */
+#define SAME_END    1e-9  /* relative: an `end` beside a table and its last row */
 
 /* ---- tables ---- */
 
@@ -91,11 +93,11 @@ static PetscErrorCode CheckNames(const MpmCsvTable *table, char message[MPM_CSV_
   PetscFunctionBeginUser;
   for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
     const char *name  = table->name[c];
-    PetscBool   known = (PetscBool)!strcmp(name, "time");
+    PetscBool   known = (PetscBool)!strcasecmp(name, "time");
 
     for (PetscInt s = 0; s < MPM_SPACE_SYM && !known && strlen(name) == strlen("strain_xx"); s++)
-      known =
-        (PetscBool)((!strncmp(name, "strain_", 7) || !strncmp(name, "stress_", 7)) && !strcmp(name + 7, component[s]));
+      known = (PetscBool)((!strncasecmp(name, "strain_", 7) || !strncasecmp(name, "stress_", 7)) &&
+                          !strcasecmp(name + 7, component[s]));
     if (!known)
       PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE,
                               "column %.40s is unknown: must be time, strain_xx to strain_xz or stress_xx to stress_xz",
@@ -145,18 +147,36 @@ static PetscErrorCode ReadTable(const MpmOptions *block, PetscInt dim, MpmPointP
 /* The end of a path with a name. */
 static PetscErrorCode ReadEnd(const MpmOptions *block, MpmPointPath *path)
 {
-  const PetscBool strain = (PetscBool)(path->type != MPM_PATH_ISOTROPIC && path->type != MPM_PATH_SIMPLE_SHEAR);
-  const PetscBool bound  = (PetscBool)(strain && path->measure == MPM_STRAIN_ENGINEERING);
-  const MpmRange  range  = bound ? (MpmRange){-1., PETSC_INFINITY, PETSC_TRUE} : MPM_RANGE_ANY;
-  const char     *unit   = MpmOptionsHelp() ? "- or Pa" : path->type == MPM_PATH_ISOTROPIC ? "Pa" : "-";
-  const char     *help   = MpmOptionsHelp() ? "axial (yy) strain, < 0 in compression; isotropic: pressure, > 0 in "
-                                              "compression; simple_shear: gamma_xy; not with a table"
-                           : path->type == MPM_PATH_ISOTROPIC    ? "pressure at the end, > 0 in compression"
-                           : path->type == MPM_PATH_SIMPLE_SHEAR ? "gamma_xy at the end"
-                                                                 : "axial (yy) strain at the end, < 0 in compression";
+  const PetscBool table = (PetscBool)(path->type == MPM_PATH_TABLE);
+  const PetscBool strain =
+    (PetscBool)(path->type != MPM_PATH_ISOTROPIC && path->type != MPM_PATH_SIMPLE_SHEAR && !table);
+  const PetscBool bound = (PetscBool)(strain && path->measure == MPM_STRAIN_ENGINEERING);
+  const MpmRange  range = bound ? (MpmRange){-1., PETSC_INFINITY, PETSC_TRUE} : MPM_RANGE_ANY;
+  const char     *unit  = MpmOptionsHelp() ? "- or Pa" : path->type == MPM_PATH_ISOTROPIC ? "Pa" : table ? "s" : "-";
+  const char     *help  = MpmOptionsHelp() ? "axial (yy) strain, < 0 in compression; isotropic: pressure, > 0 in "
+                                             "compression; simple_shear: gamma_xy; with a table none, or the time of its "
+                                             "last row"
+                          : table          ? "time of the table's last row"
+                          : path->type == MPM_PATH_ISOTROPIC    ? "pressure at the end, > 0 in compression"
+                          : path->type == MPM_PATH_SIMPLE_SHEAR ? "gamma_xy at the end"
+                                                                : "axial (yy) strain at the end, < 0 in compression";
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsReal(block, "end", unit, help, range, MPM_REQUIRED, &path->end, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Beside a table the end is the time of its last row. */
+static PetscErrorCode CheckEnd(const MpmOptions *block, const MpmPointPath *path)
+{
+  const PetscReal last = path->time[path->rows - 1];
+  char            text[2][MPM_NUMBER_TEXT];
+
+  PetscFunctionBeginUser;
+  MpmRealText(path->end, text[0]);
+  MpmRealText(last, text[1]);
+  MpmCheckInput(PetscAbsReal(path->end - last) <= SAME_END * last,
+                "-%send %s: path table ends where its file does, at %s s", block->prefix, text[0], text[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -164,7 +184,7 @@ PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrain
 {
   const PetscBool help = MpmOptionsHelp();
   PetscInt        type = -1;
-  PetscBool       has;
+  PetscBool       has, has_end;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(path, sizeof(*path)));
@@ -177,21 +197,22 @@ PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrain
   path->steps = 100;
   PetscCall(MpmOptionsInt(block, "steps", "equal steps, in which the path is followed; none passes a row of a table", 1,
                           100000000, MPM_OPTIONAL, &path->steps, NULL));
-  PetscCall(MpmOptionsHas(block, "end", &has));
-  MpmCheckInput(help || path->type != MPM_PATH_TABLE || !has, "-%send: path table ends where its file does",
-                block->prefix);
-  if (help || path->type != MPM_PATH_TABLE) PetscCall(ReadEnd(block, path));
+  PetscCall(MpmOptionsHas(block, "end", &has_end));
+  if (help || has_end || path->type != MPM_PATH_TABLE) PetscCall(ReadEnd(block, path));
   PetscCall(MpmOptionsHas(block, "table", &has));
   MpmCheckInput(help || path->type == MPM_PATH_TABLE || !has, "-%stable: goes with -%spath table only, which is %s",
                 block->prefix, block->prefix, MpmPathTypes[path->type]);
   if (help || path->type == MPM_PATH_TABLE)
-    PetscCall(MpmOptionsText(
+    PetscCall(MpmOptionsPath(
       block, "table",
       "of path table: CSV file with a column time (s) and one a component: strain_xx (-) or stress_xx (Pa), ...; "
       "shear that has none is a strain of zero",
-      NULL, MPM_REQUIRED, &path->file));
+      MPM_REQUIRED, &path->file));
   if (help) PetscFunctionReturn(PETSC_SUCCESS);
-  if (path->type == MPM_PATH_TABLE) PetscCall(ReadTable(block, dim, path));
+  if (path->type == MPM_PATH_TABLE) {
+    PetscCall(ReadTable(block, dim, path));
+    if (has_end) PetscCall(CheckEnd(block, path));
+  }
   for (PetscInt s = XX; s <= ZZ && path->type != MPM_PATH_TABLE; s++)
     path->stress[s] =
       (PetscBool)(path->type == MPM_PATH_ISOTROPIC || (path->type == MPM_PATH_TRIAXIAL_DRAINED && s != YY) ||

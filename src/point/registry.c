@@ -177,7 +177,10 @@ PetscErrorCode MpmPluginsLoad(const MpmOptions *options)
                            NULL, MPM_OPTIONAL, &text));
   if (!text) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextSplit(text, &count, &paths));
-  for (PetscInt k = 0; k < count; k++) PetscCall(Load(options->comm, paths[k]));
+  for (PetscInt k = 0; k < count; k++) {
+    PetscCall(MpmOptionsResolve(options, "plugin", &paths[k]));
+    PetscCall(Load(options->comm, paths[k]));
+  }
   PetscCall(MpmNamesDestroy(count, &paths));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -279,8 +279,34 @@ PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The part of a stress across the plane that the law does not have by its F. */
+static PetscReal Across(const MpmInitial *initial, const PetscReal F[], PetscReal wanted, PetscReal found)
+{
+  const PetscBool small = (PetscBool)((initial->material->info.traits & MPM_LAW_SMALL_STRAIN) != 0);
+
+  if (initial->dim != 2) return 0.;
+  return (wanted - found) * (small ? 1. : MpmDeterminant(2, F));
+}
+
+int MpmInitialAcross(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], const PetscReal stress[],
+                     PetscReal *across)
+{
+  const PetscReal still[9] = {0.};
+  PetscReal       after[MPM_INITIAL_STATE], F_next[9], reached[SYM_MAX], flux[9];
+  MpmKernelPoint  point = Point(initial, F, state);
+
+  *across = 0.;
+  if (initial->dim != 2) return 0;
+  point.state  = initial->material->state_size ? after : NULL;
+  point.F      = F_next;
+  point.stress = reached;
+  if (initial->kernel.residual(&point, still, flux)) return 1;
+  *across = Across(initial, F, stress[2], reached[2]);
+  return 0;
+}
+
 int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
-                   PetscReal state[])
+                   PetscReal state[], PetscReal *across)
 {
   const PetscInt dim = initial->model_dim, size = MpmSymSize(dim);
   PetscReal      before[MPM_INITIAL_STATE], after[MPM_INITIAL_STATE], full[9], h[SYM_MAX], goal[SYM_MAX] = {0.},
@@ -302,6 +328,10 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
     if (Take(initial, before, h, after, full, reached)) return 2;
   }
   CopyState(initial->material, initial->dim, dim, after, state);
+  if (across) {
+    *across = Across(initial, full, stress[2], reached[2]);
+    if (initial->dim == 2) reached[2] = stress[2];
+  }
   for (PetscInt s = 0; s < size; s++)
     stress[s] = reached[s] * (initial->stateful ? MpmDeterminant(initial->dim, full) : 1.);
   if (initial->stateful) Identity(dim, F);

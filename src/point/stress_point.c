@@ -26,7 +26,8 @@ const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
 
 #define NEWTON_RTOL  1e-12
 #define NEWTON_LIMIT 50
-#define NOISE        16. /* machine epsilons of stiffness and stress: the residual that rounding leaves */
+#define NOISE        16.   /* machine epsilons of stiffness and stress: the residual that rounding leaves */
+#define SINGULAR     1e-12 /* of the law's stiffness: singular values below are rounding */
 #define STALLED      1e-10 /* of the stress: a residual below this, where a line search gets no further, is rounding too */
 #define STRESS_MET   1e-8 /* relative: how near the stress at the start must be to the wanted one */
 
@@ -255,47 +256,74 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- the linear solver: LU with pivots by rank 0. PETSc's dense one ends the run where a pivot is zero ---- */
+/*
+  ---- the linear solver: singular values, by rank 0 ----
 
+  Where plastic flow goes along an edge or the apex of the yield surface, stress does not change with strains that only share the flow out:
+  two equal lateral strains, say. The equations then leave the difference open, and the step is the shortest one that meets them. What no
+  strain changes, as at an apex, goes by the law's stiffness, back to where there is some.
+*/
 static PetscErrorCode Factor(PC pc)
 {
   MpmStressPoint    *point;
   Mat                matrix;
   const PetscScalar *entries;
-  PetscBLASInt       n, info = 0;
-  int                singular;
+  PetscScalar        work[10 * MPM_SPACE_SYM];
+  PetscBLASInt       n, room = 10 * MPM_SPACE_SYM, info = 0;
+  int                failed;
 
   PetscFunctionBeginUser;
   PetscCall(PCShellGetContext(pc, &point));
   PetscCall(PCGetOperators(pc, NULL, &matrix));
   if (!point->rank) {
+    PetscScalar copy[MPM_SPACE_SYM * MPM_SPACE_SYM];
+
     PetscCall(PetscBLASIntCast(point->count, &n));
     PetscCall(MatDenseGetArrayRead(matrix, &entries));
-    PetscCall(PetscArraycpy(point->factor, entries, point->count * point->count));
+    PetscCall(PetscArraycpy(copy, entries, point->count * point->count));
     PetscCall(MatDenseRestoreArrayRead(matrix, &entries));
-    PetscCallBLAS("LAPACKgetrf", LAPACKgetrf_(&n, &n, point->factor, &n, point->pivot, &info));
+    PetscCallBLAS("LAPACKgesvd", LAPACKgesvd_("A", "A", &n, &n, copy, &n, point->singular, point->left, &n,
+                                              point->right, &n, work, &room, &info));
   }
-  singular = info != 0;
-  PetscCallMPI(MPI_Bcast(&singular, 1, MPI_INT, 0, point->comm));
-  PetscCall(PCSetFailedReason(pc, singular ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR));
+  failed = info != 0;
+  PetscCallMPI(MPI_Bcast(&failed, 1, MPI_INT, 0, point->comm));
+  PetscCall(PCSetFailedReason(pc, failed ? PC_FACTOR_OTHER : PC_NOERROR));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* x = V S^+ U^T f, and what is left of f over the law's stiffness; columns of U are side by side, those of V rows of `right`. */
+static void ShortestStep(const MpmStressPoint *point, PetscScalar f[], PetscScalar x[])
+{
+  const PetscInt n = point->count;
+
+  for (PetscInt i = 0; i < n; i++) x[i] = 0.;
+  for (PetscInt k = 0; k < n && point->singular[k] > SINGULAR * point->stiffness; k++) {
+    const PetscScalar *left = &point->left[k * n];
+    PetscScalar        part = 0.;
+
+    for (PetscInt i = 0; i < n; i++) part += left[i] * f[i];
+    for (PetscInt i = 0; i < n; i++) {
+      f[i] -= part * left[i];
+      x[i] += part / point->singular[k] * point->right[i * n + k];
+    }
+  }
+  for (PetscInt i = 0; i < n; i++) x[i] += f[i] / point->stiffness;
 }
 
 static PetscErrorCode Substitute(PC pc, Vec f, Vec x)
 {
-  MpmStressPoint *point;
-  PetscScalar    *values;
-  PetscBLASInt    n, one = 1, info;
+  MpmStressPoint    *point;
+  const PetscScalar *values;
+  PetscScalar       *step, rest[MPM_SPACE_SYM];
 
   PetscFunctionBeginUser;
   PetscCall(PCShellGetContext(pc, &point));
-  PetscCall(VecCopy(f, x));
-  PetscCall(VecGetArray(x, &values));
-  if (!point->rank) {
-    PetscCall(PetscBLASIntCast(point->count, &n));
-    PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &n, &one, point->factor, &n, point->pivot, values, &n, &info));
-  }
-  PetscCall(VecRestoreArray(x, &values));
+  PetscCall(VecGetArrayRead(f, &values));
+  PetscCall(VecGetArray(x, &step));
+  for (PetscInt i = 0; i < point->count && !point->rank; i++) rest[i] = values[i];
+  if (!point->rank) ShortestStep(point, rest, step);
+  PetscCall(VecRestoreArray(x, &step));
+  PetscCall(VecRestoreArrayRead(f, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,7 +351,7 @@ static PetscErrorCode CreateSolver(MpmStressPoint *point)
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCSHELL));
-  PetscCall(PCShellSetName(pc, "LU by LAPACK on rank 0"));
+  PetscCall(PCShellSetName(pc, "singular values by LAPACK on rank 0"));
   PetscCall(PCShellSetContext(pc, point));
   PetscCall(PCShellSetSetUp(pc, Factor));
   PetscCall(PCShellSetApply(pc, Substitute));
@@ -383,7 +411,7 @@ static int FindStart(const MpmStressPoint *point, const MpmInitial *initial, con
   do {
     J_before = J;
     for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] = stress[s] / J;
-    if (MpmInitialFind(initial, rest, reached, F, point->now.history) == 2) return 2;
+    if (MpmInitialFind(initial, rest, reached, F, point->now.history, NULL) == 2) return 2;
     if (kirchhoff) J = MpmDeterminant(point->dim, F);
   } while (PetscAbsReal(J - J_before) > PETSC_MACHINE_EPSILON && ++turns < 50);
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] *= J;
@@ -423,27 +451,32 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
 
 /* ---- a step ---- */
 
-/* The unknown strains by Newton's method; they start from those at the step's start. */
-static PetscErrorCode Solve(MpmStressPoint *point, const char **why)
+/* The unknown strains by Newton's method from those at the step's start, plus `time` times their rate in the last step. */
+static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, const char **why)
 {
   PetscScalar         unknown[MPM_SPACE_SYM] = {0.}, *x;
   const PetscScalar  *found;
   PetscReal           largest = 0., norm;
+  PetscInt            newton, linear;
   SNESConvergedReason reason;
 
   PetscFunctionBeginUser;
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(point->now.stress[s]));
   for (PetscInt k = 0; k < point->count; k++)
     largest = PetscMax(largest, PetscAbsReal(point->control.value[point->unknown[k]]));
-  point->noise =
-    NOISE * PETSC_MACHINE_EPSILON * (largest + MpmMaterialStiffness(point->material, NULL, point->now.history, NULL));
+  point->stiffness = MpmMaterialStiffness(point->material, NULL, point->now.history, NULL);
+  point->noise     = NOISE * PETSC_MACHINE_EPSILON * (largest + point->stiffness);
   PetscCall(VecGetArray(point->x, &x));
-  for (PetscInt k = 0; k < point->count && !point->rank; k++) x[k] = point->now.strain[point->unknown[k]];
+  for (PetscInt k = 0; k < point->count && !point->rank; k++)
+    x[k] = point->now.strain[point->unknown[k]] + time * point->rate[point->unknown[k]];
   PetscCall(VecRestoreArray(point->x, &x));
   PetscCall(SNESSolve(point->snes, NULL, point->x));
   PetscCall(SNESGetConvergedReason(point->snes, &reason));
-  PetscCall(SNESGetIterationNumber(point->snes, &point->newton));
-  PetscCall(SNESGetLinearSolveIterations(point->snes, &point->linear));
+  PetscCall(SNESGetIterationNumber(point->snes, &newton));
+  PetscCall(SNESGetLinearSolveIterations(point->snes, &linear));
+  point->newton += newton;
+  point->linear += linear;
+  *why = NULL;
   if (reason == SNES_DIVERGED_LINE_SEARCH) {
     PetscCall(SNESGetFunctionNorm(point->snes, &norm));
     if (norm <= STALLED * largest) reason = SNES_CONVERGED_FNORM_ABS;
@@ -471,8 +504,9 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
     PetscCall(PetscArraycpy(point->next.F, control->F, 9));
     PetscCall(MpmStrainFromDeformation(point->strain_measure, point->next.F, point->next.strain));
   } else {
-    if (point->count) PetscCall(Solve(point, why));
-    else PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
+    if (!point->count) PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
+    else PetscCall(Solve(point, 0., why));
+    if (*why) PetscCall(Solve(point, dt, why)); /* flow that goes on may be too far for an elastic guess */
     if (*why) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStretchFromStrain(point->strain_measure, point->next.strain, point->next.F));
   }
@@ -480,6 +514,8 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
     *why = "the law has no answer";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  for (PetscInt k = 0; k < MPM_SPACE_SYM; k++)
+    point->rate[k] = dt > 0. ? (point->next.strain[k] - point->now.strain[k]) / dt : 0.;
   {
     const MpmPointState swap = point->now;
 

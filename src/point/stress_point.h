@@ -41,15 +41,17 @@ typedef struct {
   MpmKernelSet       kernel;
   PetscReal          F_start[9]; /* the deformation that carries the stress at the start; I where the history does */
   MpmPointState      now, next;
-  MpmPointControl    control; /* of the step under way */
-  PetscReal          dt, noise;
+  PetscReal          rate[MPM_SPACE_SYM];           /* of the strain in the last step, 1/s */
+  MpmPointControl    control;                       /* of the step under way */
+  PetscReal          dt, noise, stiffness;          /* s; residual that rounding leaves, stiffness of the law, Pa */
   PetscInt           count, unknown[MPM_SPACE_SYM]; /* components whose stress is prescribed */
   SNES               snes;                          /* NULL: nothing to solve for. The unknowns are rank 0's */
   Mat                jacobian;
   Vec                x, f;
-  PetscScalar        factor[MPM_SPACE_SYM * MPM_SPACE_SYM]; /* rank 0: the Jacobian's, with its pivots */
-  PetscBLASInt       pivot[MPM_SPACE_SYM];
-  PetscInt           newton, linear; /* iterations of the last step */
+  PetscReal
+    singular[MPM_SPACE_SYM]; /* rank 0: singular values of the Jacobian, and their vectors by columns and by rows */
+  PetscScalar left[MPM_SPACE_SYM * MPM_SPACE_SYM], right[MPM_SPACE_SYM * MPM_SPACE_SYM];
+  PetscInt    newton, linear; /* iterations of the last step */
 } MpmStressPoint;
 
 /*@

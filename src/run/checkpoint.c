@@ -40,10 +40,10 @@ PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *opt
   PetscCall(MpmOptionsReal(&block, "collective", "bytes",
                            "size from which all ranks read and write a checkpoint together", MPM_RANGE_NON_NEGATIVE,
                            MPM_OPTIONAL, &checkpoint->collective, NULL));
-  PetscCall(MpmOptionsText(options, "restart",
+  PetscCall(MpmOptionsPath(options, "restart",
                            "checkpoint to go on from: a file, or latest for the newest of the results' prefix that is "
                            "whole",
-                           NULL, MPM_OPTIONAL, &checkpoint->from));
+                           MPM_OPTIONAL, &checkpoint->from));
   if (checkpoint->from || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (!model->rank) checkpoint->run = (PetscInt64)time(NULL) * 100000 + getpid() % 100000;
   PetscCallMPI(MPI_Bcast(&checkpoint->run, 1, MPIU_INT64, 0, model->comm));

@@ -4,10 +4,10 @@
 #include <ctype.h>
 #include <signal.h>
 #include <unistd.h>
+#include "options/database.h"
 #include "options/options.h"
 #include "options/scene_file.h"
-#include "run/manual.h"
-#include "run/signals.h"
+#include "run/run.h"
 #include "talus/talus.h"
 
 /* What the handler knows of the current error. */
@@ -56,8 +56,14 @@ static void MakeLine(char message[])
     memcpy(&message[half], " ... ", 5);
     memmove(&message[half + 5], &message[length - half], half + 1);
   }
-  for (char *c = message; *c; c++)
-    if (iscntrl((unsigned char)*c)) *c = ' ';
+  for (char *c = message; *c;) {
+    unsigned  code;
+    const int size = MpmDecodeUTF8((const unsigned char *)c, &code);
+
+    if (!size) *c = '?';
+    else if (iscntrl((unsigned char)*c)) *c = ' ';
+    c += size ? size : 1;
+  }
 }
 
 /* Are the words from this option on kept from PetscInitialize(), which has a traceback or pages of its own for them? */
@@ -90,7 +96,8 @@ static PetscErrorCode Initialize(int argc, char **argv, char ***words)
   return PetscInitialize(&count, words, NULL, NULL);
 }
 
-static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool yaml, ErrorContext *context)
+static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool yaml, MpmSources sources,
+                               ErrorContext *context)
 {
   char      source[PETSC_MAX_PATH_LEN + 32];
   PetscBool readable;
@@ -101,19 +108,18 @@ static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool
   PetscCall(MpmOptionsCheckFile(PETSC_COMM_WORLD, option, path, yaml));
   PetscCall(PetscSNPrintf(source, sizeof(source), "%s %s", option, path));
   context->source = source;
-  if (yaml) PetscCall(PetscOptionsInsertFileYAML(PETSC_COMM_WORLD, NULL, path, PETSC_TRUE));
-  /* by every rank: with the whole communicator, PETSc stops on the first one and leaves the others waiting */
-  else PetscCall(PetscOptionsInsertFile(PETSC_COMM_SELF, NULL, path, PETSC_TRUE));
+  PetscCall(MpmSourcesInsertFile(sources, PETSC_COMM_WORLD, NULL, path, yaml));
   context->source = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reads the files, in their order, and then the rest of the command line, which overrides them. */
-static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
+static PetscErrorCode ReadOptions(int argc, char **argv, MpmSources sources, ErrorContext *context)
 {
-  int       count = 1;
-  char    **rest;
-  PetscBool log;
+  int          count = 1, again;
+  char       **rest;
+  PetscBool    log;
+  PetscOptions alone;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1((size_t)argc + 1, &rest));
@@ -127,11 +133,16 @@ static PetscErrorCode ReadOptions(int argc, char **argv, ErrorContext *context)
       continue;
     }
     MpmCheckInput(i + 1 < argc, "%s is the last word of the command line: a file must follow", argv[i]);
-    PetscCall(ReadFile(argv[i], argv[i + 1], yaml, context));
+    PetscCall(ReadFile(argv[i], argv[i + 1], yaml, sources, context));
     i++;
   }
   context->source = "command line";
+  again           = count;
   PetscCall(PetscOptionsInsert(NULL, &count, &rest, NULL));
+  PetscCall(PetscOptionsCreate(&alone));
+  PetscCall(PetscOptionsInsertArgs(alone, again - 1, &rest[1]));
+  PetscCall(MpmSourcesAdd(sources, NULL, alone));
+  PetscCall(PetscOptionsDestroy(&alone));
   context->source = NULL;
   PetscCall(PetscFree(rest));
   /* an option file may ask for the log that PetscInitialize() would have started */
@@ -171,17 +182,20 @@ static PetscErrorCode AnswerQuestions(int argc, int *status, PetscBool *answered
 
 static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *status)
 {
-  MpmModel  model;
-  PetscBool answered, help = PETSC_FALSE;
+  MpmModel   model;
+  MpmSources sources;
+  PetscBool  answered, help = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  PetscCall(ReadOptions(argc, argv, context));
+  PetscCall(MpmSourcesCreate(&sources));
+  PetscCall(ReadOptions(argc, argv, sources, context));
   PetscCall(AnswerQuestions(argc, status, &answered));
-  if (answered) PetscFunctionReturn(PETSC_SUCCESS);
+  if (answered) PetscFunctionReturn(MpmSourcesDestroy(&sources));
   help = MpmOptionsHelp();
   if (help) PetscCall(MpmHelpBegin(PETSC_COMM_WORLD));
   PetscCall(MpmModelCreate(PETSC_COMM_WORLD, &model));
   PetscCall(MpmModelUseTerminal(model));
+  MpmModelSetSources(model, sources);
   PetscCall(MpmModelSetFromOptions(model));
   if (help) {
     PetscCall(MpmHelpEnd(PETSC_COMM_WORLD));
@@ -195,6 +209,7 @@ static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *sta
     PetscCall(MpmSignalsRelease());
   }
   PetscCall(MpmModelDestroy(&model));
+  PetscCall(MpmSourcesDestroy(&sources));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,6 +3,7 @@
 */
 #include "options/database.h"
 #include "options/options.h"
+#include "options/record.h"
 #include "point/layout.h"
 #include "point/material.h"
 #include "point/registry.h"
@@ -126,6 +127,11 @@ PetscErrorCode MpmModelUseTerminal(MpmModel model)
   PetscFunctionBeginUser;
   model->caller.terminal = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmModelSetSources(MpmModel model, MpmSources sources)
+{
+  model->record->sources = sources;
 }
 
 PetscErrorCode MpmModelEnter(MpmModel model)
@@ -385,6 +391,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscCall(MpmBodyCreate(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->count,
                             model->scene.materials->at, &model->scene.bodies->at[b]));
+    PetscCall(MpmReadBodyFile(model, options, b));
     MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
@@ -524,6 +531,7 @@ static PetscErrorCode BeginStages(MpmModel model)
 {
   PetscFunctionBeginUser;
   MpmSurfacesSetBodies(model);
+  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmStageBegin(model, 0));
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
                                  model->state.particles));
@@ -549,6 +557,7 @@ static void AddStageFields(const MpmModel model, const char *fields[], PetscInt 
 {
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
   if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
+  if (MpmStagesConsolidate(model)) fields[(*count)++] = MpmConsolidationField;
 }
 
 /* What contacts keep at the points. */
@@ -613,24 +622,26 @@ static PetscErrorCode CreateParticles(MpmModel model)
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     if (MpmBodyIsImported(model->scene.bodies->at[b]) || MpmBodyIsStressed(model->scene.bodies->at[b]))
       model->state.particles->has_mass = PETSC_TRUE;
-  PetscCall(MpmParticlesCreate(model->disc.grid,
-                               &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
-                                                    .state_size   = state_size,
-                                                    .own_size     = model->disc.layout->own_size,
-                                                    .rates        = model->disc.layout->rates,
-                                                    .half_length  = half_length,
-                                                    .increment    = model->state.predict,
-                                                    .faces        = faces,
-                                                    .part         = parts,
-                                                    .divisions    = (PetscBool)(model->scene.divide > 0.),
-                                                    .origin       = MpmOriginIsKept(model),
-                                                    .velocity     = model->disc.inertia->dynamic,
-                                                    .affine       = MpmStagesAreAffine(model),
-                                                    .acceleration = MpmStagesAreImplicit(model),
-                                                    .extra_count  = extra,
-                                                    .shared       = shared,
-                                                    .extra        = fields},
-                               model->state.particles));
+  PetscCall(MpmParticlesCreate(
+    model->disc.grid,
+    &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
+                         .state_size   = state_size,
+                         .own_size     = model->disc.layout->own_size,
+                         .rates        = model->disc.layout->rates,
+                         .half_length  = half_length,
+                         .increment    = model->state.predict,
+                         .faces        = faces,
+                         .part         = parts,
+                         .divisions    = (PetscBool)(model->scene.divide > 0.),
+                         .origin       = MpmOriginIsKept(model),
+                         .across       = (PetscBool)(model->disc.dim == 2 && model->state.particles->has_mass),
+                         .velocity     = model->disc.inertia->dynamic,
+                         .affine       = MpmStagesAreAffine(model),
+                         .acceleration = MpmStagesAreImplicit(model),
+                         .extra_count  = extra,
+                         .shared       = shared,
+                         .extra        = fields},
+    model->state.particles));
   PetscCall(PetscFree(fields));
   if (!NeedsBodies(model)) {
     PetscCall(MpmRestartReadPoints(model));
@@ -641,7 +652,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));
   PetscCall(MpmFillOwnStates(model));
-  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
+  PetscCall(MpmFillFromFiles(model));
   PetscCall(MpmFillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
   MpmCheckInput(!why, "-mpm_bodies: %s", why);
@@ -677,6 +688,7 @@ static PetscErrorCode TakeOptions(MpmModel model)
   PetscFunctionBeginUser;
   PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
   if (!model->caller.own) PetscCall(MpmDatabaseTake(model->database, model->caller.prefix));
+  else model->record->sources = model->database->sources;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -709,7 +721,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   const MpmOptions options = {model->comm, "mpm_", model->record}, output = {model->comm, "mpm_output_", model->record};
   PetscLogDouble   since;
   PetscInt         dim;
-  char            *physics;
+  char            *physics, *warning;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
@@ -720,7 +732,9 @@ static PetscErrorCode ReadScene(MpmModel model)
   } else PetscCall(ReadBodiesOnGrid(model, &options, dim, physics));
   PetscCall(PetscFree(physics));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmOptionsCheckUnknown(&options));
+  PetscCall(MpmOptionsCheckUnknown(&options, &warning));
+  if (warning) PetscCall(MpmTerminalWarn(model, "warning: %s", warning));
+  PetscCall(PetscFree(warning));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

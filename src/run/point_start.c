@@ -85,6 +85,75 @@ PetscErrorCode MpmFillOwnStates(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- what files have ---- */
+
+PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b)
+{
+  const MpmPhysics *physics = &model->scene.physics;
+  const MpmLayout  *layout  = model->disc.layout;
+  MpmFileField     *fields;
+  PetscInt          count = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)(physics->state_count + layout->rates + 1), &fields));
+  for (PetscInt s = 0; s < physics->state_count; s++) {
+    const MpmStateVariable *state = &physics->states[s];
+
+    fields[count++] =
+      (MpmFileField){state->name, state->kind == MPM_STATE_SYM ? 6 : MpmStateComponents(state, model->disc.dim)};
+  }
+  for (PetscInt r = 0; r < layout->rates; r++)
+    fields[count++] = (MpmFileField){layout->component_name[layout->rate_component[r]], 1};
+  PetscCall(MpmBodyReadFile(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->at, count,
+                            fields, model->scene.bodies->at[b]));
+  PetscCall(PetscFree(fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The row's states of the physics and values with a rate, of point p; its mass is then that of the file. */
+static void TakeFields(MpmModel model, MpmBody body, PetscInt row, PetscInt p, MpmPoints *points)
+{
+  const MpmPhysics *physics = &model->scene.physics;
+  const MpmLayout  *layout  = model->disc.layout;
+  PetscReal        *own     = points->own ? &points->own[p * layout->own_size] : NULL;
+
+  for (PetscInt s = 0; s < physics->state_count; s++) {
+    const PetscInt   size   = MpmStateComponents(&physics->states[s], model->disc.dim);
+    const PetscInt   stride = physics->states[s].kind == MPM_STATE_SYM ? 6 : size;
+    const PetscReal *value  = MpmBodyFileField(body, physics->states[s].name);
+
+    for (PetscInt c = 0; value && c < size; c++) own[c] = value[row * stride + c];
+    own += size;
+  }
+  for (PetscInt r = 0; r < layout->rates; r++) {
+    const PetscReal *value = MpmBodyFilePressure(body, layout->component_name[layout->rate_component[r]]);
+
+    if (value) points->value[p * layout->rates + r] = value[row];
+  }
+  if (layout->taken_up >= 0 && MpmBodyFileHasMass(body))
+    points->mass[p] += points->mass[p] - MpmPointMassNow(points, model->scene.materials->at, layout, p);
+}
+
+PetscErrorCode MpmFillFromFiles(MpmModel model)
+{
+  const MpmBodies *bodies = model->scene.bodies;
+  PetscInt        *body_of, row = 0;
+  MpmPoints        points;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.layout->rates && !model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscMalloc1(points.count, &body_of));
+  MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
+  for (PetscInt p = 0; p < points.count; p++, row++) {
+    if (!p || body_of[p] != body_of[p - 1]) row = 0;
+    if (MpmBodyIsImported(bodies->at[body_of[p]])) TakeFields(model, bodies->at[body_of[p]], row, p, &points);
+  }
+  PetscCall(PetscFree(body_of));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmFillParts(MpmModel model)
 {
   const MpmBodies *bodies = model->scene.bodies;

@@ -384,9 +384,9 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
 /* What the solver's choice has settled holds, but for what the run has learnt: a rescue that was needed stays on. */
 PetscErrorCode MpmRestartApply(MpmModel model)
 {
-  MpmRestart      restart    = model->results->checkpoint.restart;
+  MpmRestart      restart           = model->results->checkpoint.restart;
   const PetscBool may_be_indefinite = model->solver.may_be_indefinite;
-  const PetscBool leaves_dilation = model->state.rescue.dilation;
+  const PetscBool leaves_dilation   = model->state.rescue.dilation;
   PetscReal       dt_nominal, start;
 
   PetscFunctionBeginUser;

@@ -5,6 +5,7 @@
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
+#include "particles/body.h"
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -15,6 +16,7 @@
 #include "terms/rigid_body.h"
 #include "time/relaxation.h"
 #include "time/time.h"
+#include "time/water_state.h"
 #include "run/laboratory.h"
 #include "run/motion_columns.h"
 #include "run/run.h"
@@ -97,7 +99,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   PetscInt capacity = fixed + model->results->tracks.count * dim + model->scene.bcs->count * (model->disc.block + 1) +
                       model->scene.boundaries->count * (3 * dim + 4) + model->scene.pairs->count * dim +
                       model->scene.motions->count * dim + model->scene.surfaces->count + MpmLinesColumnCount(model) +
-                      2 * dim + 5 + MpmMotionColumnCount(model);
+                      2 * dim + 6 + MpmMotionColumnCount(model);
   char name[512];
 
   PetscFunctionBeginUser;
@@ -156,6 +158,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   }
   if (model->scene.stages[0].name) PetscCall(PetscStrallocpy("stage", &(*names)[(*count)++]));
   if (MpmStagesReduce(model)) PetscCall(PetscStrallocpy("reduction", &(*names)[(*count)++]));
+  if (MpmStagesConsolidate(model)) PetscCall(PetscStrallocpy("consolidation", &(*names)[(*count)++]));
   PetscCall(MpmMotionAddColumns(model, *names, count));
   for (PetscInt k = 0; MpmStagesRelax(model) && k < 3; k++)
     PetscCall(PetscStrallocpy(relaxing[k], &(*names)[(*count)++]));
@@ -185,6 +188,38 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscCall(ResultPath(model, "_options.yaml", path, sizeof(path)));
   PetscCall(MpmOptionsWriteYAML(&options, path));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether bodies wait for the stage that they join. */
+static PetscErrorCode AnyWaits(MpmModel model, PetscBool *any)
+{
+  PetscFunctionBeginUser;
+  *any = PETSC_FALSE;
+  if (!model->results->tracks.count || !model->scene.stages[0].name) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    if (model->state.parked[b].count) *any = PETSC_TRUE;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddTracks(MpmModel model, PetscReal row[], PetscInt *k)
+{
+  PetscBool waiting;
+
+  PetscFunctionBeginUser;
+  PetscCall(AnyWaits(model, &waiting));
+  for (PetscInt t = 0; t < model->results->tracks.count; t++, *k += model->disc.dim) {
+    MpmTrack *track = &model->results->tracks.at[t];
+    PetscBool fewer;
+
+    PetscCall(MpmTrackEvaluate(track, model->state.particles, waiting, &row[*k], &fewer));
+    if (fewer && track->gone)
+      PetscCall(MpmMonitorNote(&model->monitor, "track %s is nan: its points are gone", track->name));
+    else if (fewer)
+      PetscCall(
+        MpmMonitorNote(&model->monitor, "track %s: points are gone, it is the mean of the others", track->name));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -230,8 +265,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
     row[k++] = model->disc.pairs->force[p / model->disc.dim][p % model->disc.dim];
   for (PetscInt s = 0; s < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; s++)
     row[k++] = model->state.loads[model->scene.loads->count + s].outflow;
-  for (PetscInt t = 0; t < model->results->tracks.count; t++, k += model->disc.dim)
-    PetscCall(MpmTrackEvaluate(&model->results->tracks.at[t], model->state.particles, &row[k]));
+  PetscCall(AddTracks(model, row, &k));
   PetscCall(MpmLinesAddValues(model, row, &k));
   for (PetscInt a = 0; a < model->disc.dim; a++) {
     if (!model->scene.follow.axis[a]) continue;
@@ -240,6 +274,7 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   if (model->scene.stages[0].name) row[k++] = (PetscReal)model->state.stage + 1.;
   if (MpmStagesReduce(model)) row[k++] = MpmReductionFactor(model, model->state.time);
+  if (MpmStagesConsolidate(model)) row[k++] = model->state.scheme.water.degree;
   PetscCall(MpmMotionAddValues(model, row, &k));
   if (MpmStagesRelax(model)) {
     row[k++] = model->state.relaxing.force;

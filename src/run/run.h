@@ -3,6 +3,7 @@
   The run: reading of scenes, results, progress, checkpoints.
 */
 #include "base/types.h"
+#include "options/database.h"
 #include "io/io.h"
 #include "run/lines.h"
 #include "run/manual.h"
@@ -113,6 +114,9 @@ struct MpmResults {
   MpmTerminal   terminal;
 };
 
+/* Where the options of the command line were given; borrowed until the model is destroyed. */
+void MpmModelSetSources(MpmModel model, MpmSources sources);
+
 /*
   A call that must not be entered again while it is at work, with the model's options in force; both end with it, also
   where it fails.
@@ -151,6 +155,9 @@ PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions
 PetscErrorCode MpmBodiesPrepare(MpmModel model);
 /* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */
 PetscErrorCode MpmFillOwnStates(MpmModel model);
+/* The file of a body, with what the physics keeps of a point; and that into the points, once they have all else. */
+PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
+PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);
 /* Numbers of the row of parameters that each point has; 0: no material varies. Sets the materials' strides. */
 PetscInt MpmOwnParametersSize(MpmModel model);
@@ -165,6 +172,8 @@ PetscBool MpmSceneIsSymmetric(MpmModel model);
 PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options);
 void           MpmSurfacesSetBodies(MpmModel model);
 PetscErrorCode MpmSurfacesAdd(MpmModel model);
+/* Lines on faces of surfaces on all sides that are left out in the stage that begins. Collective. */
+PetscErrorCode MpmSurfacesTellHeld(MpmModel model);
 /*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
   bodies, conditions and stages are known.

@@ -56,6 +56,8 @@ static const struct {
   MODEL("factor_of_safety", REAL, state.safety.factor),
   MODEL("reduction_moved", REAL, state.safety.moved),
   MODEL("reduction_last", REAL, state.safety.reduced),
+  MODEL("consolidation_most", REAL, state.scheme.water.most),
+  MODEL("consolidation", REAL, state.scheme.water.degree),
   MODEL("relaxation_energy", REAL, state.relaxing.kinetic),
   MODEL("relaxation_work", REAL, state.relaxing.work),
   MODEL("relaxation_first", REAL, state.relaxing.first),

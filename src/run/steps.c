@@ -41,6 +41,10 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   stage = &model->scene.stages[model->state.stage];
   if (begins && stage->name && model->state.time == model->state.time_start)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
+  if (begins && model->state.time == model->state.time_start) {
+    PetscCall(MpmWaterTellStage(model));
+    PetscCall(MpmSurfacesTellHeld(model));
+  }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (begins && model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
   if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
@@ -48,6 +52,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
     *dt = model->state.time - model->state.time_start;
   } else PetscCall(MpmAdvance(model, dt, why));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  if (*why) PetscCall(MpmWaterFindClosed(model, why));
   if (!*why && !model->state.scheme.rescuing.on && model->caller.after)
     PetscCall((*model->caller.after)(model, model->caller.after_ctx));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,9 +154,13 @@ static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
 /* What a converged step leaves: its row, its line, and at times the points. */
 static PetscErrorCode Report(MpmModel model, PetscReal dt)
 {
+  char boils[MPM_WATER_TEXT];
+
   PetscFunctionBeginUser;
   PetscCall(MpmModelWriteHistory(model, dt));
   PetscCall(MpmTerminalStep(model, dt));
+  PetscCall(MpmWaterFindTension(model, boils));
+  if (boils[0]) PetscCall(MpmTerminalWarn(model, "%s", boils));
   if (model->solver.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
   PetscCall(WriteDue(model));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,6 +4,7 @@
 #include "point/layout.h"
 #include "point/registry.h"
 #include "particles/body.h"
+#include "bc/bc.h"
 #include "terms/body_surface.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
@@ -54,5 +55,38 @@ PetscErrorCode MpmSurfacesAdd(MpmModel model)
   }
   PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
                                          &model->state.loads[model->scene.loads->count], kernel));
+  model->disc.surfaces->bcs        = model->scene.bcs;
+  model->disc.surfaces->bcs_acting = model->state.bcs;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSurfacesTellHeld(MpmModel model)
+{
+  const MpmBodySurfaces *surfaces = model->scene.surfaces;
+  PetscInt              *held;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(model->scene.bcs->count, &held));
+  for (PetscInt k = 0; k < surfaces->named; k++) {
+    char   names[256] = "";
+    size_t length     = 0;
+
+    if (!MpmBodySurfaceIsAll(&surfaces->at[k], model->disc.dim)) continue;
+    if (!model->state.loads[model->scene.loads->count + k].active) continue;
+    if (model->state.loads[model->scene.loads->count + k].start < model->state.time_start) continue; /* told before */
+    PetscCall(MpmSurfaceFacesFindHeld(model->disc.surfaces, model->disc.grid, model->state.particles, k, held));
+    for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+      if (!held[b]) continue;
+      PetscCall(
+        PetscSNPrintf(&names[length], sizeof(names) - length, "%s%s", length ? ", " : "", model->scene.bcs->names[b]));
+      PetscCall(PetscStrlen(names, &length));
+    }
+    if (length)
+      PetscCall(
+        MpmMonitorLine(&model->monitor,
+                       "surface %s: faces on planes of symmetry left out, whose nodes are held along the normal by %s",
+                       surfaces->names[k], names));
+  }
+  PetscCall(PetscFree(held));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,14 +10,21 @@
 typedef struct {
   char        *name, *share_field;
   MpmSelection where;
+  PetscReal    there;      /* share of the points that were there when it was evaluated last */
+  PetscBool    gone, told; /* there is none any more, and a note has said so */
 } MpmTrack;
 
 PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
 PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
-PetscErrorCode MpmTrackEvaluate(const MpmTrack *track, MpmParticles *particles, PetscReal displacement[]);
+/*
+  The mean over the points that are there; nan once none is left. `waiting`: points may be there that have not joined a stage
+  yet. `fewer`: points have gone since the last call.
+*/
+PetscErrorCode MpmTrackEvaluate(MpmTrack *track, MpmParticles *particles, PetscBool waiting, PetscReal displacement[],
+                                PetscBool *fewer);
 
-/* Their mean velocity, in scenes with a dynamic stage. Collective, like Evaluate. */
+/* Their mean velocity, in scenes with a dynamic stage; after Evaluate. Collective, like it. */
 PetscErrorCode MpmTrackVelocity(const MpmTrack *track, MpmParticles *particles, PetscReal velocity[]);
 
 /* Sets of points that are followed, with the names of their blocks. */

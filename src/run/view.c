@@ -107,7 +107,7 @@ PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer)
   PetscCheck(ascii, model->comm, PETSC_ERR_SUP, "a model is viewed as text only");
   PetscCall(ViewScene(model, viewer));
   PetscCall(ViewGrid(model, viewer));
-  if (model->disc.space->order) PetscCall(ViewSpace(model, viewer));
+  if (model->disc.space->global_count) PetscCall(ViewSpace(model, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Solver: %s, Jacobian %s\n", model->solver.name,
                                    MpmJacobianTypes[model->solver.jacobian_type]));
   PetscCall(PetscViewerASCIIPushTab(viewer));

@@ -120,6 +120,18 @@ static PetscErrorCode Factor(PC pc, Band *band, Mat A, PetscBool *positive)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* PETSc takes no other matrix into a factor of MUMPS that has failed, and solves with it all the same: INFOG(1) = -3. */
+static PetscErrorCode DestroyFailed(PC *whole)
+{
+  PCFailedReason reason;
+
+  PetscFunctionBeginUser;
+  if (!*whole) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCGetFailedReason(*whole, &reason));
+  if (reason != PC_NOERROR) PetscCall(PCDestroy(whole));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* MUMPS, for this matrix, tuned for small ones as solver.c has it. */
 static PetscErrorCode TakeWhole(PC pc, Band *band, Mat A)
 {
@@ -128,6 +140,7 @@ static PetscErrorCode TakeWhole(PC pc, Band *band, Mat A)
   Mat            factor;
 
   PetscFunctionBeginUser;
+  PetscCall(DestroyFailed(&band->whole));
   if (!band->whole) {
     PetscCall(PCCreate(PetscObjectComm((PetscObject)pc), &band->whole));
     PetscCall(PCSetType(band->whole, PCCHOLESKY));

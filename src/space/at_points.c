@@ -52,6 +52,34 @@ PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmScalarAtPoints(const MpmSum *sum, const PetscReal nodal[], PetscReal value[], PetscReal gradient[])
+{
+  MpmWorkspace work;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmWorkspaceCreate(sum, &work));
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+    const MpmKnown  known = KnownGeneral(sum->layout, group);
+    const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = sum->space->order[s];
+
+      MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work.basis);
+      for (PetscInt k = value ? 0 : 1; k <= known.dim; k++) {
+        PetscReal d = 0.;
+
+        for (PetscInt i = 0; i < known.n; i++) d += work.basis.basis[k][i] * nodal[nodes[i]];
+        if (k) gradient[p * known.dim + k - 1] = d;
+        else value[p] = d;
+      }
+    }
+  }
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Is a place in the grid? Rounding at the edge is forgiven. */
 static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
 {

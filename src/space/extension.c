@@ -321,13 +321,44 @@ static PetscErrorCode ListNode(const Search *search, const PetscInt node[], Foun
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Where nodes that a piece's points touch may follow: its own ones, none where it is well filled; beside edges those around it too, as a
+  point may stand on the other side.
+*/
+static PetscBool FindCandidates(const Search *search, PetscInt index, PetscInt piece[], PetscInt low[], PetscInt high[])
+{
+  const PetscInt dim = search->space->dim, degree = search->pieces.degree;
+  MpmPieceLine   lines[MPM_MAX_DIM];
+  PetscBool      whole;
+
+  MpmPiecesAt(&search->pieces, index, piece);
+  whole = MpmPieceLines(search->space, search->rules, &search->pieces, piece, lines);
+  for (PetscInt a = 0; a < dim; a++)
+    whole = (PetscBool)(whole && lines[a].low == lines[a].first && lines[a].high == lines[a].first + degree);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    low[a]  = a >= dim ? 0 : whole ? lines[a].low : piece[a] - degree - 1;
+    high[a] = a >= dim ? 0 : whole ? lines[a].high : piece[a] + degree + 1;
+  }
+  return (PetscBool) !(whole && search->well[index]);
+}
+
+static PetscBool Owns(const Search *search, const PetscInt node[])
+{
+  const MpmGrid *grid = search->rules->grid;
+  PetscInt       at[MPM_MAX_DIM];
+
+  MpmSpaceAt(search->space, node, at);
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (at[a] < 0 || at[a] > grid->cells[a]) return PETSC_FALSE;
+  return (PetscBool)(MpmGridNodeOwner(grid, at) == grid->rank);
+}
+
 /* The followers among the nodes of this rank's boxes, and those that it owns and other ranks' points touch. */
 static PetscErrorCode FindFollowers(Search *search, PetscInt count, Found *found)
 {
   const MpmSpace *space = search->space;
   const MpmGrid  *grid  = search->rules->grid;
-  PetscInt        piece[MPM_MAX_DIM], node[MPM_MAX_DIM], at[MPM_MAX_DIM];
-  MpmPieceLine    lines[MPM_MAX_DIM];
+  PetscInt        piece[MPM_MAX_DIM], node[MPM_MAX_DIM], low[MPM_MAX_DIM], high[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
   for (PetscInt g = 0; g < space->box_count; g++) {
@@ -341,14 +372,11 @@ static PetscErrorCode FindFollowers(Search *search, PetscInt count, Found *found
     }
   }
   for (PetscInt i = 0; grid->size > 1 && i < count; i++) {
-    if (!search->pieces.fill[i] || search->well[i]) continue;
-    MpmPiecesAt(&search->pieces, i, piece);
-    if (!MpmPieceLines(space, search->rules, &search->pieces, piece, lines)) continue;
-    FOR_LINES(space->dim, lines, node)
-    {
-      MpmSpaceAt(space, node, at);
-      if (MpmGridNodeOwner(grid, at) == grid->rank) PetscCall(ListNode(search, node, found));
-    }
+    if (!search->pieces.fill[i] || !FindCandidates(search, i, piece, low, high)) continue;
+    for (node[2] = low[2]; node[2] <= high[2]; node[2]++)
+      for (node[1] = low[1]; node[1] <= high[1]; node[1]++)
+        for (node[0] = low[0]; node[0] <= high[0]; node[0]++)
+          if (Owns(search, node)) PetscCall(ListNode(search, node, found));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

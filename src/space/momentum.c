@@ -311,7 +311,7 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, PetscInt p, c
 
   if (apic) {
     moves = InterpolateSlim(known, sum, p, at, nodes, of->v_new, by);
-    if (of->affine) (void)InterpolateSlim(known, sum, p, at, nodes, of->affine, by);
+    if (of->affine && (at->thin || !step->thin)) (void)InterpolateSlim(known, sum, p, at, nodes, of->affine, by);
     for (PetscInt k = 0; k < dim * dim; k++) points->affine[p * dim * dim + k] = by[k % dim][k / dim];
     for (PetscInt c = 0; c < dim; c++) points->velocity[p * dim + c] = moves[c];
   } else {

@@ -19,7 +19,8 @@ typedef struct {
   const PetscReal *v_old, *v_new, *a_new; /* at the step's start and end; accelerations, or NULL */
   PetscReal       *moves;                 /* of each point: velocity with which it moves, sum_i w_i v_new; or NULL */
   PetscReal       *again;  /* of each local node: the points' new momentum, of which this rank adds its part; or NULL */
-  const PetscReal *affine; /* of which the affine part is made, where that is not v_new; or NULL */
+  const PetscReal *affine; /* in place of v_new for the affine part; or NULL */
+  PetscBool        thin;   /* of points on edges of the grid alone */
 } MpmMotionStep;
 /* The points' new velocities and accelerations. Before the points are moved: the weights are those of the step's start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);

@@ -129,6 +129,19 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
   return PETSC_SUCCESS;
 }
 
+/* Adds the part of stress_zz that F does not carry: a Kirchhoff stress, or of a small-strain law Cauchy's. */
+static void AddAcross(const MpmSum *sum)
+{
+  const MpmPoints *points = sum->points;
+
+  for (PetscInt p = 0; points->across && p < points->count; p++) {
+    const unsigned traits = sum->materials[points->material[p]].info.traits;
+
+    points->stress[4 * p + 2] +=
+      points->across[p] / (traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(2, &points->F[4 * p]));
+  }
+}
+
 /* F, stress and history become the points'. */
 static PetscErrorCode KeepTrial(const MpmSum *sum)
 {
@@ -138,6 +151,7 @@ static PetscErrorCode KeepTrial(const MpmSum *sum)
   PetscFunctionBeginUser;
   PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
   PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
+  AddAcross(sum);
   PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->own_size));
   for (PetscInt p = 0; sum->state_size && p < points->count; p++)
     PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],

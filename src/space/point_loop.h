@@ -10,6 +10,7 @@
 #include "point/material.h"
 #include "space/space.h"
 #include "space/sum.h"
+#include "talus/point/flow.h"
 
 /*
   What the compiler is told: the layout of a solid, whose block is dim and whose inputs are all derivatives, or of Biot's
@@ -192,11 +193,7 @@ MPM_INLINE void MpmSumAddFlux(const MpmKnown known, const MpmLayout *layout, con
 /* What drives the water of point p. */
 MPM_INLINE const PetscReal *MpmSumGravity(const MpmSum *sum, PetscInt p)
 {
-  static const PetscReal none[MPM_MAX_DIM] = {0.};
-  const MpmDryGround    *dry               = &sum->dry;
-
-  if (!dry->any) return sum->gravity;
-  return (PetscReal)dry->up * sum->points->x[p * sum->space->dim + dry->axis] > dry->from ? none : sum->gravity;
+  return sum->still.gravity ? &sum->still.gravity[p * sum->space->dim] : sum->gravity;
 }
 
 /* The kernel's view of point p. */
@@ -220,7 +217,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->stage             = sum->first ? &sum->first[p] : NULL;
   point->volume0           = sum->part * points->volume0[p];
   point->dt                = sum->dt;
-  point->traits            = material->info.traits;
+  point->traits            = material->info.traits | (sum->drained ? MPM_POINT_DRAINED : 0u);
   point->law               = material->law;
   point->table             = material->table;
   point->dilatancy         = material->dilatancy;

@@ -169,7 +169,6 @@ PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscR
   The weights and derivatives of one point at its group's nodes, shape by shape: basis[0] weights, basis[1..dim]
   derivatives by x, y, z, basis[dim + 1] weights less their means over the cell; each of node_count values, x fastest.
 */
-#define MPM_MAX_WIDTH 16
 typedef struct {
   PetscReal *basis[MPM_MAX_SHAPES * MPM_BASES];
 } MpmBasis;

@@ -19,6 +19,7 @@ typedef struct {
   PetscReal away[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* m */
   PetscReal second[MPM_MAX_DIM];              /* D_b, m2 */
   PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* what takes the weights' place along an axis for the affine part */
+  PetscBool thin;                             /* a gradient among them: a point on an edge of the grid */
 } MpmStencil;
 
 /* Where the nodes of the group stand from the point, and the second moments of its weights. */
@@ -29,6 +30,7 @@ MPM_INLINE void MpmStencilPlace(const MpmKnown known, const MpmSum *sum, const P
   const PetscInt   dim = known.dim, W = sum->space->width;
   const PetscReal *w = &sum->space->shape[0].weight[p * dim * W], *x = &sum->points->x[p * dim];
 
+  at->thin = PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal start = grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a];
 
@@ -66,6 +68,7 @@ MPM_INLINE void MpmStencilLines(const MpmKnown known, const MpmSum *sum, PetscIn
     const PetscBool  thin = (PetscBool)(degree < 2 && at->second[b] < MPM_STENCIL_THIN * PetscSqr(sum->grid->h[b]));
     const PetscReal  by   = degree < 2 && !thin ? 1. / at->second[b] : 1.;
 
+    if (thin) at->thin = PETSC_TRUE;
     for (PetscInt k = 0; k < known.count[b]; k++) at->line[b][k] = thin ? g[k] : by * w[k] * at->away[b][k];
   }
 }

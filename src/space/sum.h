@@ -14,12 +14,12 @@ typedef struct MpmTrial {
   PetscBool  framed; /* which is in the frames of nodes, not along the axes */
 } MpmTrial;
 
-/* Ground above a height, a coordinate up an axis, in which no water moves. */
+/* Water at rest below its level (time/water_state.c); NULL without one. */
 typedef struct {
-  PetscBool any;
-  PetscInt  axis, up;
-  PetscReal from;
-} MpmDryGround;
+  PetscReal *pressure; /* at the local nodes, Pa, */
+  PetscBool *bent;     /* where that is not hydrostatic */
+  PetscReal *gravity;  /* driving the water of each point, m/s2 */
+} MpmWaterAtRest;
 
 /* All that the loops over points need; borrowed for the length of a step. */
 typedef struct MpmSum {
@@ -33,13 +33,14 @@ typedef struct MpmSum {
   PetscInt              state_size, own_size; /* of a point's history, the law's and the physics' own */
   PetscReal             dt;   /* in which something flows, s: the step's length, with two stages a part of it */
   PetscReal             span; /* from the step's start to the time that is solved for, s */
-  PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2, */
-  MpmDryGround          dry;                  /* which the water in this ground does not feel */
+  PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
+  MpmWaterAtRest        still;
   const PetscReal      *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
   const MpmKernelStage *first;       /* of each point, in the second of two stages (sdirk.c); or NULL */
-  PetscReal       part;  /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
-  PetscBool       rest;  /* no motion: stresses are those of the step's start */
-  const MpmTrial *trial; /* where residuals leave the step's end; NULL: nowhere */
+  PetscReal       part;    /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
+  PetscBool       drained; /* the pressure of the water is that of a steady flow */
+  PetscBool       rest;    /* no motion: stresses are those of the step's start */
+  const MpmTrial *trial;   /* where residuals leave the step's end; NULL: nowhere */
 } MpmSum;
 
 /*
@@ -60,6 +61,8 @@ PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values
 */
 PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal deviation[]);
 PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal value[]);
+/* One number a local node with the first shape at the points, and its gradient by x; `value` may be NULL. */
+PetscErrorCode MpmScalarAtPoints(const MpmSum *sum, const PetscReal nodal[], PetscReal value[], PetscReal gradient[]);
 /*
   The first of this rank's points that the displacement u of local nodes would carry out of a grid, -1: none; and where to. `next` is
   sum->grid itself, or what that becomes where it moves.

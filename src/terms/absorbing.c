@@ -130,7 +130,7 @@ PetscErrorCode MpmAbsorbingSpread(MpmDamping *damping, const MpmSpace *space, co
   PetscReal     *plane;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1((space->local * dim), &plane));
+  PetscCall(PetscCalloc1((space->local * dim + 1), &plane));
   for (PetscInt i = 0; i < mass->nodes; i++)
     for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
       for (PetscInt c = 0; c < dim; c++)

@@ -38,8 +38,8 @@ typedef struct {
   PetscReal adjoint[MPM_MAX_DIM];  /* of drained ones: weights of grad phi in the adjoint term (surface_flow.c) */
   PetscReal penalty;
   PetscReal place[MPM_MAX_DIM]; /* of its middle */
-  PetscReal water;              /* pressure of the open water there at the step's end, Pa: of drained ones; */
-  PetscReal suction;            /* and what they have below 0 in the row of cells that the level cuts */
+  PetscReal water;              /* pressure of the open water at the step's end, Pa: on drained ones */
+  PetscReal rest;               /* pressure of water at rest in the ground, Pa: behind drained ones */
 } MpmSurfaceFace;
 
 /* Those of this rank's points. */
@@ -47,6 +47,8 @@ typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
   MpmLoadActing         *acting;            /* by surface */
   const MpmContacts     *contacts;          /* whose boundaries some are */
+  const MpmConditions   *bcs;               /* on planes of symmetry, */
+  const MpmActing       *bcs_acting;        /* by condition */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
   PetscReal             *outflow;           /* by surface, of the step or its last stage, m3, */
   PetscReal             *first;             /* and of its first stage of two, as it counts */
@@ -76,6 +78,14 @@ PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
 /* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
 PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
+/*
+  The conditions that hold faces of a surface on all sides along their normals, 1 by condition. Such faces lie on planes of symmetry and
+  are left out. Collective.
+*/
+PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, MpmParticles *particles,
+                                       PetscInt surface, PetscInt held[]);
+/* Whether it is a body's on all sides. */
+PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim);
 /* Adds what has passed in the step that u ends; before the points take it over. Collective. */
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[]);
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */

@@ -28,7 +28,6 @@ PetscErrorCode MpmDampingReset(MpmDamping *damping)
   PetscCall(PetscFree(damping->viscosity));
   PetscCall(PetscFree(damping->spread));
   damping->active = PETSC_FALSE;
-  damping->local = damping->count = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,8 +57,7 @@ static PetscErrorCode FindViscosities(MpmDamping *damping, const MpmSum *sum)
 
   PetscFunctionBeginUser;
   for (PetscInt a = 1; a < dim; a++) length = PetscMin(length, sum->grid->h[a]);
-  PetscCall(PetscMalloc1((points->count * MPM_VISCOSITIES), &damping->viscosity));
-  damping->count = points->count;
+  PetscCall(PetscMalloc1((points->count * MPM_VISCOSITIES + 1), &damping->viscosity));
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
     const double      *own      = MpmPointOwn(points, material, p);
@@ -85,9 +83,8 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   PetscFunctionBeginUser;
   PetscCall(MpmDampingReset(damping));
   if (!MpmDampingAny(damping)) PetscFunctionReturn(PETSC_SUCCESS);
-  damping->local = local;
-  PetscCall(
-    PetscCalloc2((local * step->sum->space->dim), &damping->rest, (local * step->sum->space->dim), &damping->dashpot));
+  PetscCall(PetscCalloc2((local * step->sum->space->dim), &damping->rest, (local * step->sum->space->dim + 1),
+                         &damping->dashpot));
   if (IsViscous(damping)) PetscCall(FindViscosities(damping, step->sum));
   if (Absorbs(damping)) PetscCall(MpmAbsorbingDashpots(damping, step->sum, damping->dashpot));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -99,7 +96,7 @@ PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const M
   const PetscInt dim = space->dim;
 
   PetscFunctionBeginUser;
-  if (!damping->local) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!damping->dashpot) PetscFunctionReturn(PETSC_SUCCESS);
   damping->active = PETSC_TRUE;
   damping->factor = factor;
   PetscCall(PetscArraycpy(damping->rest, rest, space->local * dim));

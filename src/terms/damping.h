@@ -17,7 +17,6 @@ struct MpmDamping {
   const MpmConditions *conditions;        /* of the scene, with what acts of them */
   const MpmActing     *acting;
   PetscReal            factor;         /* 1/s */
-  PetscInt             local, count;   /* nodes and points that there is room for */
   PetscReal           *rest, *dashpot; /* m/s and N s/m, dim values a local node */
   PetscReal           *viscosity;      /* MPM_VISCOSITIES values a point; NULL: none */
   const MpmMassMatrix *mass_matrix; /* where the mass is consistent dashpots of planes are spread as it is; or NULL */

@@ -148,6 +148,7 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(MpmDampingReset(disc->damping));
   PetscCall(PetscFree(disc->damping));
   PetscCall(PetscFree(disc->trial));
+  PetscCall(PetscFree3(disc->sum->still.pressure, disc->sum->still.bent, disc->sum->still.gravity));
   PetscCall(PetscFree(disc->sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

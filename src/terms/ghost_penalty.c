@@ -589,16 +589,21 @@ static PetscInt Components(const MpmSum *sum)
 /* Does the face's matrix reach into dry ground? The slope of the pressure jumps where that begins. */
 static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
 {
-  const MpmDryGround *dry = &sum->dry;
-  const PetscInt      a   = dry->axis;
-  PetscInt            at[MPM_MAX_DIM];
-  PetscReal           top;
+  const MpmGroup *box   = &sum->space->groups[sum->space->face_begin + (PetscInt)(face - sum->space->faces)];
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
-  if (!dry->any) return PETSC_FALSE;
-  MpmSpaceAt(sum->space, face->first, at);
-  if (dry->up > 0) at[a] += face->degree + (a == face->axis ? 1 : 0);
-  top = (PetscReal)dry->up * (sum->grid->lower[a] + sum->grid->h[a] * (PetscReal)at[a]);
-  return (PetscBool)(top > dry->from + MPM_TOLERANCE * sum->grid->h[a]);
+  for (PetscInt i = 0; sum->still.bent && i < box->node_count; i++)
+    if (nodes[i] >= 0 && sum->still.bent[nodes[i]]) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+#define LONG 1e20 /* in which all that is stored flows off */
+
+/* What the penalty on the water's pressure stands for: flow and storage, or flow alone. */
+static PetscReal Flow(const MpmSum *sum, const MpmPhysicsMaterial *of, const PetscReal parameter[], PetscReal h)
+{
+  return sum->drained ? sum->layout->ghost(of, parameter, LONG * sum->dt, h) / LONG
+                      : sum->layout->ghost(of, parameter, sum->dt, h);
 }
 
 /* What a face's matrix is multiplied by, for one of them. */
@@ -612,7 +617,7 @@ static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
     const MpmMaterial       *material = &sum->materials[face->material[k]];
     const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
 
-    factor[k] = sum->layout->ghost(&of, material->physics_parameter, sum->dt, sum->grid->h[face->axis]);
+    factor[k] = Flow(sum, &of, material->physics_parameter, sum->grid->h[face->axis]);
   }
   /* where permeability jumps so does the gradient: the lesser one */
   return face->gamma * (PetscAbsReal(factor[0]) < PetscAbsReal(factor[1]) ? factor[0] : factor[1]);

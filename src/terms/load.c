@@ -52,7 +52,7 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
   char                     prefix[256], field[256];
   MpmOptions               block    = {options->comm, prefix, options->record};
   static const char *const places[] = {"point", "face", NULL};
-  PetscInt                 place    = 0;
+  PetscInt                 place    = 1;
   PetscInt                 type     = 0;
 
   PetscFunctionBeginUser;
@@ -75,11 +75,11 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
   if (load->type == MPM_LOAD_TRACTION || MpmOptionsHelp()) {
     MpmCheckInput(load->where.region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
     PetscCall(ReadFace(&block, grid, load));
-    PetscCall(
-      MpmOptionsWord(&block, "place",
-                     "where a traction acts with shapes without a domain: point, at the points' own places; face, at "
-                     "the centres of their faces, as it does with the others",
-                     places, MPM_OPTIONAL, &place, NULL));
+    PetscCall(MpmOptionsWord(
+      &block, "place",
+      "where a traction acts with shapes without a domain: face (the default), at the centres of the points' "
+      "faces, as it does with the others; point, at the points' own places",
+      places, MPM_OPTIONAL, &place, NULL));
     load->at_face = (PetscBool)(place == 1);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

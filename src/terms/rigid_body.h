@@ -167,10 +167,9 @@ PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscB
 PetscErrorCode MpmRigidDescribeDrift(const MpmContacts *contacts, PetscInt b, size_t length, char text[]);
 /*
   The same for bodies far from balance at the local unknowns u, the material staying as it is there; in the owned x their
-  unknowns are changed. Where `last`, the owned unknowns before, is not NULL they go a part of a cell at most from there.
-  Collective.
+  unknowns are changed. With `follows` they go a part of a cell at most from `last`, the owned unknowns before. Collective.
 */
-PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                              const PetscScalar last[], PetscScalar x[]);
 /*
   After Newton's method failed at the local unknowns u: a free body that contact lets go on in one component of its motion, or -1; `held`: it

@@ -323,7 +323,7 @@ static PetscReal Push(const MpmRigidBody *body)
   return PetscMax(Norm(3, body->load), Norm(3, body->moment) / body->freedom->size);
 }
 
-PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                              const PetscScalar last[], PetscScalar x[])
 {
   const PetscInt bs = sum->block, owner = sum->grid->size - 1;
@@ -337,14 +337,14 @@ PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, con
 
     if (!body->freedom || body->dt > 0.) continue;
     Take(body, bs, u, values);
-    if (last && sum->grid->rank == owner) Take(body, bs, last, step);
-    for (PetscInt k = 0; last && k < MOST; k++) step[k] = values[k] - step[k];
+    if (follows && sum->grid->rank == owner) Take(body, bs, last, step);
+    for (PetscInt k = 0; follows && k < MOST; k++) step[k] = values[k] - step[k];
     PetscCallMPI(MPI_Bcast(step, MOST, MPIU_REAL, owner, sum->grid->comm));
     far = Norm(MOST, step) / contacts->cell;
     for (PetscInt k = 0; k < MOST && far > TRUSTED; k++) values[k] -= (1. - TRUSTED / far) * step[k];
     ListComponents(body, body->spins, &balance);
     PetscCall(Evaluate(contacts, b, values, &balance));
-    if (last ? Norm(MOST * MOST, balance.H) == 0. : Norm(balance.n, balance.g) > IMBALANCE * Push(body))
+    if (follows ? Norm(MOST * MOST, balance.H) == 0. : Norm(balance.n, balance.g) > IMBALANCE * Push(body))
       PetscCall(Rest(contacts, b, &balance, SETTLED, values, &moved));
     if (sum->grid->rank < owner) continue;
     for (PetscInt a = 0; a < body->dim; a++) x[body->node * bs + a] = values[a];

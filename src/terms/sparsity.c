@@ -299,14 +299,14 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
 {
   MpmLists           sent = {0};
   PetscInt           leaves, size = 0, fill = 0, **unused;
-  const PetscInt    *leaf;
+  const PetscInt     ghost = space->owned; /* the first leaf: PETSc keeps no list of leaves that begin at 0 */
   const PetscSFNode *remote;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscSFGetGraph(space->sf, NULL, &leaves, &leaf, &remote));
+  PetscCall(PetscSFGetGraph(space->sf, NULL, &leaves, NULL, &remote));
   PetscCall(PetscMalloc1(leaves, &sent.rank));
   PetscCall(PetscMalloc1((leaves + 1), &sent.offset));
-  for (PetscInt k = 0; k < leaves; k++) size += pattern->window + 2 + FarCount(pattern, leaf[k]);
+  for (PetscInt k = 0; k < leaves; k++) size += pattern->window + 2 + FarCount(pattern, ghost + k);
   PetscCall(PetscMalloc1(size, &sent.data));
   PetscCall(PetscMalloc1(LongestRow(pattern), &unused));
   /* ghosts of one owner stand side by side */
@@ -316,7 +316,7 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
       sent.rank[sent.count++] = (PetscMPIInt)remote[k].rank;
     }
     sent.data[fill]     = remote[k].index;
-    sent.data[fill + 1] = RowColumns(pattern, space, found, leaf[k], &sent.data[fill + 2], unused);
+    sent.data[fill + 1] = RowColumns(pattern, space, found, ghost + k, &sent.data[fill + 2], unused);
     fill += 2 + sent.data[fill + 1];
   }
   sent.offset[sent.count] = fill;

@@ -13,6 +13,7 @@
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
+#include "bc/bc.h"
 #include "terms/body_surface.h"
 #include "terms/contact.h"
 #include "terms/load.h"
@@ -140,6 +141,66 @@ static PetscReal PartInRegion(const MpmBodySurface *surface, PetscInt dim, const
   return (PetscReal)inside / (PetscReal)(SAMPLES * across);
 }
 
+PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim)
+{
+  return (PetscBool)(surface->boundary < 0 && surface->faces == (1 << (2 * dim)) - 1);
+}
+
+#define SKEW 0.5 /* of a face's area along the axis: more across it is another face */
+#define NEAR 0.5 /* of a point's distance: a face so near a plane of nodes lies on it */
+
+/*
+  The first condition that acts and holds the material along the normal of a face of point p, 2 axis + side, at its middle, -1: none.
+  Such a face of a surface on all sides lies on a plane of symmetry and is left out.
+*/
+static PetscInt FaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, const MpmPoints *points, PetscInt p,
+                         PetscInt face)
+{
+  const PetscInt dim = grid->dim;
+  PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.}, at[MPM_MAX_DIM], start[MPM_MAX_DIM];
+  PetscReal      plane, across                       = 0.;
+  PetscInt       axis = 0;
+
+  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+  for (PetscInt a = 1; a < dim; a++)
+    if (PetscAbsReal(area[a]) > PetscAbsReal(area[axis])) axis = a;
+  for (PetscInt a = 0; a < dim; a++) {
+    at[a] = points->x[p * dim + a] + arm[a];
+    if (a != axis) across = PetscMax(across, PetscAbsReal(area[a]));
+  }
+  if (across > SKEW * PetscAbsReal(area[axis])) return -1;
+  plane = grid->lower[axis] + grid->h[axis] * round((at[axis] - grid->lower[axis]) / grid->h[axis]);
+  if (PetscAbsReal(at[axis] - plane) <= NEAR * PetscAbsReal(arm[axis])) at[axis] = plane;
+  MpmGridAtStart(grid, at, start);
+  for (PetscInt b = 0; b < faces->bcs->count; b++)
+    if (faces->bcs_acting[b].active && MpmConditionFixes(&faces->bcs->at[b], axis) &&
+        MpmRegionContains(faces->bcs->at[b].region, start))
+      return b;
+  return -1;
+}
+
+PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, MpmParticles *particles,
+                                       PetscInt surface, PetscInt held[])
+{
+  const PetscInt dim = grid->dim;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(held, faces->bcs->count));
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  for (PetscInt k = 0; k < 2 * dim * points.count; k++) {
+    const PetscInt p = k / (2 * dim), face = k % (2 * dim);
+    PetscInt       b;
+
+    if (!Has(faces, surface, points.id[p]) || !(points.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+    b = FaceHeld(faces, grid, &points, p, face);
+    if (b >= 0) held[b] = 1;
+  }
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, held, (PetscMPIInt)faces->bcs->count, MPIU_INT, MPI_MAX, grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The faces of point p among the bits `outer`; `used`: weights that there are. */
 static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules, const MpmPoints *points,
                                    const MpmSpace *space, const MpmFacet *start, PetscInt outer, PetscInt *used)
@@ -161,6 +222,9 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
     if (!Touches(faces, surface, points, p, facet.place, area)) continue;
+    if (faces->bcs && MpmBodySurfaceIsAll(&faces->surfaces->at[surface], dim) &&
+        FaceHeld(faces, rules->grid, points, p, face) >= 0)
+      continue;
     if (faces->surfaces->at[surface].held) held |= bit;
     PetscCall(Reserve(faces, *used + nodes));
     FaceWeights(rules, space, points, &facet, &faces->weight[*used]);

@@ -194,7 +194,7 @@ static PetscBool IsHeld(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
   return (PetscBool)(faces->surfaces->at[face->surface].held && !faces->still);
 }
 
-/* The pressure of the open water above a drained face. */
+/* The pressure of the open water that presses on a drained face. */
 static PetscReal OpenWater(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, PetscReal time)
 {
   const MpmWaterTable *table = faces->table;
@@ -203,15 +203,16 @@ static PetscReal OpenWater(const MpmSurfaceFaces *faces, const MpmSurfaceFace *f
   return faces->open * table->weight * PetscMax(MpmWaterTableDepth(table, time, face->place), 0.);
 }
 
-/* That of the water at rest under a drained face above the level, where ground below the face is not dry yet. */
-static PetscReal Suction(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, PetscReal time)
+/* That of water at rest at a drained face, by its weights; without a level 0. */
+static PetscReal AtRest(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum)
 {
-  const MpmWaterTable *table = faces->table;
-  const MpmDryGround  *dry   = &sum->dry;
+  const MpmGroup *group    = &sum->space->groups[face->group];
+  PetscReal       pressure = 0.;
 
-  if (!dry->any || !faces->surfaces->at[face->surface].drained) return 0.;
-  if ((PetscReal)dry->up * face->place[dry->axis] > dry->from + MPM_TOLERANCE * sum->cell[dry->axis]) return 0.;
-  return faces->open * table->weight * PetscMin(MpmWaterTableDepth(table, time, face->place), 0.);
+  if (!sum->still.pressure || !faces->surfaces->at[face->surface].drained) return 0.;
+  for (PetscInt i = 0; i < group->node_count; i++)
+    pressure += faces->weight[face->weight + i] * sum->still.pressure[sum->space->group_nodes[group->node_offset + i]];
+  return faces->open * pressure;
 }
 
 static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
@@ -221,8 +222,8 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   PetscFunctionBeginUser;
   if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
   for (PetscInt k = 0; k < faces->face_count; k++) {
-    faces->face[k].water   = OpenWater(faces, &faces->face[k], step->rules->time);
-    faces->face[k].suction = Suction(faces, &faces->face[k], step->sum, step->rules->time);
+    faces->face[k].water = OpenWater(faces, &faces->face[k], step->rules->time);
+    faces->face[k].rest  = AtRest(faces, &faces->face[k], step->sum);
     if (IsHeld(faces, &faces->face[k])) PetscCall(PrepareFace(faces, step->sum, &faces->face[k]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -244,7 +245,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
-    flow.excess -= faces->pressure[face->surface] + face->water + face->suction;
+    flow.excess -= faces->pressure[face->surface] + face->rest;
     if (Outflow(faces, face, sum, &flow)) AddFlow(faces, face, sum, &flow, residual);
     else (*failed)++;
   }
@@ -369,7 +370,7 @@ static PetscErrorCode FindOutflow(MpmSurfaceFaces *faces, const MpmSum *sum, con
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
-    flow.excess -= faces->pressure[face->surface] + face->water + face->suction;
+    flow.excess -= faces->pressure[face->surface] + face->rest;
     if (Outflow(faces, face, sum, &flow)) faces->outflow[face->surface] += flow.outflow;
   }
   PetscCall(PetscFree(flow.work.storage));

@@ -26,7 +26,8 @@ PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBo
   action->force   = action->dvalues + n * bs;
   MpmBasisPlace(sum->space, n, action->force + n * bs, &action->basis);
   if (stored)
-    PetscCall(PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout)), &action->tangent));
+    PetscCall(
+      PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout) + 1), &action->tangent));
   PetscCall(MpmCellWorkCreate(sum, &action->cell));
   PetscCall(PetscMalloc1(sum->space->cell_count, &action->mean_flux));
   PetscFunctionReturn(PETSC_SUCCESS);

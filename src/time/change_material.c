@@ -60,7 +60,8 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
   if (model->scene.stretch(F, U)) return 2;
   J = MpmDeterminant(dim, F);
   CarryState(old, initial->material, dim, size ? &points->state[p * size] : NULL, state_n);
-  answer = MpmInitialFind(initial, state_n, &points->stress[p * model->state.particles->stress_size], F, state);
+  answer = MpmInitialFind(initial, state_n, &points->stress[p * model->state.particles->stress_size], F, state,
+                          points->across ? &points->across[p] : NULL);
   if (answer == 2) return 2;
   for (PetscInt k = 0; k < initial->material->state_size; k++) points->state[p * size + k] = state[k];
   for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] *= U[a];

@@ -127,8 +127,8 @@ PetscErrorCode MpmDynamicsResize(MpmModel model)
   dynamics = model->state.scheme.dynamics;
   PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
   dynamics->local = model->disc.inertia->local;
-  count           = dynamics->local * model->disc.dim;
-  if (dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  count           = dynamics->local * model->disc.dim + 1;
+  if (dynamics->loads && dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(dynamics));
   PetscCall(PetscMalloc7(count, &dynamics->v_old, count, &dynamics->v_start, count, &dynamics->a_start, count,
                          &dynamics->a_rest, count, &dynamics->v_rest, count, &dynamics->v_new, count,
@@ -160,7 +160,7 @@ static void SetConstrained(MpmModel model, const PetscReal values[], PetscReal f
 
   MpmFramesToUnknowns(constraints, dim, local, array);
   for (PetscInt k = 0; k < local * dim; k++)
-    if (!MpmConstraintsFree(constraints, k)) array[k] = values[k] + factor * constraints->value[k];
+    if (!MpmConstraintsCounts(constraints, k)) array[k] = values[k] + factor * constraints->value[k];
   MpmFramesToAxes(constraints, dim, local, array);
 }
 
@@ -171,7 +171,7 @@ static PetscErrorCode StartConstrained(MpmModel model)
   PetscReal   *values;
 
   PetscFunctionBeginUser;
-  if (!model->disc.constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((dynamics->local * model->disc.dim), &values));
   PetscCall(MpmStepPrescribedRate(model, model->state.time, 1, values));
   SetConstrained(model, values, 0., dynamics->v_start);
@@ -188,7 +188,7 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
   PetscReal   *values;
 
   PetscFunctionBeginUser;
-  if (!model->disc.constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((dynamics->local * model->disc.dim), &values));
   PetscCall(MpmStepPrescribedRate(model, time, 1, values));
   SetConstrained(model, values, -dynamics->v_factor, dynamics->v_rest);
@@ -303,6 +303,20 @@ static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, const char **w
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Lumped masses of the unknowns, those of the nodes that follow them included: what gathered forces have to move. */
+static PetscErrorCode GatherMass(MpmModel model, PetscReal mass[])
+{
+  const MpmSpace *space = model->disc.space;
+  const PetscInt  dim = model->disc.dim, owned = space->owned * dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < space->local * dim; k++) mass[k] = k < owned ? model->disc.inertia->mass[k / dim] : 0.;
+  MpmConstraintsGather(model->disc.constraints, space, mass);
+  PetscCall(MpmSpaceAddToOwners(space, dim, mass));
+  PetscCall(MpmSpaceToGhosts(space, dim, mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   A stage's first acceleration is that of the forces as they are when it begins; it goes to the nodes by way of the points, for
   those that have hardly any mass.
@@ -312,6 +326,7 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   const MpmTransfer only     = {.type = MPM_TRANSFER_FLIP};
   MpmDynamics      *dynamics = model->state.scheme.dynamics;
   const PetscInt    dim = model->disc.dim, count = dynamics->local * dim;
+  PetscReal        *mass = dynamics->v_new;
   PetscInt          failed;
 
   PetscFunctionBeginUser;
@@ -322,13 +337,14 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   if (failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.residual));
   MpmFramesToUnknowns(model->disc.constraints, dim, dynamics->local, model->disc.residual);
+  PetscCall(GatherMass(model, mass));
   for (PetscInt k = 0; k < count; k++) {
-    const PetscReal mass = model->disc.inertia->mass[k / dim];
     const PetscBool free = MpmConstraintsFree(model->disc.constraints, k);
 
-    dynamics->a_new[k] = free && mass > 0. ? -model->disc.residual[k] / mass : 0.;
+    dynamics->a_new[k] = free && mass[k] > 0. ? -model->disc.residual[k] / mass[k] : 0.;
   }
   MpmFramesToAxes(model->disc.constraints, dim, dynamics->local, dynamics->a_new);
+  MpmConstraintsExtend(model->disc.constraints, model->disc.space, dynamics->a_new);
   MpmRigidFromNodes(model->disc.contacts, NULL, dynamics->a_new);
   PetscCall(
     MpmMotionToPoints(model->disc.sum, &only,

@@ -48,10 +48,14 @@ MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const Mpm
 
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &model->scene.materials->at[points->material[p]];
+    const PetscReal   *F        = &points->F[p * dim * dim];
+    PetscReal          stress[6];
 
-    sum +=
-      points->volume0[p] * MpmStoredEnergy(material, MpmPointOwn(points, material, p), dim, &points->stress[p * sym],
-                                           points->state ? &points->state[p * size] : NULL, &points->F[p * dim * dim]);
+    for (PetscInt c = 0; c < sym; c++) stress[c] = points->stress[p * sym + c];
+    if (points->across) /* does no work, and is none of the law's */
+      stress[2] -= points->across[p] / (material->info.traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F));
+    sum += points->volume0[p] * MpmStoredEnergy(material, MpmPointOwn(points, material, p), dim, stress,
+                                                points->state ? &points->state[p * size] : NULL, F);
   }
   return sum;
 }

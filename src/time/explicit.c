@@ -277,7 +277,7 @@ static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velo
   PetscReal *rate;
 
   PetscFunctionBeginUser;
-  if (!constraints->any) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((local * dim), &rate));
   PetscCall(MpmStepPrescribedRate(model, time, 1, rate));
   MpmFramesToUnknowns(constraints, dim, local, velocity);
@@ -425,6 +425,26 @@ static PetscReal LeastMass(const MpmModel model, PetscReal part)
   return least;
 }
 
+static PetscBool IsLinear(const MpmModel model)
+{
+  return (PetscBool)(!MpmShapeHasDomain(model->scene.shape) && MpmShapeDegree(model->scene.shape) < 2);
+}
+
+/*
+  Light nodes whose gradients do not fall with their mass: all of linear functions; of other shapes those of points on an edge of the grid.
+  Such a node, of mass m, that one point touches vibrates with (c/h) sqrt(rho h^dim/m), faster than steps may follow, where the point takes
+  its gradient as it is: in the affine velocity, and in the stress of usl. The point's momentum has what it was given.
+*/
+static PetscBool HasLightNodes(const MpmModel model)
+{
+  const PetscReal *mass = model->disc.inertia->mass, least = LeastMass(model, LIGHT_AFFINE);
+
+  if (IsLinear(model)) return PETSC_TRUE;
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    if (mass[i] < least && mass[i] > 0.) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* What they see of a step's displacement, dt times the velocities, or with dt = 1 of these. */
 static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscReal u[])
 {
@@ -438,6 +458,16 @@ static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscRe
 
     if (part < 1. && MpmConstraintsFree(constraints, k)) u[k] = part * u[k] + (1. - part) * dt * v_old[k];
   }
+}
+
+/* What gradients see of it: what a node gains or loses beside the fall of all, after a kick. */
+static void QuietenGradients(const MpmModel model, PetscReal kick, PetscReal dt, PetscReal u[])
+{
+  const PetscInt dim = model->disc.dim, count = model->disc.space->local * dim;
+
+  for (PetscInt k = 0; k < count; k++) u[k] -= dt * kick * model->disc.sum->gravity[k % dim];
+  Quieten(model, LIGHT_AFFINE, dt, u);
+  for (PetscInt k = 0; k < count; k++) u[k] += dt * kick * model->disc.sum->gravity[k % dim];
 }
 
 /* How stiff contact may be, by the masses that it sees. */
@@ -553,7 +583,7 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.inertia->mass;
   const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
-  MpmMotionStep    step = {dynamics->v_old, dynamics->v_new, NULL, dynamics->moves, again, NULL};
+  MpmMotionStep step = {.v_old = dynamics->v_old, .v_new = dynamics->v_new, .moves = dynamics->moves, .again = again};
 
   PetscFunctionBeginUser;
   if (model->disc.points->acceleration) {
@@ -561,15 +591,12 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
     step.a_new = dynamics->a_new;
   }
   if (again) PetscCall(PetscArrayzero(again, count));
-  if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && !MpmShapeHasDomain(model->scene.shape) &&
-      MpmShapeDegree(model->scene.shape) < 2) {
-    /*
-      Gradients: a node of mass m that one point touches gets them back, and vibrates with (c/h) sqrt(rho h^dim/m), faster than
-      steps may follow. The point's momentum has what it was given.
-    */
+  if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && MpmShapeDegree(model->scene.shape) < 2 &&
+      HasLightNodes(model)) {
     PetscCall(PetscArraycpy(dynamics->a_rest, dynamics->v_new, count));
-    Quieten(model, LIGHT_AFFINE, 1., dynamics->a_rest);
+    QuietenGradients(model, kick, 1., dynamics->a_rest);
     step.affine = dynamics->a_rest;
+    step.thin   = MpmShapeHasDomain(model->scene.shape);
   }
   PetscCall(MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, &step));
   if (!again) PetscFunctionReturn(PETSC_SUCCESS);
@@ -587,6 +614,7 @@ static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, const
   PetscFunctionBeginUser;
   if (MpmModelMotion(model)->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, again ? again : model->state.scheme.dynamics->v_new, model->disc.trial->u);
+  if (!again && IsLinear(model)) QuietenGradients(model, KickLength(model), model->disc.sum->dt, model->disc.trial->u);
   PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

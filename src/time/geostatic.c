@@ -247,9 +247,9 @@ static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt so
 
 PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
 {
-  PetscInt        solved;
-  MpmPoints       points;
-  MpmRest         rest;
+  PetscInt  solved;
+  MpmPoints points;
+  MpmRest   rest;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMovingGridFollow(model, why));

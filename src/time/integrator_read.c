@@ -310,13 +310,19 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
     stage->time.motion.transfer.degree = stage->relaxation.motion.transfer.degree = MpmShapeDegree(model->scene.shape);
   }
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    const char *name = model->scene.bodies->names[b], *file;
     const char *given;
+    PetscBool   run;
 
-    PetscCall(MpmBodyReadVelocity(options, model->scene.bodies->names[b], model->scene.shape,
-                                  model->scene.bodies->at[b], &given));
-    MpmCheckInput(!given || AnyMoves(model) || MpmOptionsHelp(),
-                  "-mpm_body_%s_%s: no stage has inertia; -mpm_time_integrator names one",
-                  model->scene.bodies->names[b], given);
+    PetscCall(MpmBodyReadVelocity(options, name, model->scene.shape, model->scene.bodies->at[b], &given, &file, &run));
+    if (AnyMoves(model) || MpmOptionsHelp()) continue;
+    MpmCheckInput(!given, "-mpm_body_%s_%s: no stage has inertia; -mpm_time_integrator names one", name, given);
+    MpmCheckInput(!file || run,
+                  "-mpm_body_%s_file %s: has velocities, and no stage has inertia; -mpm_time_integrator names one",
+                  name, file);
+    if (file)
+      PetscCall(
+        MpmMonitorLine(&model->monitor, "body %s: velocities of %s are not used, no stage has inertia", name, file));
   }
   model->disc.inertia->dynamic = dynamic;
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;

@@ -65,7 +65,8 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *r
 {
   const PetscInt dim = model->disc.dim, size = model->state.particles->state_size, own = initial->material->state_size;
   PetscReal      state[MPM_INITIAL_STATE], U[MPM_MAX_DIM], *F                          = &points->F[p * dim * dim];
-  const int      answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state);
+  const int      answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state,
+                                    points->across ? &points->across[p] : NULL);
 
   if (answer == 2 || model->scene.stretch(F, U)) return 2;
   for (PetscInt k = 0; k < own; k++) points->state[p * size + k] = state[k];
@@ -453,13 +454,12 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
   const PetscInt size = model->state.particles->stress_size;
   PetscInt64     without;
   PetscReal     *stress, *ratio;
-  MpmPoints      points;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2((rest->n * size), &stress, rest->n, &ratio));
   PetscCall(FindK0(model, rest, stress, ratio));
   PetscCall(CorrectSmallStrain(model, rest, stress));
-  PetscCall(PetscMalloc1((rest->n * size), &rest->start));
+  PetscCall(PetscMalloc1((rest->n * size + 1), &rest->start));
   PetscCall(PetscArraycpy(rest->start, stress, rest->n * size));
   if (rest->largest > 0.) PetscCall(BalanceK0(model, rest, ratio, stress));
   PetscCall(SetStresses(model, rest, stress, &without));
@@ -467,10 +467,5 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
                 model->scene.stages[model->state.stage].name, without);
   PetscCall(PetscFree2(stress, ratio));
   PetscCall(MpmRestKeepMass(model, rest));
-  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < rest->n; p++) { /* a law without history has its own stress across the plane */
-    if (size == 4 && !rest->stateful[points.material[p]]) rest->start[4 * p + 2] = points.stress[4 * p + 2];
-  }
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/space.h"
+#include "space/sum.h"
 #include "bc/body_motion.h"
 #include "terms/body_surface.h"
 #include "terms/inertia.h"

@@ -89,6 +89,8 @@ typedef struct MpmStage {
   PetscBool     *removed, *adds;                   /* by the model's bodies */
   PetscInt      *material;                         /* by the model's bodies: of its points from here on, or -1 */
   PetscBool      reset;                            /* displacements start at zero again */
+  PetscBool      drained;                          /* the water's pressure is that of a steady flow */
+  PetscReal      consolidation;                    /* degree at which the stage ends; 0: none */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
   MpmRelaxation  relaxation;
@@ -130,12 +132,12 @@ typedef struct {
   PetscBool        fbar, fbar_auto;
   PetscBool        fbar_plain; /* F-bar averages dilation by shear, too */
   const char      *fbar_why;   /* what `auto` went by, or NULL */
-  PetscReal        filled;     /* share of the fullest piece beside it that makes a piece well filled; 0: no node follows others */
-  PetscBool        ghost_auto; /* a ghost penalty where points are sparse */
-  PetscReal        interior;   /* factor of the ghost penalty on all faces, but in geostatic stages; 0: none */
-  PetscReal        smooth;     /* share of means over pieces in the strain of a solid */
-  PetscReal        divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
-  PetscBool        divide_auto;
-  PetscInt         stage_count;
-  MpmStage        *stages;
+  PetscReal filled; /* share of the fullest piece beside it that makes a piece well filled; 0: no node follows others */
+  PetscBool ghost_auto; /* a ghost penalty where points are sparse */
+  PetscReal interior;   /* factor of the ghost penalty on all faces, but in geostatic stages; 0: none */
+  PetscReal smooth;     /* share of means over pieces in the strain of a solid */
+  PetscReal divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
+  PetscBool divide_auto;
+  PetscInt  stage_count;
+  MpmStage *stages;
 } MpmScene;

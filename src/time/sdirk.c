@@ -78,7 +78,7 @@ static PetscErrorCode KeepFirst(MpmModel model)
   PetscCall(MpmStepFindReactions(model));
   PetscCall(PetscFree4(sdirk->F, sdirk->value, sdirk->deviation, sdirk->stage));
   PetscCall(PetscMalloc4((count * size), &sdirk->F, (count * layout->rates), &sdirk->value,
-                         (count * layout->deviations), &sdirk->deviation, count, &sdirk->stage));
+                         (count * layout->deviations), &sdirk->deviation, (count + 1), &sdirk->stage));
   PetscCall(PetscFree(sdirk->reaction));
   PetscCall(PetscMalloc1(ReactionCount(model), &sdirk->reaction));
   PetscCall(PetscArraycpy(sdirk->F, model->disc.trial->F, count * size));

@@ -316,6 +316,35 @@ static PetscErrorCode RefuseRescue(const MpmOptions *options, const char *time_p
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Water that leaves at once, or until it has left. */
+static PetscErrorCode ReadDrainage(MpmModel model, const MpmOptions *options, MpmStage *stage)
+{
+  char             prefix[256], until[256];
+  const MpmOptions block = {options->comm, prefix, options->record}, end = {options->comm, until, options->record};
+  const PetscBool  water = (PetscBool)(MpmPressureComponent(model->disc.layout) >= 0);
+  PetscBool        given, wanted;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
+  PetscCall(PetscSNPrintf(until, sizeof(until), "mpm_stage_%s_until_", stage->name));
+  PetscCall(MpmOptionsBool(&block, "drained",
+                           "water leaves and enters at once: its pressure is that of the steady flow, without excess",
+                           &stage->drained, &given));
+  PetscCall(
+    MpmOptionsReal(&end, "consolidation", "-",
+                   "degree of consolidation at which the stage ends: the part of the largest mean excess pressure "
+                   "that has gone",
+                   ((MpmRange){0., 1., PETSC_TRUE}), MPM_OPTIONAL, &stage->consolidation, &wanted));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(water || !given, "-%sdrained: there is no water in the scene's physics", prefix);
+  MpmCheckInput(water || !wanted, "-%sconsolidation: there is no water in the scene's physics", until);
+  MpmCheckInput(!wanted || stage->geostatic.method == MPM_GEOSTATIC_NONE,
+                "-%sconsolidation: a geostatic stage has no excess pressure", until);
+  MpmCheckInput(!wanted || !stage->drained, "-%sconsolidation: the stage is drained and has no excess pressure", until);
+  if (stage->drained || wanted) model->solver.symmetric = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const MpmTimeControl *scene, MpmStage *stage)
 {
   static const char *const types[] = {"load", "geostatic", "relaxation", NULL};
@@ -350,6 +379,7 @@ static PetscErrorCode ReadStage(MpmModel model, const MpmOptions *options, const
   PetscCall(ReadMaterials(model, &block, stage));
   PetscCall(ReadReduction(model, &block, stage));
   PetscCall(MpmOptionsBool(&block, "reset_displacement", "displacements start at zero again", &stage->reset, NULL));
+  PetscCall(ReadDrainage(model, options, stage));
   PetscCall(CheckGeostatic(model, stage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

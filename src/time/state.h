@@ -47,9 +47,9 @@ typedef struct {
 
 /* What is left to try where steps fail again and again. */
 typedef struct {
-  PetscBool dilation;   /* F-bar leaves dilation to the points: it may average that, too */
-  PetscInt  averaged;   /* steps that did so alone */
-  PetscBool smooth;     /* strains are smoothed while a factor of safety is sought: they may be the points' own */
+  PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
+  PetscInt  averaged; /* steps that did so alone */
+  PetscBool smooth;   /* strains are smoothed while a factor of safety is sought: they may be the points' own */
 } MpmRescue;
 
 typedef struct {
@@ -68,6 +68,13 @@ typedef struct {
   PetscReal mark[2];    /* kinetic and elastic energy before what is no step */
 } MpmEnergy;
 
+/* Water in the stage under way (consolidation.c, water_state.c). */
+typedef struct {
+  PetscReal most;   /* largest mean size of the excess pressure so far, Pa; -1: unknown */
+  PetscReal degree; /* of consolidation at the last step's end */
+  PetscInt  boiled; /* stages up to the last with a line on pressures below -100 kPa */
+} MpmWaterRun;
+
 /* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
@@ -82,9 +89,10 @@ typedef struct {
   PetscBool water_held;          /* the pressure of the water is not solved for: geostatic stages */
   MpmEnergy energy;
   MpmRescuing rescuing;
-  PetscReal   order;      /* the power of a step's length that the estimate goes with */
-  PetscReal   trial;      /* what `largest` will be, should the step be accepted */
-  PetscReal   largest;    /* what errors are relative to: the largest change since the stage's start */
+  PetscReal   order;   /* the power of a step's length that the estimate goes with */
+  PetscReal   trial;   /* what `largest` will be, should the step be accepted */
+  PetscReal   largest; /* what errors are relative to: the largest change since the stage's start */
+  MpmWaterRun water;
   PetscReal   load_scale; /* what a geostatic stage applies of its loads; otherwise 1 */
 } MpmScheme;
 

@@ -19,6 +19,8 @@ PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   over the step.
 */
 PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[]);
+/* True where this rank has prescribed unknowns, and on all ranks where any of those moves: then the next function is collective. */
+PetscBool MpmStepPrescribes(const MpmModel model);
 /* What prescribed unknowns have at a time: of the first or second derivative by time, at the local unknowns, 0 at others. */
 PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[]);
 /* Conditions and motions as a step to `time` takes them. */

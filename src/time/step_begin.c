@@ -6,6 +6,7 @@
 #include "particles/particles.h"
 #include "space/rules.h"
 #include "space/space.h"
+#include "space/sum.h"
 #include "bc/body_motion.h"
 #include "terms/body_contact.h"
 #include "terms/body_surface.h"
@@ -103,8 +104,8 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   const PetscInt count = model->disc.space->point_count;
 
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
-  PetscCall(PetscMalloc3((model->disc.space->local * bs), &model->disc.u, (model->disc.space->local * bs),
-                         &model->disc.residual, (model->disc.space->local * bs), &model->disc.force));
+  PetscCall(PetscMalloc3((model->disc.space->local * bs + 1), &model->disc.u, (model->disc.space->local * bs + 1),
+                         &model->disc.residual, (model->disc.space->local * bs + 1), &model->disc.force));
   PetscCall(MpmTrialReset(trial));
   PetscCall(PetscMalloc5((count * dim * dim), &trial->F, (count * particles->stress_size), &trial->stress,
                          (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
@@ -160,6 +161,11 @@ static PetscBool AnyMoves(const MpmModel model)
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     if (model->state.bcs[b].active && MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim)) return PETSC_TRUE;
   return (PetscBool)(model->scene.motions->count > 0);
+}
+
+PetscBool MpmStepPrescribes(const MpmModel model)
+{
+  return (PetscBool)(model->disc.constraints->any || AnyMoves(model));
 }
 
 PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[])
@@ -237,6 +243,7 @@ PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, 
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
 {
   PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
   PetscCall(MpmModelPrescribe(model, time, why));
   if (!*why) PetscCall(FindLostMaterial(model, time, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
@@ -244,13 +251,12 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     model->disc.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
+  model->disc.sum->drained    = model->scene.stages[model->state.stage].drained;
   model->disc.surfaces->still = model->state.scheme.water_held;
   model->disc.surfaces->table = model->scene.water;
   model->disc.surfaces->open  = model->state.scheme.load_scale;
-  model->disc.sum->dry        = MpmWaterDry(model, time);
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
-  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad *load = &model->scene.loads->at[l];
 

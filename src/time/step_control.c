@@ -9,6 +9,7 @@
 #include "time/relaxation.h"
 #include "time/rescue.h"
 #include "time/time.h"
+#include "time/water_state.h"
 
 /* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
 #define STUBBORN 0.15
@@ -283,6 +284,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
     PetscCall(AdvanceRescue(model, dt, why));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(MpmConsolidationBegin(model));
   model->state.cuts = 0;
   if (MpmRescueServes(model)) MpmRelaxationForget(model);
   if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
@@ -318,6 +320,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   model->state.time = next;
   model->state.step++;
   PetscCall(MpmReductionObserve(model));
+  PetscCall(MpmConsolidationObserve(model));
   if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   if (dilation && !model->state.rescue.dilation) {

@@ -4,19 +4,31 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/sum.h"
 #include "talus/talus.h"
 
 /* Reads the level; materials, loads, grid and layout are known. */
 PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options);
-/* The pressure of the points with ids in [first, end) at the time of the state: hydrostatic, and the bodies' excess. */
+/* The pressure of the points with ids in [first, end) at the time of the state: water at rest, and the bodies' excess. Collective. */
 PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end);
-/* Where ground is dry in a step to `time`. */
-MpmDryGround MpmWaterDry(const MpmModel model, PetscReal time);
 /*
-  Pressures at nodes that a step to `time` does not solve for: in dry ground 0, and in a geostatic stage all, as the points
-  have them. The constraints are set up.
+  Pressures at nodes that a step to `time` does not solve for: those not below the level, and in a geostatic stage all, as the
+  points have them. Constraints and space are set up.
 */
 PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
+/* A line on the length of the stage that begins beside the time of consolidation (consolidation.c). Collective. */
+PetscErrorCode MpmWaterTellStage(MpmModel model);
+/* A line on the lowest pressure where water would boil, once a stage; otherwise empty. Collective. */
+#define MPM_WATER_TEXT 256
+PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT]);
+/* After a step that failed: another reason where a point's pores are as good as closed. Collective. */
+PetscErrorCode MpmWaterFindClosed(MpmModel model, const char **why);
+/*
+  The end of a stage at a degree of consolidation (consolidation.c). Begin, before a stage's first step, finds the steady pressure, which
+  points have in a field of this name; Observe follows each accepted step. Collective.
+*/
+extern const char *const MpmConsolidationField;
+PetscBool                MpmStagesConsolidate(const MpmModel model);
+PetscErrorCode           MpmConsolidationBegin(MpmModel model);
+PetscErrorCode           MpmConsolidationObserve(MpmModel model);
 /* After a step: does rising water lift ground that has no effective stress left? `why` is then a line on it. */
 PetscErrorCode MpmWaterFindHeave(MpmModel model, const char **why);

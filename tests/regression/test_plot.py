@@ -9,6 +9,7 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test, call, difference, example  # noqa: E402
+import plot as plot_module  # noqa: E402
 
 PLOT = ROOT / "scripts" / "plot.py"
 
@@ -42,6 +43,23 @@ def check_origin(test, results):
     test.check("origin.lengths", np.abs(origin.lengths - 0.25).max(), None, 1e-6)
 
 
+def check_frame(test, results, label, step="last"):
+    """The picture's frame holds all domains, with their half lengths of that step."""
+    state = results.state(step)
+    for deformed in (False, True):
+        lower, upper = plot_module.state_frame(state, results.origin(state), deformed)
+        polygons = plot_module.domain_polygons(state, results.origin(state), deformed)
+        size = np.max(np.ptp(polygons.reshape(-1, 2), axis=0))
+        inside = min(np.min(polygons - lower), np.min(upper - polygons)) / size
+        test.check(f"{label}.frame_{'deformed' if deformed else 'initial'}", inside, 0.035)
+    sides = plot_module.domain_polygons(state, results.origin(state), True)
+    one, two = sides[:, 1] - sides[:, 0], sides[:, 3] - sides[:, 0]
+    start = plot_module.domain_polygons(state, results.origin(state), False).reshape(-1, 2)
+    full = plot_module.domain_polygons(results.initial, results.origin(results.initial), False).reshape(-1, 2)
+    test.check(f"{label}.first_places", np.abs(np.ptp(start, axis=0) - np.ptp(full, axis=0)).max(), None, 1e-9)
+    test.check(f"{label}.domains", difference(state["volume"], np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])), None, 1e-9)
+
+
 with Test() as test:
     plane = test.run(example("collapse"), mpm_grid_cells="16,8", mpm_time_step=0.1, mpm_output_every=2)
     space = test.run(example("slump3d"), mpm_body_block_points_per_cell="2,2,2", mpm_time_step=0.25, mpm_output_every=2)
@@ -49,6 +67,8 @@ with Test() as test:
     check_picture(test, plane, "mises.png", "--field", "von_mises", "--step", "2")
     check_picture(test, space, "pressure.png", "--field", "pressure", "--deformed")
     check_picture(test, space, "displacement.png", "--step", "last")
+    check_frame(test, plane.results, "collapse")
+    check_frame(test, test.run(ROOT / "tests" / "verification" / "stretch.yaml").results, "divided")
     dig = test.run(ROOT / "tests" / "verification" / "dig.yaml")
     check_origin(test, dig.results)
     check_picture(test, dig, "removed.png", "--field", "stress", "--component", "yy", "--step", "2", "--deformed")
@@ -61,7 +81,12 @@ with Test() as test:
     (laboratory.folder / "measured.csv").write_text("# remark\nstrain_yy,q,p\n-0.01,250e3,\n-0.05,260e3,-187e3\n")
     check_picture(test, laboratory, "laboratory.png")
     check_picture(test, laboratory, "measured.png", "--measured", "measured.csv")
-    for name, words in (("measured", ("--measured", "none.csv")), ("columns", ("--measured", "triaxial_summary.json"))):
+    (laboratory.folder / "sheet.csv").write_text('\ufeff"STRAIN_YY";q;p\n-0,01;250e3;\n-0,05;260e3;-187e3\n;;\n', encoding="utf-8")
+    check_picture(test, laboratory, "sheet.png", "--measured", "sheet.csv")
+    pictures = [np.asarray(Image.open(laboratory.folder / name)).astype(int) for name in ("measured.png", "sheet.png")]
+    test.check("sheet.same", np.abs(pictures[0] - pictures[1]).max(), None, 0)
+    (laboratory.folder / "twice.csv").write_text("q,p,q\n1,2,3\n", encoding="utf-8")
+    for name, words in (("twice", ("--measured", "twice.csv")), ("measured", ("--measured", "none.csv")), ("columns", ("--measured", "triaxial_summary.json"))):
         process = plot(laboratory, *words)
         test.check(f"wrong_{name}", process.returncode == 2 and len(process.stderr.splitlines()) == 1, 1, 1)
     process = plot(plane, "--history", "track_top_uy", "track_toe_ux", "--output", "curves.svg")

@@ -4,46 +4,13 @@
 The table holds the change that spoils a good scene (None removes an option) and what the line must contain. Some cases
 run on 2 ranks too, where the line must still appear once.
 """
-import concurrent.futures
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import Run, Test  # noqa: E402
+from refused import GOOD, Refusals, changed, write_scene  # noqa: E402
 
-GOOD = {
-    "mpm_dim": "2",
-    "mpm_grid_lower": "0,0",
-    "mpm_grid_upper": "4,4",
-    "mpm_grid_cells": "4,4",
-    "mpm_materials": "soil",
-    "mpm_material_soil_type": "hencky",
-    "mpm_material_soil_E": "1e6",
-    "mpm_material_soil_nu": "0.3",
-    "mpm_material_soil_density": "1000",
-    "mpm_bodies": "block",
-    "mpm_body_block_region": "box",
-    "mpm_body_block_lower": "0,0",
-    "mpm_body_block_upper": "2,2",
-    "mpm_body_block_points_per_cell": "2,2",
-    "mpm_body_block_material": "soil",
-    "mpm_bcs": "base",
-    "mpm_bc_base_region": "box",
-    "mpm_bc_base_lower": "0,0",
-    "mpm_bc_base_upper": "4,0",
-    "mpm_bc_base_components": "x,y",
-    "mpm_loads": "weight,push",
-    "mpm_load_weight_type": "gravity",
-    "mpm_load_weight_value": "0,-1",
-    "mpm_load_push_type": "force",
-    "mpm_load_push_at": "2,2",
-    "mpm_load_push_nearest": "1",
-    "mpm_load_push_value": "10,0",
-    "mpm_time_step": "0.5",
-    "mpm_tracks": "top",
-    "mpm_track_top_at": "2,2",
-    "mpm_output_prefix": "bad",
-}
 COULOMB = {"mpm_material_soil_type": "mohr_coulomb", "mpm_material_soil_friction": "30",
            "mpm_material_soil_dilation": "10", "mpm_material_soil_cohesion": "1e3"}
 OGDEN = {"mpm_material_soil_type": "ogden", "mpm_material_soil_E": None, "mpm_material_soil_nu": "0.4",
@@ -557,6 +524,17 @@ CASES = [
     ("level above the grid", {**WET, "mpm_water_level": "4.5"}, "-mpm_water_level 4.5: the level, with its ramp, must be"),
     ("level that a ramp lifts out", {**WET, "mpm_water_level": "3", "mpm_water_ramp": "0:1,1:2"}, "-mpm_water_level 3"),
     ("level in slanting gravity", {**WET, "mpm_load_weight_value": "3,-10", "mpm_water_level": "3"}, "-mpm_water_level"),
+    ("level and table", {**WET, "mpm_water_level": "3", "mpm_water_table": "0,3,4,2"}, "-mpm_water_table: a level is given, too"),
+    ("table of three numbers", {**WET, "mpm_water_table": "0,3,4"}, "-mpm_water_table: 3 numbers; must be pairs"),
+    ("table that goes back", {**WET, "mpm_water_table": "0,3,4,2,4,1"}, "-mpm_water_table: place 4 follows 4"),
+    ("table above the grid", {**WET, "mpm_water_table": "0,3,4,9"}, "-mpm_water_table 9: the level, with its ramp, must be"),
+    ("drained stage of a solid", {**STAGES, "mpm_stage_one_drained": "true"}, "-mpm_stage_one_drained: there is no water"),
+    ("consolidation of a solid", {**STAGES, "mpm_stage_one_until_consolidation": "0.9"},
+     "-mpm_stage_one_until_consolidation: there is no water"),
+    ("consolidation of one", {**WET, **STAGES, "mpm_stage_one_until_consolidation": "1"},
+     "-mpm_stage_one_until_consolidation 1: must"),
+    ("consolidation of a drained stage", {**WET, **STAGES, "mpm_stage_one_until_consolidation": "0.9",
+                                          "mpm_stage_one_drained": "true"}, "-mpm_stage_one_until_consolidation: the stage is drained"),
     ("level without water", {"mpm_water_level": "3"}, "mpm_water_level"),
     ("water above that is none", {**WET, "mpm_water_level": "3", "mpm_water_above": "wet"}, "-mpm_water_above wet"),
     ("pressure in dry ground", {"mpm_body_block_initial_pressure": "1"}, "mpm_body_block_initial_pressure"),
@@ -696,78 +674,17 @@ TABLES = [
     ("table with NaN", "time,value\n0,0\n1,nan\n", "displacement", ""),
 ]
 
-SUFFIXES = {"table": "table.csv", "scene": "scene.yaml", "points": "points.csv", "surface": "surface.stl"}
-
 TWO_RANKS = {"open surface", "surface that is not there", "points with NaN", "points with a short line", "points outside the grid", "file of points without points",
              "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
              "condition between the nodes", "normal without length", "plane through the body",
              "boundary for no points", "motion of no points", "results in a folder that is not there", "broken YAML", "option twice"}
 
 
-def write_scene(folder, options):
-    path = folder / "scene.yaml"
-    path.write_text("".join(f'{name}: "{value}"\n' for name, value in options.items()), encoding="utf-8")
-    return path
-
-
-def changed(change):
-    return {name: value for name, value in {**GOOD, **change}.items() if value is not None}
-
-
-def faults(run, expected, ranks):
-    """What is wrong with the way in which a run refused its scene."""
-    lines = [line for line in run.errors.splitlines() if line.strip()]
-    told = [line for line in lines if line.startswith("talus: error:")]
-    if run.status != 2:
-        yield f"exit status {run.status}"
-    if len(told) != 1:
-        yield f"{len(told)} lines 'talus: error:'"
-    if ranks == 1 and len(lines) != len(told):  # mpiexec adds lines of its own
-        yield "more on stderr"
-    for words in expected.split(" ... "):
-        if told and words not in told[0]:
-            yield f"no {words}"
-    if "PETSC ERROR" in run.errors + run.output or "Caught signal" in run.errors:
-        yield "traceback"
-    extra = [name for name in run.files if name not in SUFFIXES.values()]
-    if extra:
-        yield "wrote " + ", ".join(extra)
-
-
-class Refusals:
-    """Runs of spoilt scenes, several at a time: most of a refused run's time goes by while MPI starts and ends."""
-
-    def __init__(self, test):
-        self.test, self.pool, self.waiting = test, concurrent.futures.ThreadPoolExecutor(4), []
-
-    def add(self, name, expected, options=None, **files):
-        """A case on one rank or, if TWO_RANKS has it, on both numbers; files by their stems, None: not there."""
-        for count in (1, 2) if name in TWO_RANKS else (1,):
-            folder = self.test.folder()
-            if options is not None:
-                write_scene(folder, changed(options))
-            for stem, text in files.items():
-                if text is not None:
-                    (folder / SUFFIXES[stem]).write_text(text, encoding="utf-8")
-            run = self.pool.submit(Run, self.test.program, folder / "scene.yaml", count, {}, folder)
-            self.waiting.append((name, expected, count, run))
-
-    def finish(self):
-        for name, expected, count, future in self.waiting:
-            run = future.result()
-            found = list(faults(run, expected, count))
-            label = name.replace(" ", "_") + ("" if count == 1 else f"_on_{count}_ranks")
-            self.test.check(label, len(found), None, 0)
-            if found:
-                print(f"    {'; '.join(found)}: {run.errors.strip()[:400]}")
-        self.pool.shutdown()
-
-
 with Test() as test:
     place = test.folder()
     good = Run(test.program, write_scene(place, GOOD), 1, {}, place)
     test.check("the_good_scene", good.status, 0, 0)
-    refusals = Refusals(test)
+    refusals = Refusals(test, TWO_RANKS)
     for case, change, contains in CASES:
         refusals.add(case, contains, change)
     for case, text, contains in FILES:

@@ -211,9 +211,37 @@ START_TEST(wide)
 }
 END_TEST
 
+/* A factorisation of MUMPS that fails, of a matrix of zeros, and an indefinite matrix of the same pattern afterwards. */
+START_TEST(singular)
+{
+  const Body     body = {.nx = 40, .ny = 8, .has = Strip};
+  Mat            A    = NULL;
+  PC             pc;
+  PCFailedReason reason;
+  PetscReal      residual;
+
+  SCENE_CALL(PCCreate(PETSC_COMM_WORLD, &pc));
+  SCENE_CALL(PCSetType(pc, "band"));
+  SCENE_CALL(PCSetErrorIfFailure(pc, PETSC_FALSE));
+  SCENE_CALL(Assemble(&body, 1.1, &A));
+  SCENE_CALL(MatZeroEntries(A));
+  SCENE_CALL(PCSetOperators(pc, A, A));
+  SCENE_CALL(PCSetUp(pc));
+  SCENE_CALL(PCGetFailedReason(pc, &reason));
+  ck_assert(reason != PC_NOERROR);
+  SCENE_CALL(Assemble(&body, 0.05, &A));
+  SCENE_CALL(Residual(pc, A, &residual));
+  ck_assert_msg(residual < 1e-10, "after a failure: residual %g", (double)residual);
+  SCENE_CALL(PCGetFailedReason(pc, &reason));
+  ck_assert(reason == PC_NOERROR);
+  SCENE_CALL(PCDestroy(&pc));
+  SCENE_CALL(MatDestroy(&A));
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {shapes, empty_ranks, wide};
+  const TTest *const tests[] = {shapes, empty_ranks, wide, singular};
 
   return UnitRun(&argc, &argv, "band", sizeof(tests) / sizeof(tests[0]), tests);
 }

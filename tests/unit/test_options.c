@@ -311,7 +311,7 @@ END_TEST
 START_TEST(has_does_not_use)
 {
   PetscBool has, used;
-  char     *text;
+  char     *text, *warning;
 
   SetUp();
   Give("-mpm_a_at", "1,2");
@@ -319,14 +319,14 @@ START_TEST(has_does_not_use)
   ck_assert_int_eq(has, PETSC_TRUE);
   UNIT_CALL(PetscOptionsUsed(NULL, "mpm_a_at", &used));
   ck_assert_int_eq(used, PETSC_FALSE);
-  UNIT_FAILS(MpmOptionsCheckUnknown(&options), MPM_ERR_INPUT, "-mpm_a_at: unknown option");
+  UNIT_FAILS(MpmOptionsCheckUnknown(&options, &warning), MPM_ERR_INPUT, "-mpm_a_at: unknown option");
   UNIT_CALL(MpmOptionsText(&options, "at", "place", NULL, MPM_OPTIONAL, &text));
   UNIT_CALL(PetscFree(text));
   UNIT_CALL(PetscOptionsUsed(NULL, "mpm_a_at", &used));
   ck_assert_int_eq(used, PETSC_TRUE);
   UNIT_CALL(MpmOptionsHas(&options, "at", &has));
   ck_assert_int_eq(has, PETSC_TRUE);
-  UNIT_CALL(MpmOptionsCheckUnknown(&options));
+  UNIT_CALL(MpmOptionsCheckUnknown(&options, &warning));
   TearDown();
 }
 END_TEST
@@ -335,31 +335,29 @@ START_TEST(unknown_options)
 {
   PetscInt  cells = 3, points = 2;
   PetscBool used;
+  char     *warning;
 
   SetUp();
   Give("-snes_max_it", "7");
   Give("-mpm_a_cells", "4");
   UNIT_CALL(MpmOptionsInt(&options, "cells", "cells", 1, 9, MPM_OPTIONAL, &cells, NULL));
   UNIT_CALL(MpmOptionsInt(&options, "points_per_cell", "points", 1, 9, MPM_OPTIONAL, &points, NULL));
-  UNIT_CALL(MpmOptionsCheckUnknown(&options));
+  UNIT_CALL(MpmOptionsCheckUnknown(&options, &warning));
   UNIT_CALL(PetscOptionsUsed(NULL, "snes_max_it", &used));
   ck_assert_int_eq(used, PETSC_FALSE);
   Give("-mpm_a_cels", "5");
-  UNIT_FAILS(MpmOptionsCheckUnknown(&options), MPM_ERR_INPUT,
+  UNIT_FAILS(MpmOptionsCheckUnknown(&options, &warning), MPM_ERR_INPUT,
              "-mpm_a_cels: unknown option; did you mean -mpm_a_cells?");
   UNIT_CALL(PetscOptionsClearValue(NULL, "-mpm_a_cels"));
   UNIT_CALL(MpmOptionsInt(&options, "count", "count", 1, 9, MPM_OPTIONAL, &points, NULL));
   Give("-mpm_a_countdown", "5");
-  UNIT_FAILS(MpmOptionsCheckUnknown(&options), MPM_ERR_INPUT,
-             "-mpm_a_countdown: unknown option; did you mean -mpm_a_count?");
+  UNIT_FAILS(MpmOptionsCheckUnknown(&options, &warning), MPM_ERR_INPUT, "-mpm_a_countdown: unknown option");
   UNIT_CALL(PetscOptionsClearValue(NULL, "-mpm_a_countdown"));
   Give("-MPM_a_points_by_cell", NULL);
-  UNIT_FAILS(MpmOptionsCheckUnknown(&options), MPM_ERR_INPUT,
-             "-MPM_a_points_by_cell: unknown option; did you mean -mpm_a_points_per_cell?");
+  UNIT_FAILS(MpmOptionsCheckUnknown(&options, &warning), MPM_ERR_INPUT, "-MPM_a_points_by_cell: unknown option");
   /* used by somebody through PETSc itself, and still not ours */
   UNIT_CALL(PetscOptionsHasName(NULL, NULL, "-mpm_a_points_by_cell", &used));
-  UNIT_FAILS(MpmOptionsCheckUnknown(&options), MPM_ERR_INPUT,
-             "-MPM_a_points_by_cell: unknown option; did you mean -mpm_a_points_per_cell?");
+  UNIT_FAILS(MpmOptionsCheckUnknown(&options, &warning), MPM_ERR_INPUT, "-MPM_a_points_by_cell: unknown option");
   TearDown();
 }
 END_TEST

@@ -268,7 +268,7 @@ START_TEST(initial_stress_by_history)
 
     for (int c = 0; c < 4; c++) stress[c] = wanted[k][c];
     MpmMaterialStateAtRest(&sand, 2, state_n);
-    ck_assert_int_eq(MpmInitialFind(&initial, state_n, stress, F, state), k);
+    ck_assert_int_eq(MpmInitialFind(&initial, state_n, stress, F, state, NULL), k);
     for (int c = 0; c < 4; c++) {
       ck_assert_double_eq(F[c], identity[c]);
       if (!k) ck_assert_double_eq_tol(stress[c], wanted[k][c], 1e-12);

@@ -262,7 +262,7 @@ BAD = (
     ("bodies", {"mpm_bodies": "block"}, None, "-mpm_bodies: unknown option"),
     ("foreign_option", {"velocity": 1}, None, "-mpm_point_velocity: unknown option"),
     ("table_without_its_path", {"table": "path.csv"}, NORMAL, "-mpm_point_table: goes with -mpm_point_path table only"),
-    ("end_with_a_table", {"path": "table", "table": "path.csv"}, NORMAL, "-mpm_point_end: path table ends"),
+    ("end_with_a_table", {"path": "table", "table": "path.csv"}, NORMAL + "1,-100e3,-0.1,-100e3\n", "path table ends where its file does, at 1 s"),
     ("no_table", {"path": "table", "end": None}, None, "-mpm_point_table is missing"),
     ("table_not_there", {"path": "table", "end": None, "table": "none.csv"}, None, "-mpm_point_table none.csv: cannot be read"),
 )
