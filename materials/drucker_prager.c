@@ -9,6 +9,7 @@
   tau  Kirchhoff stress J sigma, tension positive, Pa; f bounds the Kirchhoff stress, not the Cauchy stress
   b    elastic left Cauchy-Green tensor (history)
   v    volume correction (history)
+  alpha  equivalent plastic strain (history): grows by sqrt(2/3) |dev e_p|, on which nothing depends
 
   eta and xi follow from the friction angle phi by fitting the Mohr-Coulomb surface, eta_bar from the dilation angle as
   eta from phi:
@@ -48,10 +49,11 @@ static const MpmParameter parameters[] = {
   {MPM_WORD, "volume_correction", "", 1., 0, 0., 1., 0,
    "return volume gained at the apex before compression meets resistance", "off|on", 0., NULL}};
 
-enum { STATE_B = 0, STATE_V = MPM_SYM };
+enum { STATE_B = 0, STATE_V = MPM_SYM, STATE_ALPHA };
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
-                                          {"volume_correction", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"volume_correction", MPM_STATE_SCALAR, 0., "-"},
+                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
 
 /* Slope eta and cohesion factor xi of the cone for an angle in degrees and a value of `fit` */
 typedef struct {
@@ -136,12 +138,13 @@ MPM_FN int MpmMaterialEvaluate_drucker_prager(const MpmLawPoint *point, const Te
   const Real       v_n       = point->state_n[STATE_V];
   Sym              b         = SymPush(dF, &point->state_n[STATE_B]);
   Real             trace_trial;
-  Sym              e;
+  Sym              e, trial;
   Regime           regime;
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
   if (!RealVanishes(v_n)) e = SymShift(&e, ScalarConstant(v_n / 3.));
   trace_trial = ScalarReal(SymTrace(&e));
+  trial       = e;
   regime      = ReturnMap(parameter, &cone, &e);
   *tau        = ElasticStress(lame, &e);
   if (point->state) {
@@ -149,7 +152,9 @@ MPM_FN int MpmMaterialEvaluate_drucker_prager(const MpmLawPoint *point, const Te
 
     if ((regime != ELASTIC || !RealVanishes(v_n)) && ElasticLeftCauchyGreen(&e, &b)) return 1;
     SymStore(&point->state[STATE_B], &b);
-    point->state[STATE_V] = keep ? trace_trial - ScalarReal(SymTrace(&e)) : 0.;
+    point->state[STATE_V]     = keep ? trace_trial - ScalarReal(SymTrace(&e)) : 0.;
+    point->state[STATE_ALPHA] = point->state_n[STATE_ALPHA];
+    if (regime != ELASTIC) point->state[STATE_ALPHA] += ElasticPlasticGrowth(&trial, &e);
   }
   return 0;
 }

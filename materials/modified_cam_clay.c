@@ -12,6 +12,7 @@
   b    elastic left Cauchy-Green tensor (history)
   p_c  preconsolidation: the largest pressure on the yield surface (history); 0: not set yet
   v    specific volume, 1 + void ratio (history), which goes with det F and on which nothing depends; 0: not set yet
+  alpha  equivalent plastic strain (history): grows by sqrt(2/3) |dev e_p|, on which nothing depends
 
   kappa and lambda are slopes of ln v over ln p, so that they are slopes of the logarithmic volume strain, too.
 
@@ -72,7 +73,7 @@ static const MpmParameter parameters[] = {
   {MPM_NUMBER, "specific_volume", "-", 2., 0, 1., HUGE_VAL, 1, "initial v, 1 + void ratio; nothing depends on it", NULL,
    2., NULL}};
 
-enum { STATE_B = 0, STATE_SIZE = MPM_SYM, STATE_VOLUME };
+enum { STATE_B = 0, STATE_SIZE = MPM_SYM, STATE_VOLUME, STATE_ALPHA };
 
 /* How many parameters say what the preconsolidation is */
 static int SizeCount(const double *parameter)
@@ -85,7 +86,8 @@ static int SizeCount(const double *parameter)
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
                                           {"preconsolidation", MPM_STATE_SCALAR, 0., "Pa"},
-                                          {"specific_volume", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"specific_volume", MPM_STATE_SCALAR, 0., "-"},
+                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
 
 /* ---- elasticity ---- */
 
@@ -278,11 +280,14 @@ MPM_FN int MpmMaterialEvaluate_modified_cam_clay(const MpmLawPoint *point, const
   if (point->state) {
     const Scalar v   = ScalarFromDual(x[0], 2, given);
     const Real   v_n = point->state_n[STATE_VOLUME];
+    const Sym    at  = e;
 
+    point->state[STATE_ALPHA] = point->state_n[STATE_ALPHA];
     if (yields) {
       e = SymScaleBy(3. / shear, &dev);
       e = SymShift(&e, ScalarScale(1. / 3., ScalarAdd(given[0], v)));
       if (ElasticLeftCauchyGreen(&e, &b)) return 1;
+      point->state[STATE_ALPHA] += ElasticPlasticGrowth(&at, &e);
     }
     SymStore(&point->state[STATE_B], &b);
     point->state[STATE_SIZE]   = size * ScalarReal(ScalarExp(ScalarScale(1. / hardening, v)));

@@ -10,6 +10,7 @@
   tau  Kirchhoff stress J sigma, tension positive, Pa; p is positive in compression, and y bounds the Kirchhoff stress
   b    elastic left Cauchy-Green tensor (history)
   v    logarithmic plastic volume strain since the start (history); a is what hardens, more compact below 0
+  alpha  equivalent plastic strain (history): grows by sqrt(2/3) |dev e_p|, on which nothing depends
   p_0  compressive strength, beta p_0 that in tension; M is the ellipse's height over half its length for beta = 0, q/p
        at critical state, 6 sin phi/(3 - sin phi)
 
@@ -45,10 +46,11 @@ static const MpmParameter parameters[] = {
   {MPM_NUMBER, "alpha_0", "-", 0., 0, -1., 1., 0,
    "initial logarithmic plastic volume strain: below 0 has strength, the more the denser", NULL, -0.002, NULL}};
 
-enum { STATE_B = 0, STATE_V = MPM_SYM };
+enum { STATE_B = 0, STATE_V = MPM_SYM, STATE_ALPHA };
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
-                                          {"plastic_volume_strain", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"plastic_volume_strain", MPM_STATE_SCALAR, 0., "-"},
+                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
 
 /* p_0 at rest, over the bulk modulus */
 #define LEAST_STRENGTH 1e-5
@@ -176,7 +178,14 @@ MPM_FN int MpmMaterialEvaluate_nacc(const MpmLawPoint *point, const Tensor *dF, 
     const Sym after = SymShift(&elastic.dev, elastic.mean);
 
     SymStore(&point->state[STATE_B], flows ? &after : &b);
-    point->state[STATE_V] = point->state_n[STATE_V] + ScalarReal(grow);
+    point->state[STATE_V]     = point->state_n[STATE_V] + ScalarReal(grow);
+    point->state[STATE_ALPHA] = point->state_n[STATE_ALPHA];
+    if (flows) {
+      Sym trial, end;
+
+      if (ElasticLogStrain(&b, &trial) || ElasticLogStrain(&after, &end)) return 1;
+      point->state[STATE_ALPHA] += ElasticPlasticGrowth(&trial, &end);
+    }
   }
   return 0;
 }

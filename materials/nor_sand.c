@@ -15,6 +15,7 @@
   p_i  image pressure, at which flow keeps its volume and q = -M p (history, as -p_i > 0). It is drawn to the limit p_l
        that the density sets: loose sand hardens and contracts, dense sand dilates, peaks and softens
   v    specific volume (history): it goes with det F
+  alpha  equivalent plastic strain (history): grows by sqrt(2/3) |dev e_p|, on which nothing depends
 
   An image pressure or a specific volume of 0 stands for that of the parameters. With `ocr` or `pop` the image pressure
   follows from the initial stress, or from p_ref where there is none: the yield surface meets the axis of pressure at
@@ -83,11 +84,12 @@ static const MpmParameter parameters[] = {
   {MPM_NUMBER, "reference_pressure", "Pa", 0., 1, 0., HUGE_VAL, 1, "pressure at which elastic strain is zero", NULL,
    100e3, NULL}};
 
-enum { STATE_B = 0, STATE_IMAGE = MPM_SYM, STATE_VOLUME };
+enum { STATE_B = 0, STATE_IMAGE = MPM_SYM, STATE_VOLUME, STATE_ALPHA };
 
 static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STATE_SYM, 1., "-"},
                                           {"image_pressure", MPM_STATE_SCALAR, 0., "Pa"},
-                                          {"specific_volume", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"specific_volume", MPM_STATE_SCALAR, 0., "-"},
+                                          {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
 
 #define CRITICAL_PRESSURE 1e3  /* Pa, at which v_c0 is that of the critical state */
 #define LIMIT_SLOPE       3.5  /* -alpha beta: what ties the most dilation to psi_i */
@@ -507,8 +509,8 @@ MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *
 {
   const Real *parameter = point->parameter, stiff = 2. * parameter[SHEAR];
   const Real  image_n = point->state_n[STATE_IMAGE], given = RealValue(image_n) > 0. ? image_n : ImageAtRest(parameter);
-  Real        image = given;
-  Sym         b     = SymPush(dF, &point->state_n[STATE_B]), e;
+  Real        image = given, growth = 0.;
+  Sym         b = SymPush(dF, &point->state_n[STATE_B]), e;
   Scalar      y, p;
   Step        step;
 
@@ -517,6 +519,7 @@ MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *
   p = ScalarScale(-stiff / 3., SymTrace(&e)); /* what takes the deviator from the strain */
   if (Yields(point, given, &e, &step)) {
     const Scalar volume = SymTrace(&e);
+    const Sym    trial  = e;
     Scalar       part;
 
     e = SymDev(&e);
@@ -528,6 +531,7 @@ MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *
       const Sym end = SymShift(&e, ScalarScale(-parameter[KAPPA] / 3., y));
 
       if (ElasticLeftCauchyGreen(&end, &b)) return 1;
+      growth = ElasticPlasticGrowth(&trial, &end);
     }
   }
   if (!(fabs(ScalarValue(y)) < LARGEST_LOG)) return 1;
@@ -537,6 +541,7 @@ MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *
     SymStore(&point->state[STATE_B], &b);
     point->state[STATE_IMAGE]  = image;
     point->state[STATE_VOLUME] = ScalarReal(SpecificVolume(point, dF));
+    point->state[STATE_ALPHA]  = point->state_n[STATE_ALPHA] + growth;
   }
   return 0;
 }

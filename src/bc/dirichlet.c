@@ -178,6 +178,24 @@ static PetscErrorCode ReadTime(const MpmOptions *block, const MpmLayout *layout,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Conditions prescribe; friction, adhesion and parting need the faces of the material, which boundaries have. */
+static PetscErrorCode RefuseContact(const MpmOptions *block, const char *name)
+{
+  static const char *const words[] = {"friction", "adhesion", "contact", "unilateral", "stick"};
+  PetscBool                has;
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(words) && !MpmOptionsHelp(); k++) {
+    PetscCall(MpmOptionsHas(block, words[k], &has));
+    MpmCheckInput(
+      !has,
+      "-%s%s: a condition prescribes its nodes' unknowns; a boundary of type plane, -mpm_boundaries %s, has friction "
+      "and lets go",
+      block->prefix, words[k], name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                   const MpmLayout *layout, MpmCondition *bc)
 {
@@ -191,6 +209,7 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
   PetscCall(PetscStrallocpy(name, &bc->name));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
   PetscCall(MpmOptionsHeading(&block, "Condition"));
+  PetscCall(RefuseContact(&block, name));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &bc->region));
   if (!MpmOptionsHelp()) PetscCall(CheckRegion(&block, grid, bc->region));
   PetscCall(ReadAbsorbing(&block, grid, bc));

@@ -6,10 +6,13 @@
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "grid/shape.h"
 #include "particles/body.h"
 #include "particles/body_file.h"
 #include "particles/body_initial.h"
+#include "particles/body_stress.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 
 struct _p_MpmBody {
@@ -17,14 +20,22 @@ struct _p_MpmBody {
   MpmRegion      region;
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
+  PetscReal     *stress;       /* Cauchy, with which its points start, Pa; or NULL */
   PetscReal      pressure;     /* of the water, beyond the hydrostatic one */
   PetscBool      own_pressure; /* the block has it, and it counts for points from a file, too */
-  PetscReal      velocity[MPM_MAX_DIM];
-  PetscBool      of_block; /* that is its block's, and counts for points from a file, too */
+  PetscBool      of_block;     /* the velocity is its block's, and counts for points from a file, too */
+  PetscReal      velocity[MPM_MAX_DIM], spin[3]; /* m/s; rad/s, 2D: the third */
+  PetscBool      spins, averaged;                /* averaged: the shape is, over the points' domains */
+  PetscInt       degree;                         /* of splines, by which affine velocities are kept (momentum.c) */
   PetscInt       dim, material;
   PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
   PetscInt       id_first, id_end;
   PetscInt       per_cell[MPM_MAX_DIM];
+  MpmFill        fill;  /* down to settled ground, */
+  PetscBool      joins; /* where it joins a stage; room for these points is left behind its ids */
+  PetscInt       count, fill_rows;
+  int            wrong; /* what is with its stress, as MpmBodyStressFill() says */
+  MpmBodyLattice lattice;
   PetscInt       cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   PetscInt       before_count;
   MpmBody       *before; /* bodies whose points on a shared edge are not this one's */
@@ -63,6 +74,28 @@ static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* One number, alike in all directions, or all components; in 2D also six, of which two are 0. */
+static PetscErrorCode ReadStress(const MpmOptions *block, PetscInt dim, MpmBody body)
+{
+  const PetscInt size = MpmSymSize(dim);
+  PetscInt       count;
+  PetscReal     *given;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsRealList(block, "initial_stress", "Pa",
+                       "Cauchy's, with which its points start: xx, yy, zz, xy, in 3D yz, xz; or one number, alike "
+                       "in all directions",
+                       MPM_OPTIONAL, &count, &given));
+  MpmCheckInput(!count || count == 1 || count == size || (count == 6 && given[4] == 0. && given[5] == 0.),
+                "-%sinitial_stress has %" PetscInt_FMT " numbers: must be 1 or %" PetscInt_FMT, block->prefix, count,
+                size);
+  if (count) PetscCall(PetscCalloc1(6, &body->stress));
+  for (PetscInt c = 0; count && c < size; c++) body->stress[c] = count > 1 ? given[c] : c < 3 ? given[0] : 0.;
+  PetscCall(PetscFree(given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial materials[], MpmBody *body)
 {
@@ -70,7 +103,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   MpmOptions   block = {options->comm, prefix, options->record};
   const char **names;
   PetscReal    tolerance[MPM_MAX_DIM];
-  PetscBool    is_file;
+  PetscBool    is_file, fill = PETSC_FALSE, given = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(body));
@@ -92,8 +125,28 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
   PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
   PetscCall(PetscFree(names));
   if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[(*body)->material], &(*body)->initial));
+  if (!is_file || MpmOptionsHelp())
+    PetscCall(MpmOptionsBool(
+      &block, "fill",
+      "where the body joins a stage: fill the gap down to settled ground; unless given, gaps within a cell", &fill,
+      &given));
+  if (!is_file || MpmOptionsHelp()) PetscCall(ReadStress(&block, grid->dim, *body));
+  if (given) (*body)->fill = fill ? MPM_FILL_YES : MPM_FILL_NO;
   if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    MpmBodyLattice *lattice = &(*body)->lattice;
+
+    lattice->count[a] = ((*body)->cell_upper[a] - (*body)->cell_lower[a]) * (*body)->per_cell[a];
+    if (a >= grid->dim) continue;
+    lattice->spacing[a] = grid->h[a] / (PetscReal)(*body)->per_cell[a];
+    lattice->lower[a]   = grid->lower[a] + grid->h[a] * (PetscReal)(*body)->cell_lower[a];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmBodyIsStressed(MpmBody body)
+{
+  return (PetscBool)(body->stress != NULL);
 }
 
 PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
@@ -133,19 +186,26 @@ PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given,
-                                   const char **file, PetscBool *run)
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
+                                   const char **given, const char **file, PetscBool *run)
 {
   char             prefix[256];
   const MpmOptions block = {options->comm, prefix, options->record};
+  PetscBool        moves;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsReals(&block, "velocity", "m/s", "with which its points start, in scenes with a dynamic stage",
-                            MPM_RANGE_ANY, MPM_OPTIONAL, body->dim, body->velocity, given));
+                            MPM_RANGE_ANY, MPM_OPTIONAL, body->dim, body->velocity, &moves));
+  PetscCall(MpmOptionsReals(
+    &block, "spin", "rad/s", "angular velocity about its centre of mass with which its points start; in 3D a vector",
+    MPM_RANGE_ANY, MPM_OPTIONAL, body->dim == 2 ? 1 : 3, &body->spin[body->dim == 2 ? 2 : 0], &body->spins));
+  body->degree   = MpmShapeDegree(shape);
+  body->averaged = MpmShapeHasDomain(shape);
+  *given         = moves ? "velocity" : body->spins ? "spin" : NULL;
   *file          = NULL;
-  body->of_block = *given;
-  if (!MpmOptionsHelp() && body->imported && MpmImportedVelocity(body->imported) && !*given)
+  body->of_block = moves;
+  if (!MpmOptionsHelp() && body->imported && MpmImportedVelocity(body->imported) && !moves)
     *file = MpmImportedPath(body->imported, run);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,6 +229,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscCall(MpmImportedDestroy(&(*body)->imported));
   PetscCall(MpmBodyInitialDestroy(&(*body)->initial));
   PetscCall(PetscFree((*body)->before));
+  PetscCall(PetscFree((*body)->stress));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -213,6 +274,28 @@ void MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end)
 {
   *first = body->id_first;
   *end   = body->id_end;
+}
+
+void MpmBodyGetLattice(MpmBody body, MpmBodyLattice *lattice)
+{
+  *lattice = body->lattice;
+}
+
+MpmFill MpmBodyFills(MpmBody body)
+{
+  return body->fill;
+}
+
+void MpmBodySetJoins(MpmBody body)
+{
+  body->joins = PETSC_TRUE;
+}
+
+PetscInt MpmBodyFillId(MpmBody body, const MpmPoints *points, PetscInt column, PetscInt row)
+{
+  const PetscInt room = points->divisions ? 1 << MPM_DIVISIONS : 1;
+
+  return body->id_first + room * (body->count + column * body->fill_rows + row);
 }
 
 PetscReal MpmBodySpacing(MpmBody body)
@@ -410,7 +493,8 @@ static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const 
       MpmMaterialStateAtRest(material, particles->dim, state);
       MpmBodyInitialFill(body->initial, particles->dim, Height(body, &points->x[p * particles->dim]), state);
     }
-    if (points->mass) points->mass[p] = points->volume0[p] * material->density;
+    if (points->mass)
+      points->mass[p] = points->volume0[p] * MpmMaterialDensity(material, MpmPointOwn(points, material, p));
   }
 }
 
@@ -418,13 +502,17 @@ static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const 
 static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
                                const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
 {
-  const PetscInt begin = *first;
+  const PetscInt begin = *first, vertical[2] = {body->axis, body->up};
 
   PetscFunctionBeginUser;
   if (!body->imported) {
     *first += FillCells(body, grid, id, begin, points);
     FillCuts(body, grid->dim, begin, *first, points);
+    MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
     FillAtRest(body, materials, particles, begin, *first, points);
+    if (body->stress)
+      PetscCall(MpmBodyStressFill(&materials[body->material], grid->dim, body->stress, particles->state_size,
+                                  (const PetscInt[]){begin, *first}, points, &body->wrong));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *first += MpmImportedCount(body->imported);
@@ -436,6 +524,7 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
     MpmMaterialStateAtRest(&materials[body->material], grid->dim, &points->state[p * particles->state_size]);
   FillCuts(body, grid->dim, begin, *first, points);
   PetscCall(MpmImportedPlace(body->imported, grid->dim, begin, points));
+  MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
   for (PetscInt p = begin; p < *first && points->state; p++)
     MpmBodyInitialFill(body->initial, grid->dim, Height(body, &points->x[p * grid->dim]),
                        &points->state[p * particles->state_size]);
@@ -443,10 +532,60 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How the points move as they are made. */
-static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], PetscInt dim, const MpmPoints *points)
+/* omega x r */
+static void Turn(const PetscReal spin[3], PetscInt dim, const PetscReal r[], PetscReal v[])
 {
-  PetscInt *body_of, row = 0;
+  const PetscReal z = dim == 3 ? r[2] : 0.;
+
+  v[0] = spin[1] * z - spin[2] * r[1];
+  v[1] = spin[2] * r[0] - spin[0] * z;
+  if (dim == 3) v[2] = spin[0] * r[1] - spin[1] * r[0];
+}
+
+/*
+  A body that spins about its centre of mass. A point's affine velocity is W D with v = W r: for splines of degree p >= 2 over
+  a domain of half-length l the second moment is D = (p + 1) h^2/12 + l^2/3; for linear ones W itself is kept.
+*/
+static PetscErrorCode FillSpin(const MpmBody body, PetscInt number, const MpmGrid *grid, const MpmMaterial materials[],
+                               const PetscInt body_of[], const MpmPoints *points)
+{
+  const PetscInt dim                     = grid->dim;
+  PetscReal      centre[MPM_MAX_DIM + 1] = {0.}, v[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  if (!body->spins) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal mass = body_of[p] == number ? MpmPointMass(points, materials, p) : 0.;
+
+    for (PetscInt a = 0; a < dim; a++) centre[a] += mass * points->x[p * dim + a];
+    centre[MPM_MAX_DIM] += mass;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, centre, MPM_MAX_DIM + 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal r[MPM_MAX_DIM] = {0., 0., 0.};
+
+    if (body_of[p] != number) continue;
+    for (PetscInt a = 0; a < dim; a++) r[a] = points->x[p * dim + a] - centre[a] / centre[MPM_MAX_DIM];
+    Turn(body->spin, dim, r, v);
+    for (PetscInt a = 0; a < dim; a++) points->velocity[p * dim + a] += v[a];
+    for (PetscInt b = 0; points->affine && b < dim; b++) {
+      const PetscReal h = grid->h[b], l = body->averaged && points->half_length ? points->half_length[p * dim + b] : 0.;
+      PetscReal       unit[MPM_MAX_DIM] = {0., 0., 0.};
+
+      unit[b] = body->degree < 2 ? 1. : (PetscReal)(body->degree + 1) * h * h / 12. + l * l / 3.;
+      Turn(body->spin, dim, unit, v);
+      for (PetscInt a = 0; a < dim; a++) points->affine[(p * dim + a) * dim + b] = v[a];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How the points move as they are made. */
+static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                                 const MpmGrid *grid, const MpmPoints *points)
+{
+  const PetscInt dim = grid->dim;
+  PetscInt      *body_of, row = 0;
 
   PetscFunctionBeginUser;
   if (!points->velocity) PetscFunctionReturn(PETSC_SUCCESS);
@@ -463,6 +602,7 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], Pe
   }
   if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
   if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
+  for (PetscInt b = 0; b < body_count; b++) PetscCall(FillSpin(bodies[b], b, grid, materials, body_of, points));
   PetscCall(PetscFree(body_of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -486,6 +626,18 @@ static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Ids that are left for points with which a body fills the gap beneath: all rows of the grid in each column. */
+static PetscInt64 FillIds(MpmBody body, const MpmGrid *grid)
+{
+  PetscInt64 columns = 1;
+
+  if (!body->joins || body->imported || body->fill == MPM_FILL_NO) return 0;
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (a != body->axis) columns *= body->lattice.count[a];
+  body->fill_rows = grid->cells[body->axis] * body->per_cell[body->axis];
+  return columns * body->fill_rows;
+}
+
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles)
 {
@@ -504,6 +656,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   for (PetscInt b = 0; b < body_count; b++) {
     MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it", bodies[b]->name);
   }
+  particles->total = 0;
   PetscCall(MpmParticlesRelease(particles));
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, MPM_PARTICLES_SPARE));
   PetscCall(MpmParticlesGetArrays(particles, &points));
@@ -512,18 +665,25 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
   for (PetscInt b = 0; b < body_count; b++) {
     PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));
+    bodies[b]->count    = (PetscInt)total[b];
     bodies[b]->id_first = (PetscInt)id;
-    id += total[b];
+    id += total[b] + FillIds(bodies[b], grid);
+    particles->total += total[b];
     bodies[b]->id_end = (PetscInt)id;
   }
-  for (PetscInt b = 0; b < body_count; b++) PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
+  for (PetscInt b = 0; b < body_count; b++) {
+    PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bodies[b]->wrong, 1, MPI_INT, MPI_MAX, grid->comm));
+    MpmCheckInput(!bodies[b]->wrong, "-mpm_body_%s_initial_stress: %s of material %s", bodies[b]->name,
+                  bodies[b]->wrong == 1 ? "lies outside of the yield surface" : "is none that a state has",
+                  materials[bodies[b]->material].name);
+  }
   if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
   if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));
-  PetscCall(FillMotion(body_count, bodies, grid->dim, &points));
+  PetscCall(FillMotion(body_count, bodies, materials, grid, &points));
   PetscCall(MakeRoom(body_count, bodies, grid->comm, id, &points));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
-  particles->total = id;
   PetscCall(PetscFree3(count, before, total));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -30,11 +30,12 @@ PetscBool        MpmBodyFileHasMass(MpmBody body);
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
 PetscReal      MpmBodyPressure(const MpmBody body);
 /*
-  The velocity that its points start with: the block's, or that of its file. `given` tells whether the block has one, `file`
-  names the file that has; `run`: another run has written it.
+  The velocity that its points start with, the block's or that of its file, and the block's angular one about the centre of
+  mass, by which points turn, too, as the shape keeps it. `given` names what the block has, or is NULL; `file` names the file
+  that has a velocity; `run`: another run has written it.
 */
-PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmBody body, PetscBool *given,
-                                   const char **file, PetscBool *run);
+PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
+                                   const char **given, const char **file, PetscBool *run);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
@@ -67,6 +68,21 @@ PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody befo
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
+/* Do its points start with a uniform stress? Their masses are then fields. */
+PetscBool MpmBodyIsStressed(MpmBody body);
+/* The lattice of a body's points: its cells are the points' domains. Not of bodies from files. */
+typedef struct {
+  PetscReal lower[MPM_MAX_DIM], spacing[MPM_MAX_DIM]; /* m */
+  PetscInt  count[MPM_MAX_DIM];
+} MpmBodyLattice;
+void MpmBodyGetLattice(MpmBody body, MpmBodyLattice *lattice);
+/* Does the body fill the gap down to settled ground where it joins a stage? AUTO: gaps within a cell. */
+typedef enum { MPM_FILL_AUTO, MPM_FILL_YES, MPM_FILL_NO } MpmFill;
+MpmFill MpmBodyFills(MpmBody body);
+/* The body joins a stage: room is left in the ids. To be called before the points are made. */
+void MpmBodySetJoins(MpmBody body);
+/* Ids of the points that fill the gap, by column and row. */
+PetscInt MpmBodyFillId(MpmBody body, const MpmPoints *points, PetscInt column, PetscInt row);
 /* Its region where that is round and cut a lattice of points, or NULL. */
 MpmRegion MpmBodyRound(MpmBody body);
 /* Most cells from point to point on an axis; 0 for bodies from files. */

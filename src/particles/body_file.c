@@ -24,6 +24,7 @@
 #include "point/stress_inversion.h"
 #include "grid/grid.h"
 #include "particles/body_file.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 
 enum { POSITION, VOLUME, DEFORMATION, HALF_LENGTH, MASS, STRESS, VELOCITY, STATES };
@@ -235,6 +236,7 @@ PetscErrorCode MpmImportedPlace(MpmImported imported, PetscInt dim, PetscInt fir
 {
   PetscFunctionBeginUser;
   PetscCall(PetscArraycpy(&points->x[first * dim], imported->quantity[POSITION].value, imported->count * dim));
+  PetscCall(PetscArraycpy(&points->origin[first * dim], imported->quantity[POSITION].value, imported->count * dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -322,7 +324,8 @@ PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const 
     const PetscInt p = first + row;
     PetscBool      has_state;
 
-    TakeGeometry(imported, grid->dim, material->density, row, p, points);
+    initial.own = MpmPointOwn(points, material, p);
+    TakeGeometry(imported, grid->dim, MpmMaterialDensity(material, initial.own), row, p, points);
     for (PetscInt k = 0; k < state_size; k++) state[k] = points->state[p * state_size + k];
     has_state = TakeState(imported, material, grid->dim, row, state);
     if (TakeStress(imported, &initial, row, has_state, p, points, state) == 2) failed++;

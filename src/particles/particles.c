@@ -63,6 +63,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   if (fields->part) PetscCall(Register(particles, "part", 1, PETSC_INT));
   if (fields->part) PetscCall(Register(particles, "cut", dim + 1, PETSC_REAL));
   if (fields->state_size) PetscCall(Register(particles, "state", fields->state_size, PETSC_REAL));
+  if (fields->parameters) PetscCall(Register(particles, "parameter", fields->parameters, PETSC_REAL));
   if (fields->own_size) PetscCall(Register(particles, "own", fields->own_size, PETSC_REAL));
   if (fields->increment) PetscCall(Register(particles, "increment", MPM_INCREMENT(dim), PETSC_REAL));
   if (fields->rates) PetscCall(Register(particles, "value", fields->rates, PETSC_REAL));
@@ -150,6 +151,7 @@ static PetscErrorCode Hold(MpmParticles *particles)
   points->across         = HeldArray(particles, "across");
   points->half_length    = HeldArray(particles, "half_length");
   points->state          = HeldArray(particles, "state");
+  points->parameter      = HeldArray(particles, "parameter");
   points->own            = HeldArray(particles, "own");
   points->increment      = HeldArray(particles, "increment");
   points->faces          = HeldArray(particles, "faces");
@@ -593,6 +595,19 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPointsSetOwn(const MpmMaterial *materials, const PetscInt vertical[2], PetscInt dim, PetscInt first,
+                     PetscInt end, const MpmPoints *points)
+{
+  for (PetscInt p = first; points->parameter && p < end; p++) {
+    const MpmMaterial *material = &materials[points->material[p]];
+    const PetscReal   *x        = &points->origin[p * dim];
+
+    if (material->varies)
+      MpmMaterialOwn(material, (PetscReal)vertical[1] * x[vertical[0]], x,
+                     &points->parameter[p * material->varies->stride]);
+  }
+}
+
 PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[])
 {
   PetscReal ratio = 1.;
@@ -614,8 +629,8 @@ PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials,
   PetscReal          mass     = MpmPointMass(points, materials, p);
 
   if (layout->taken_up < 0) return mass;
-  return mass + material->physics_parameter[layout->taken_up] * points->volume0[p] *
-                  (MpmPointVolumeRatio(material, dim, &points->F[p * dim * dim]) - 1.);
+  return mass + MpmMaterialPhysicsValues(material, MpmPointOwn(points, material, p))[layout->taken_up] *
+                  points->volume0[p] * (MpmPointVolumeRatio(material, dim, &points->F[p * dim * dim]) - 1.);
 }
 
 PetscErrorCode MpmParticlesStartHere(MpmParticles *particles)

@@ -38,7 +38,7 @@ typedef struct MpmParked {
 
 /* What fields the points have beside those that all have. */
 typedef struct {
-  PetscInt  state_size, own_size, rates;
+  PetscInt  state_size, own_size, rates, parameters;
   PetscBool half_length, increment, faces, part, velocity, affine, acceleration, divisions, origin, across;
   PetscInt  extra_count, shared; /* fields of one number a point, by name; so many of them, the first, are shared */
   const char *const *extra;

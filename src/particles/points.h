@@ -22,12 +22,13 @@ typedef struct MpmPoints {
   PetscReal *cut; /* at the start: normal of the surface that cut the lattice of points there, and depth below it, m;
                              or zeros. With more parts than one only */
   PetscReal *volume0;
-  PetscReal *mass;   /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
-  PetscReal *stress; /* Cauchy, xx, yy, zz, xy (, yz, xz) */
-  PetscReal *across; /* part of stress_zz that F does not carry, Pa; plane strain with initial stresses only */
-  PetscReal *state;  /* state_size values */
-  PetscReal *own;    /* own_size values: states of the physics' own */
-  PetscReal *value;  /* rate values, */
+  PetscReal *mass;      /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
+  PetscReal *stress;    /* Cauchy, xx, yy, zz, xy (, yz, xz) */
+  PetscReal *across;    /* part of stress_zz that F does not carry, Pa; plane strain with initial stresses only */
+  PetscReal *state;     /* state_size values */
+  PetscReal *parameter; /* of law and physics at the point, where any varies; at the reduction of strength in force */
+  PetscReal *own;       /* own_size values: states of the physics' own */
+  PetscReal *value;     /* rate values, */
   PetscReal *value_gradient; /* and their derivatives by x */
   PetscReal *velocity;       /* m/s, */
   PetscReal *affine;         /* its affine part, dim x dim, as momentum.c has it, */
@@ -48,6 +49,12 @@ static inline PetscReal MpmPointHalfWhole(const MpmPoints *points, PetscInt dim,
   return points->half_length[p * dim + axis] * (PetscReal)(1 << MpmPointDivisions(points, p, axis));
 }
 
+/*
+  Own parameters of points [first, end) of materials that vary, by their places in the initial state, with heights up an
+  axis: `up` is 1 or -1. Nothing where no material varies.
+*/
+void MpmPointsSetOwn(const MpmMaterial *materials, const PetscInt vertical[2], PetscInt dim, PetscInt first,
+                     PetscInt end, const MpmPoints *points);
 /* J of a point, as what it takes up counts it: det F, or 1 + tr(F - I) at small strain. */
 PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[]);
 /* A point's mass at the start, kg: MpmPointMass() (point_mass.h) for those who do not know what materials are. */

@@ -200,22 +200,185 @@ PetscBool MpmMaterialHasStrength(const MpmMaterial *material)
   return PETSC_FALSE;
 }
 
-void MpmMaterialReduce(MpmMaterial *material, PetscReal factor)
+static double Reduced(MpmParameterKind kind, double given, PetscReal factor)
 {
   const PetscReal degree = PETSC_PI / 180.;
 
-  for (size_t i = 0; i < material->info.parameter_count; i++) {
-    const MpmParameterKind kind  = material->info.parameters[i].kind;
-    const double           given = material->given[i];
+  if (kind == MPM_STRENGTH) return given / factor;
+  if (kind != MPM_STRENGTH_ANGLE || factor == 1.) return given;
+  return PetscAtanReal(PetscTanReal(given * degree) / factor) / degree;
+}
 
-    if (kind == MPM_STRENGTH) material->parameter[i] = given / factor;
-    else if (kind == MPM_STRENGTH_ANGLE && factor == 1.) material->parameter[i] = given;
-    else if (kind == MPM_STRENGTH_ANGLE)
-      material->parameter[i] = PetscAtanReal(PetscTanReal(given * degree) / factor) / degree;
+void MpmMaterialReduce(MpmMaterial *material, PetscReal factor)
+{
+  for (size_t i = 0; i < material->info.parameter_count; i++) {
+    const MpmParameterKind kind = material->info.parameters[i].kind;
+
+    if (kind == MPM_STRENGTH || kind == MPM_STRENGTH_ANGLE)
+      material->parameter[i] = Reduced(kind, material->given[i], factor);
+  }
+  if (material->varies) material->varies->factor = factor;
+}
+
+/* ---- parameters that vary ---- */
+
+PetscInt MpmMaterialOwnSize(const MpmMaterial *material)
+{
+  const MpmVariations *varies = material->varies;
+  PetscInt             size   = (PetscInt)material->info.parameter_count;
+
+  if (!varies) return 0;
+  return size + (varies->physics ? MPM_MAX_DIM * varies->physics->parameter_count + varies->physics->common_count : 0);
+}
+
+void MpmMaterialOwn(const MpmMaterial *material, PetscReal height, const PetscReal x[], double own[])
+{
+  const MpmVariations *varies = material->varies;
+  const PetscInt       of_law = (PetscInt)material->info.parameter_count, size = MpmMaterialOwnSize(material);
+
+  for (PetscInt k = 0; k < of_law; k++) own[k] = material->parameter[k];
+  for (PetscInt k = of_law; k < size; k++) own[k] = varies->physics_given[k - of_law];
+  for (PetscInt v = 0; v < varies->count; v++) {
+    const MpmVariation *variation = &varies->at[v];
+    const PetscReal     value     = MpmVariationEvaluate(variation, height, x);
+
+    for (PetscInt k = variation->place; k < variation->place + variation->places; k++)
+      own[k] = k < of_law ? Reduced(material->info.parameters[k].kind, value, varies->factor) : value;
+  }
+  if (varies->physics && varies->physics->prepare) {
+    const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, own, varies->dim);
+
+    (void)varies->physics->prepare(&of, varies->gravity, own + of_law); /* whether values go together is known by now */
   }
 }
 
+/* A variation of the material: the first makes the list. Its largest value becomes the material's. */
+static PetscErrorCode AddVariation(MpmMaterial *material, PetscInt place, PetscInt places, MpmVariation *variation,
+                                   double value[])
+{
+  MpmVariations *varies = material->varies;
+  PetscReal      least, most;
+
+  PetscFunctionBeginUser;
+  if (!varies) {
+    PetscCall(PetscNew(&varies));
+    varies->factor   = 1.;
+    material->varies = varies;
+  }
+  PetscCall(PetscRealloc((size_t)(varies->count + 1) * sizeof(*varies->at), &varies->at));
+  variation->place            = place;
+  variation->places           = places;
+  varies->at[varies->count++] = *variation;
+  MpmVariationBounds(variation, &least, &most);
+  for (PetscInt k = 0; k < places; k++) value[k] = most;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const MpmVariation *FindVariation(const MpmMaterial *material, PetscInt place)
+{
+  for (PetscInt v = 0; material->varies && v < material->varies->count; v++)
+    if (material->varies->at[v].place == place) return &material->varies->at[v];
+  return NULL;
+}
+
+/* Bounds of a parameter of the law, whether it varies or not */
+static void ParameterBounds(const MpmMaterial *material, PetscInt k, PetscReal *least, PetscReal *most)
+{
+  const MpmVariation *variation = FindVariation(material, k);
+
+  *least = *most = material->parameter[k];
+  if (variation) MpmVariationBounds(variation, least, most);
+}
+
+PetscErrorCode MpmMaterialVaryingText(const MpmMaterial *material, char **text)
+{
+  const PetscInt of_law = (PetscInt)material->info.parameter_count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt v = 0; v < material->varies->count; v++) {
+    const MpmVariation *variation = &material->varies->at[v];
+    const char         *name      = variation->place < of_law ? material->info.parameters[variation->place].name : NULL;
+    PetscInt            place     = of_law;
+
+    for (int k = 0; !name && k < material->varies->physics->parameter_count; k++) {
+      if (place == variation->place) name = material->varies->physics->parameters[k].name;
+      place += MpmParameterPlaces(&material->varies->physics->parameters[k]);
+    }
+    PetscCall(MpmTextAppend(text, "%s%s", v ? ", " : "", name));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Parameters at the rows of all variations, before and behind a jump: none may contradict another, and the material is
+  symmetric where the law is at each. At rows of heights fields have their largest values, and the other way round.
+*/
+static PetscErrorCode CheckVariations(MpmMaterial *material)
+{
+  const MpmVariations *varies    = material->varies;
+  const PetscInt       of_law    = (PetscInt)material->info.parameter_count;
+  double              *given     = material->parameter, *own;
+  PetscBool            symmetric = PETSC_TRUE;
+
+  PetscFunctionBeginUser;
+  if (!varies || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(of_law, &own));
+  for (PetscInt r = 0; r < varies->count; r++) {
+    const MpmVariation *rows = &varies->at[r];
+
+    for (PetscInt k = 0; k < 2 * rows->count; k++) {
+      const PetscReal at = rows->dim ? 0. : nextafter(rows->at[k / 2], k % 2 ? HUGE_VAL : -HUGE_VAL);
+
+      PetscCall(PetscArraycpy(own, given, of_law));
+      for (PetscInt v = 0; v < varies->count; v++)
+        if (varies->at[v].place < of_law && !varies->at[v].dim == !rows->dim)
+          own[varies->at[v].place] =
+            MpmVariationEvaluate(&varies->at[v], at, rows->dim ? &rows->at[k / 2 * MPM_MAX_DIM] : NULL);
+      material->parameter = own;
+      PetscCall(CheckParameters(material));
+      if (material->info.symmetric && !material->info.symmetric(own, material->table)) symmetric = PETSC_FALSE;
+    }
+  }
+  material->parameter = given;
+  PetscCall(PetscFree(own));
+  if (!symmetric) material->info.traits &= ~(unsigned)MPM_LAW_SYMMETRIC;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- a material of the scene ---- */
+
+/* A number, word, table or data of the law, or a number that varies; one left out varies as its default does. */
+static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, PetscInt k, MpmMaterial *material)
+{
+  const MpmParameter  parameter = WithDefault(material, (size_t)k);
+  const MpmVariation *same      = NULL;
+  MpmVariation        variation = {0};
+  PetscReal           least, most;
+  PetscBool           has;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, parameter.name, &has));
+  material->set[k] = has;
+  if (parameter.kind < MPM_WORD) PetscCall(MpmVariationRead(block, &parameter, dim, &variation));
+  for (PetscInt i = 0; parameter.same_as && !has && i < k; i++)
+    if (!strcmp(material->info.parameters[i].name, parameter.same_as)) same = FindVariation(material, i);
+  if (same) PetscCall(MpmVariationCopy(same, &variation));
+  if (variation.count) PetscCall(AddVariation(material, k, 1, &variation, &material->parameter[k]));
+  else PetscCall(MpmParameterRead(block, &parameter, &material->parameter[k], &material->table[k]));
+  ParameterBounds(material, k, &least, &most);
+  if (!strcmp(parameter.name, "density")) material->density = least;
+  if (!strcmp(parameter.name, "E")) material->penalty = most;
+  if (!strcmp(parameter.name, "nu")) material->nu = most;
+  if (!strcmp(parameter.name, "dilation")) {
+    material->dilation.least = least;
+    material->dilation.most  = most;
+  }
+  if (!strcmp(parameter.name, "dilation_residual")) {
+    material->dilation.least = PetscMin(material->dilation.least, least);
+    material->dilation.most  = PetscMax(material->dilation.most, most);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material)
 {
@@ -223,7 +386,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   MpmOptions   block = {options->comm, prefix, options->record};
   const char **names;
   PetscInt     type = 0;
-  PetscBool    given, has;
+  PetscBool    given;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(material, sizeof(*material)));
@@ -240,31 +403,18 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->table));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->set));
   if (!given) PetscCall(PrintLaws(&block));
-  for (size_t i = 0; given && i < material->info.parameter_count; i++) {
-    const MpmParameter parameter = WithDefault(material, i);
-
-    PetscCall(MpmOptionsHas(&block, parameter.name, &has));
-    material->set[i] = has;
-    PetscCall(MpmParameterRead(&block, &parameter, &material->parameter[i], &material->table[i]));
-    if (!strcmp(material->info.parameters[i].name, "density")) material->density = material->parameter[i];
-    if (!strcmp(material->info.parameters[i].name, "E")) material->penalty = material->parameter[i];
-    if (!strcmp(material->info.parameters[i].name, "nu")) material->nu = material->parameter[i];
-    if (!strcmp(material->info.parameters[i].name, "dilation"))
-      material->dilation.least = material->dilation.most = material->parameter[i];
-    if (!strcmp(material->info.parameters[i].name, "dilation_residual")) {
-      material->dilation.least = PetscMin(material->dilation.least, material->parameter[i]);
-      material->dilation.most  = PetscMax(material->dilation.most, material->parameter[i]);
-    }
-  }
+  for (size_t i = 0; given && i < material->info.parameter_count; i++)
+    PetscCall(ReadParameter(&block, dim, (PetscInt)i, material));
   PetscCall(PetscArraycpy(material->given, material->parameter, material->info.parameter_count));
-  PetscCall(CheckParameters(material));
+  if (!material->varies) PetscCall(CheckParameters(material));
   if (material->info.symmetric) {
     const PetscBool symmetric = (PetscBool)(material->info.symmetric(material->parameter, material->table) != 0);
 
     material->info.traits =
       (material->info.traits & ~(unsigned)MPM_LAW_SYMMETRIC) | (symmetric ? MPM_LAW_SYMMETRIC : 0);
   }
-  material->stiffness = MpmMaterialStiffness(material, NULL, NULL);
+  PetscCall(CheckVariations(material));
+  material->stiffness = MpmMaterialStiffness(material, NULL, NULL, NULL);
   if (material->info.shear_modulus && material->info.traits & MPM_LAW_FIXED_MODULI)
     material->shear_modulus = material->info.shear_modulus(material->parameter, material->table, NULL, NULL);
   if (material->penalty == 0.) material->penalty = material->stiffness;
@@ -303,21 +453,27 @@ static PetscErrorCode ReadAxes(const MpmOptions *block, PetscInt dim, const MpmP
 PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, PetscInt dim,
                                       MpmMaterial *material)
 {
-  char        prefix[256];
-  MpmOptions  block = {options->comm, prefix, options->record};
-  MpmLawTable unused;
-  PetscInt    place = 0;
+  char           prefix[256];
+  MpmOptions     block = {options->comm, prefix, options->record};
+  MpmLawTable    unused;
+  const PetscInt size  = MPM_MAX_DIM * physics->parameter_count + physics->common_count;
+  PetscInt       place = 0;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", material->name));
-  PetscCall(
-    PetscCalloc1((MPM_MAX_DIM * physics->parameter_count + physics->common_count), &material->physics_parameter));
+  PetscCall(PetscCalloc1(size, &material->physics_parameter));
   for (int k = 0; k < physics->parameter_count; k++) {
     const MpmParameter *parameter = &physics->parameters[k];
+    MpmVariation        variation = {0};
 
     PetscCheck(parameter->kind <= MPM_WORD || parameter->kind == MPM_AXES, options->comm, PETSC_ERR_SUP,
                "physics %s: its parameter %s must be a number or a word", physics->name, parameter->name);
-    if (parameter->kind == MPM_AXES) PetscCall(ReadAxes(&block, dim, parameter, &material->physics_parameter[place]));
+    if (parameter->kind != MPM_WORD) PetscCall(MpmVariationRead(&block, parameter, dim, &variation));
+    if (variation.count)
+      PetscCall(AddVariation(material, (PetscInt)material->info.parameter_count + place, MpmParameterPlaces(parameter),
+                             &variation, &material->physics_parameter[place]));
+    else if (parameter->kind == MPM_AXES)
+      PetscCall(ReadAxes(&block, dim, parameter, &material->physics_parameter[place]));
     else PetscCall(MpmParameterRead(&block, parameter, &material->physics_parameter[place], &unused));
     place += MpmParameterPlaces(parameter);
   }
@@ -325,20 +481,29 @@ PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysic
     PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_%s_", physics->common[k].block));
     PetscCall(MpmParameterRead(&block, &physics->common[k].parameter, &material->physics_parameter[place++], &unused));
   }
+  if (!material->varies) PetscFunctionReturn(PETSC_SUCCESS);
+  material->varies->physics = physics;
+  PetscCall(PetscMalloc1(size, &material->varies->physics_given));
+  PetscCall(PetscArraycpy(material->varies->physics_given, material->physics_parameter, size));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-MpmPhysicsMaterial MpmMaterialForPhysics(const MpmMaterial *material, PetscInt dim)
+MpmPhysicsMaterial MpmMaterialForPhysics(const MpmMaterial *material, const double own[], PetscInt dim)
 {
-  return (MpmPhysicsMaterial){&material->info, material->parameter, material->set, material->table, (int)dim};
+  return (MpmPhysicsMaterial){&material->info, own ? own : material->parameter, material->set, material->table,
+                              (int)dim};
 }
 
 PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, PetscReal gravity, MpmMaterial *material)
 {
-  const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, dim);
+  const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, NULL, dim);
   const char              *why;
 
   PetscFunctionBeginUser;
+  if (material->varies) {
+    material->varies->dim     = dim;
+    material->varies->gravity = gravity;
+  }
   if (!physics->prepare || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   why = physics->prepare(&of, gravity, material->physics_parameter);
   MpmCheckInput(!why, "-mpm_material_%s_%s", material->name, why);
@@ -353,33 +518,74 @@ PetscErrorCode MpmMaterialDestroy(MpmMaterial *material)
   PetscCall(PetscFree(material->given));
   PetscCall(PetscFree(material->physics_parameter));
   PetscCall(PetscFree(material->set));
+  for (PetscInt v = 0; material->varies && v < material->varies->count; v++)
+    PetscCall(MpmVariationDestroy(&material->varies->at[v]));
+  if (material->varies) {
+    PetscCall(PetscFree(material->varies->at));
+    PetscCall(PetscFree(material->varies->physics_given));
+  }
+  PetscCall(PetscFree(material->varies));
   PetscCall(MpmTablesDestroy(material->info.parameter_count, &material->table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const PetscReal state[])
+static const double *Parameters(const MpmMaterial *material, const double own[])
+{
+  return own ? own : material->parameter;
+}
+
+/* The number of this name in a row, or `otherwise` where the law has none. */
+static PetscReal OwnNumber(const MpmMaterial *material, const double own[], const char name[], PetscReal otherwise)
+{
+  for (size_t k = 0; own && k < material->info.parameter_count; k++)
+    if (!strcmp(material->info.parameters[k].name, name)) return own[k];
+  return otherwise;
+}
+
+PetscReal MpmMaterialDensity(const MpmMaterial *material, const double own[])
+{
+  return OwnNumber(material, own, "density", material->density);
+}
+
+PetscReal MpmMaterialPenalty(const MpmMaterial *material, const double own[])
+{
+  const PetscReal E = OwnNumber(material, own, "E", 0.);
+
+  if (!own || E > 0.) return own ? E : material->penalty;
+  return MpmMaterialStiffness(material, own, NULL, NULL);
+}
+
+PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const double own[], const PetscReal state[])
 {
   if (!material->info.shear_strength) return PETSC_INFINITY;
-  return material->info.shear_strength(material->parameter, state);
+  return material->info.shear_strength(Parameters(material, own), state);
 }
 
-PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[])
+PetscReal MpmMaterialStiffness(const MpmMaterial *material, const double own[], const PetscReal state[],
+                               const PetscReal F[])
 {
-  return material->info.stiffness(material->parameter, material->table, state, F);
+  return material->info.stiffness(Parameters(material, own), material->table, state, F);
 }
 
-PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, PetscInt dim, const PetscReal state[], const PetscReal F[],
-                               const PetscReal stress[])
+PetscReal MpmMaterialShearModulus(const MpmMaterial *material, const double own[], const PetscReal state[],
+                                  const PetscReal F[])
 {
-  const PetscReal modulus = MpmMaterialStiffness(material, state, F);
-
-  if (!stress) return PetscSqrtReal(modulus / material->density);
-  return MpmWaveSpeed(dim, modulus, material->density, F ? MpmDeterminant(dim, F) : 1., stress);
+  if (!material->info.shear_modulus) return 0.;
+  return material->info.shear_modulus(Parameters(material, own), material->table, state, F);
 }
 
-PetscReal MpmMaterialViscosity(const MpmMaterial *material)
+PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, const double own[], PetscInt dim, const PetscReal state[],
+                               const PetscReal F[], const PetscReal stress[])
 {
-  return material->info.viscosity ? material->info.viscosity(material->parameter, material->table) : 0.;
+  const PetscReal modulus = MpmMaterialStiffness(material, own, state, F), density = MpmMaterialDensity(material, own);
+
+  if (!stress) return PetscSqrtReal(modulus / density);
+  return MpmWaveSpeed(dim, modulus, density, F ? MpmDeterminant(dim, F) : 1., stress);
+}
+
+PetscReal MpmMaterialViscosity(const MpmMaterial *material, const double own[])
+{
+  return material->info.viscosity ? material->info.viscosity(Parameters(material, own), material->table) : 0.;
 }
 
 int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input, const MpmLawInput *direction,
@@ -388,7 +594,7 @@ int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input
   const MpmSensitivity sensitivity = (MpmSensitivity)material->law[MPM_FORM_SENSITIVITY];
   MpmLawInput          full        = *input;
 
-  full.parameter = material->parameter;
+  full.parameter = Parameters(material, input->parameter);
   full.table     = material->table;
   return sensitivity(&full, direction, value, derivative);
 }

@@ -4,12 +4,17 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "point/variation.h"
 #include "talus/talus.h"
 
 #define MPM_NU_LOCKS      0.45 /* Poisson's ratio above which material is nearly incompressible */
 #define MPM_DILATION_FREE 2.5  /* dilation angle, degrees, from which splines follow plastic flow without F-bar */
 
-/* One material of the scene: a law, its parameters' values, and the law compiled for each form. */
+/*
+  One material of the scene: a law, its parameters' values, and the law compiled for each form. Of parameters that vary
+  `parameter` has the largest value, and a point has a row of its own: the law's, then the physics' (MpmPointOwn() in
+  particles/point_mass.h). Functions with an argument `own` take that row, or NULL: the material's values.
+*/
 typedef struct MpmMaterial {
   char        *name;
   MpmLawInfo   info;
@@ -28,6 +33,7 @@ typedef struct MpmMaterial {
   PetscReal penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
   PetscReal spacing; /* most cells from point to point on an axis at the start; 0: unknown */
   PetscInt  state_size;
+  MpmVariations *varies; /* NULL: uniform */
 } MpmMaterial;
 
 /* Materials, with the names of their blocks. */
@@ -44,7 +50,17 @@ PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysic
 /* How many places a physics' parameter takes among its values. */
 PetscInt MpmParameterPlaces(const MpmParameter *parameter);
 /* A material as its physics sees it. */
-MpmPhysicsMaterial MpmMaterialForPhysics(const MpmMaterial *material, PetscInt dim);
+MpmPhysicsMaterial MpmMaterialForPhysics(const MpmMaterial *material, const double own[], PetscInt dim);
+/* Values of the physics' parameters. */
+static inline const double *MpmMaterialPhysicsValues(const MpmMaterial *material, const double own[])
+{
+  return own ? own + material->info.parameter_count : material->physics_parameter;
+}
+/* Numbers in a point's row; and that of a place of the initial state, `height` up gravity's axis, strengths reduced. */
+PetscInt MpmMaterialOwnSize(const MpmMaterial *material);
+void     MpmMaterialOwn(const MpmMaterial *material, PetscReal height, const PetscReal x[], double own[]);
+/* "E, cohesion": names of the parameters that vary. Free with PetscFree(). */
+PetscErrorCode MpmMaterialVaryingText(const MpmMaterial *material, char **text);
 /* What the physics makes of them, once the scene's gravity, m/s2, is known. */
 PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, PetscReal gravity, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
@@ -58,33 +74,42 @@ PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TE
 /* The same with another value of the parameter of this name; false where the law has no such number. */
 PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *parameter, PetscReal value,
                                   char why[MPM_FAULT_TEXT]);
+/* Initial density, kg/m3; of a material where it varies the least. */
+PetscReal MpmMaterialDensity(const MpmMaterial *material, const double own[]);
+/* Scale of penalties, Pa. */
+PetscReal MpmMaterialPenalty(const MpmMaterial *material, const double own[]);
 /* The largest shear stress that the material bears at a state, Pa; infinite where the law sets no limit of that kind. */
-PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const PetscReal state[]);
+PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const double own[], const PetscReal state[]);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
-PetscReal MpmMaterialStiffness(const MpmMaterial *material, const PetscReal state[], const PetscReal F[]);
-/* That and the law's shear modulus, which must have one, for loops over points: no call where all states have the same. */
-static inline PetscReal MpmMaterialStiffnessAt(const MpmMaterial *material, const PetscReal state[],
+PetscReal MpmMaterialStiffness(const MpmMaterial *material, const double own[], const PetscReal state[],
+                               const PetscReal F[]);
+/* The law's shear modulus at a state, Pa; 0 where it has none. */
+PetscReal MpmMaterialShearModulus(const MpmMaterial *material, const double own[], const PetscReal state[],
+                                  const PetscReal F[]);
+/* Both for loops over points: no call where all states and points have the same. */
+static inline PetscReal MpmMaterialStiffnessAt(const MpmMaterial *material, const double own[], const PetscReal state[],
                                                const PetscReal F[])
 {
-  return material->info.traits & MPM_LAW_FIXED_MODULI ? material->stiffness : MpmMaterialStiffness(material, state, F);
+  if (!own && material->info.traits & MPM_LAW_FIXED_MODULI) return material->stiffness;
+  return MpmMaterialStiffness(material, own, state, F);
 }
-static inline PetscReal MpmMaterialShearModulusAt(const MpmMaterial *material, const PetscReal state[],
-                                                  const PetscReal F[])
+static inline PetscReal MpmMaterialShearModulusAt(const MpmMaterial *material, const double own[],
+                                                  const PetscReal state[], const PetscReal F[])
 {
-  if (material->info.traits & MPM_LAW_FIXED_MODULI) return material->shear_modulus;
-  return material->info.shear_modulus(material->parameter, material->table, state, F);
+  if (!own && material->info.traits & MPM_LAW_FIXED_MODULI) return material->shear_modulus;
+  return MpmMaterialShearModulus(material, own, state, F);
 }
 /*
   A bound on the speed of elastic waves at a state, m/s, by lengths as they are there; `stress` is the Cauchy stress, in the
   components of `dim`. Infinite without density. `state`, `F` and `stress` may be NULL: at rest.
 */
-PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, PetscInt dim, const PetscReal state[], const PetscReal F[],
-                               const PetscReal stress[]);
+PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, const double own[], PetscInt dim, const PetscReal state[],
+                               const PetscReal F[], const PetscReal stress[]);
 /* The law's longitudinal viscosity, Pa s, as MpmLawInfo has it; 0 where it has none. */
-PetscReal MpmMaterialViscosity(const MpmMaterial *material);
+PetscReal MpmMaterialViscosity(const MpmMaterial *material, const double own[]);
 /*
-  The law's answer and its derivative in a direction of anything that it depends on; `input` without parameters and
-  tables, which are the material's. Non-zero where the law has no answer.
+  The law's answer and its derivative in a direction of anything that it depends on; `input` without tables, which are
+  the material's, and with a point's own parameters, or NULL: the material's. Non-zero where the law has no answer.
 */
 int MpmMaterialSensitivity(const MpmMaterial *material, const MpmLawInput *input, const MpmLawInput *direction,
                            const MpmLawOutput *value, const MpmLawOutput *derivative);

@@ -40,7 +40,7 @@ static const PetscInt (*Pairs(const MpmInitial *initial))[2]
 
 static MpmKernelPoint Point(const MpmInitial *initial, const PetscReal identity[], const PetscReal state_n[])
 {
-  return (MpmKernelPoint){.parameter = initial->material->parameter,
+  return (MpmKernelPoint){.parameter = initial->own ? initial->own : initial->material->parameter,
                           .state_n   = state_n,
                           .F_n       = identity,
                           .volume0   = 1.,
@@ -216,7 +216,9 @@ static int AskForHistory(const MpmInitial *initial, PetscReal before[], const Pe
   const PetscReal rest[SYM_MAX] = {0.};
   PetscReal       F[9], largest = 0., off = 0.;
 
-  if (initial->history(initial->material->parameter, initial->material->table, goal, before)) return 1;
+  if (initial->history(initial->own ? initial->own : initial->material->parameter, initial->material->table, goal,
+                       before))
+    return 1;
   if (Take(initial, before, rest, after, F, reached)) return 1;
   for (PetscInt s = 0; s < SYM_MAX; s++) {
     largest = PetscMax(largest, PetscAbsReal(goal[s]));

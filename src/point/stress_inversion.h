@@ -13,6 +13,7 @@
 */
 typedef struct {
   const MpmMaterial *material;
+  const double      *own; /* the point's own parameters; NULL: the material's */
   MpmKernelSet       kernel;
   MpmFunction        law[MPM_FORM_COUNT];
   PetscInt           dim, model_dim; /* of the kernel, and of the model */

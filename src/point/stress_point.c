@@ -464,7 +464,7 @@ static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, const char **
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(point->now.stress[s]));
   for (PetscInt k = 0; k < point->count; k++)
     largest = PetscMax(largest, PetscAbsReal(point->control.value[point->unknown[k]]));
-  point->stiffness = MpmMaterialStiffness(point->material, point->now.history, NULL);
+  point->stiffness = MpmMaterialStiffness(point->material, NULL, point->now.history, NULL);
   point->noise     = NOISE * PETSC_MACHINE_EPSILON * (largest + point->stiffness);
   PetscCall(VecGetArray(point->x, &x));
   for (PetscInt k = 0; k < point->count && !point->rank; k++)

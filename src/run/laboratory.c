@@ -85,6 +85,14 @@ PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, Pets
   for (PetscInt m = 0; m < materials->count; m++) {
     PetscCall(MpmMaterialCreate(options, materials->names[m], dim, &materials->at[m]));
     names[m] = materials->names[m];
+    if (materials->at[m].varies) {
+      char *varying = NULL;
+
+      PetscCall(MpmMaterialVaryingText(&materials->at[m], &varying));
+      MpmCheckInput(PETSC_FALSE,
+                    "-mpm_material_%s: %s by height or field, must be a number: a single point has no height",
+                    materials->names[m], varying);
+    }
   }
   PetscCall(MpmOptionsHeading(options, "Point"));
   PetscCall(ReadPoint(model->laboratory, options, materials->count, names));

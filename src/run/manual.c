@@ -11,6 +11,7 @@ static const char introduction[] =
   "-mpm_grid_cells 60,60. What comes later on the command line overrides what came before.\n"
   "Blocks have names: `materials: clay` announces material_clay, whose modulus is -mpm_material_clay_E. Below, NAME\n"
   "stands for such a name. Lists are separated by commas; vectors have one number an axis, two in 2D and three in 3D.\n"
+  "A material's number may be height:value pairs, or a file with columns height or x, y (, z) and the number.\n"
   "Units are SI where the scene is; in brackets: unit, what is accepted, and the default.\n"
   "\n"
   "Exit status: 0 completed; 2 the scene is wrong, nothing was written; 3 gave up, the results so far are there; 4 a\n"

@@ -575,6 +575,7 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
     if (model->scene.boundaries->at[k].augmented) fields[(*count)++] = model->scene.boundaries->at[k].pressure_field;
     if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].gap_field;
+    if (model->scene.boundaries->at[k].broken_field) fields[(*count)++] = model->scene.boundaries->at[k].broken_field;
   }
 }
 
@@ -585,20 +586,10 @@ static PetscBool NeedsBodies(const MpmModel model)
                      model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
-/* Contact knows points by where they were drawn, which is not where their displacements begin in a later stage. */
-static PetscBool KeepsOrigin(const MpmModel model)
-{
-  PetscBool contact = (PetscBool)(model->scene.boundaries->count > 0 || model->scene.pairs->count > 0),
-            resets  = PETSC_FALSE;
-
-  for (PetscInt s = 0; s < model->scene.stage_count; s++) resets = (PetscBool)(resets || model->scene.stages[s].reset);
-  return (PetscBool)(contact && resets);
-}
-
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 static PetscErrorCode CreateParticles(MpmModel model)
 {
-  PetscInt  state_size = 0, extra = 0, shared, axis, up;
+  PetscInt  state_size = 0, extra = 0, shared;
   PetscBool parts       = (PetscBool)(model->disc.parts > 1);
   PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
@@ -609,7 +600,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
                           model->scene.motions->count +
-                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 2) + 1),
+                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 3) + 1),
                          &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
@@ -629,10 +620,12 @@ static PetscErrorCode CreateParticles(MpmModel model)
 
   model->state.particles->has_mass = MpmStagesKeepMass(model);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-    if (MpmBodyIsImported(model->scene.bodies->at[b])) model->state.particles->has_mass = PETSC_TRUE;
+    if (MpmBodyIsImported(model->scene.bodies->at[b]) || MpmBodyIsStressed(model->scene.bodies->at[b]))
+      model->state.particles->has_mass = PETSC_TRUE;
   PetscCall(MpmParticlesCreate(
     model->disc.grid,
-    &(MpmParticleFields){.state_size   = state_size,
+    &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
+                         .state_size   = state_size,
                          .own_size     = model->disc.layout->own_size,
                          .rates        = model->disc.layout->rates,
                          .half_length  = half_length,
@@ -640,7 +633,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                          .faces        = faces,
                          .part         = parts,
                          .divisions    = (PetscBool)(model->scene.divide > 0.),
-                         .origin       = KeepsOrigin(model),
+                         .origin       = MpmOriginIsKept(model),
                          .across       = (PetscBool)(model->disc.dim == 2 && model->state.particles->has_mass),
                          .velocity     = model->disc.inertia->dynamic,
                          .affine       = MpmStagesAreAffine(model),
@@ -654,8 +647,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &axis, &up);
-  for (PetscInt b = 0; b < model->scene.bodies->count; b++) MpmBodySetVertical(model->scene.bodies->at[b], axis, up);
+  PetscCall(MpmBodiesPrepare(model));
   PetscCall(MpmBodiesShareEdges(model));
   PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
                               model->disc.grid, model->state.particles));

@@ -3,8 +3,10 @@
 */
 #include "point/layout.h"
 #include "point/material.h"
+#include "point/strain_measure.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "terms/inertia.h"
 #include "run/run.h"
@@ -13,7 +15,7 @@
 typedef struct {
   MpmModel         model;
   const MpmPoints *points;
-  const char      *state; /* a history variable's name */
+  const char      *state; /* a history variable's or a parameter's name */
   PetscInt         first; /* of its own states, where the physics has it */
   PetscInt         rate;  /* which value with a rate */
   PetscInt         components;
@@ -94,6 +96,45 @@ static PetscErrorCode FillF(const void *ctx, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ln V in the plane, V V = F F^T */
+static void PlaneLogStrain(const PetscReal F[4], PetscReal strain[6])
+{
+  const PetscReal xx = F[0] * F[0] + F[1] * F[1], yy = F[2] * F[2] + F[3] * F[3], xy = F[0] * F[2] + F[1] * F[3],
+                  J = F[0] * F[3] - F[1] * F[2], mean = 0.5 * (xx + yy), half = 0.5 * (xx - yy);
+  const PetscReal radius = PetscSqrtReal(half * half + xy * xy), large = PetscLogReal(mean + radius);
+  const PetscReal volume = PetscLogReal(J),
+                  shear  = 0.5 * large - 0.5 * volume; /* half of the principal strains' difference */
+  const PetscReal by     = radius > PETSC_SQRT_MACHINE_EPSILON * mean ? shear / radius : 0.5 / mean;
+
+  for (PetscInt k = 0; k < 6; k++) strain[k] = 0.;
+  strain[0] = 0.5 * volume + by * half;
+  strain[1] = 0.5 * volume - by * half;
+  strain[3] = by * xy;
+}
+
+/* The total strain: ln V, or of laws of small strain sym(F) - I. */
+static PetscErrorCode FillStrain(const void *ctx, PetscReal values[])
+{
+  const MpmPoints *points = ((const Source *)ctx)->points;
+  const MpmModel   model  = ((const Source *)ctx)->model;
+  const PetscInt   dim    = model->disc.dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) {
+    const unsigned traits = model->scene.materials->at[points->material[p]].info.traits;
+    PetscReal      F[9];
+
+    if (dim == 2 && !(traits & MPM_LAW_SMALL_STRAIN)) {
+      PlaneLogStrain(&points->F[p * 4], &values[6 * p]);
+      continue;
+    }
+    CopyF(dim, &points->F[p * dim * dim], F);
+    PetscCall(MpmStrainFromDeformation(traits & MPM_LAW_SMALL_STRAIN ? MPM_STRAIN_ENGINEERING : MPM_STRAIN_LOG, F,
+                                       &values[6 * p]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A history variable: zero where a point's law has none of this name. */
 static PetscErrorCode FillState(const void *ctx, PetscReal values[])
 {
@@ -117,6 +158,24 @@ static PetscErrorCode FillState(const void *ctx, PetscReal values[])
       if (source->components == 6) CopySym(model->disc.dim, state, &values[6 * p]);
       else values[p] = state[0];
     }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A parameter of laws that varies: zero where a point's law has none of this name. */
+static PetscErrorCode FillParameter(const void *ctx, PetscReal values[])
+{
+  const Source    *source = (const Source *)ctx;
+  const MpmPoints *points = source->points;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < points->count; p++) {
+    const MpmMaterial *material = &source->model->scene.materials->at[points->material[p]];
+    const double      *own      = MpmPointOwn(points, material, p);
+    size_t             k        = 0;
+
+    while (k < material->info.parameter_count && strcmp(material->info.parameters[k].name, source->state)) k++;
+    values[p] = k == material->info.parameter_count ? 0. : own ? own[k] : material->parameter[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,6 +228,22 @@ static void Add(Fields *fields, const MpmDataset *set, const Source *source)
   fields->count++;
 }
 
+/* Parameters of laws that vary, as they are in force. */
+static void AddParameters(MpmModel model, Source source, Fields *fields)
+{
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    const MpmMaterial *material = &model->scene.materials->at[m];
+
+    for (PetscInt v = 0; material->varies && v < material->varies->count; v++) {
+      const PetscInt place = material->varies->at[v].place;
+
+      if (place >= (PetscInt)material->info.parameter_count) continue;
+      source.state = material->info.parameters[place].name;
+      Add(fields, &(MpmDataset){.name = source.state, .components = 1, .fill = FillParameter}, &source);
+    }
+  }
+}
+
 static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fields *fields)
 {
   const PetscInt   dim      = model->disc.dim;
@@ -177,6 +252,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
     {.name = "material", .components = 1, .integer = points ? points->material : NULL},
     {.name = "displacement", .components = dim, .fill = FillDisplacement},
     {.name = "stress", .components = 6, .fill = FillStress},
+    {.name = "strain", .components = 6, .fill = FillStrain},
     {.name = "volume", .components = 1, .fill = FillVolume},
     {.name = "mass", .components = 1, .fill = FillMass},
     {.name = "F", .components = 9, .fill = FillF},
@@ -187,7 +263,8 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    capacity += (PetscInt)model->scene.materials->at[m].info.state_count;
+    capacity +=
+      (PetscInt)(model->scene.materials->at[m].info.state_count + model->scene.materials->at[m].info.parameter_count);
   fields->count = 0;
   PetscCall(PetscMalloc2(capacity, &fields->set, capacity, &fields->source));
   for (size_t k = 0; k < known; k++) Add(fields, &always[k], &source);
@@ -220,6 +297,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
 
     Add(fields, &set, &source);
   }
+  AddParameters(model, source, fields);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

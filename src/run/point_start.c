@@ -1,12 +1,64 @@
 /*
-  What points start with that bodies do not know: the physics' own states, and the parts of the material.
+  What points start with that bodies do not know: the physics' own states, parameters, and the parts of the material.
 */
 #include "point/layout.h"
 #include "point/material.h"
 #include "particles/body.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
+#include "terms/body_contact.h"
+#include "terms/body_surface.h"
+#include "terms/load.h"
+#include "terms/rigid.h"
+#include "time/scene.h"
 #include "run/run.h"
+
+/* Contact, regions of surfaces and parameters that vary need initial places, which a stage may overwrite otherwise. */
+PetscBool MpmOriginIsKept(const MpmModel model)
+{
+  PetscBool wanted = (PetscBool)(model->scene.boundaries->count > 0 || model->scene.pairs->count > 0),
+            resets = PETSC_FALSE;
+
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    wanted = (PetscBool)(wanted || model->scene.materials->at[m].varies);
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++)
+    wanted = (PetscBool)(wanted || model->scene.surfaces->at[k].region);
+  for (PetscInt s = 0; s < model->scene.stage_count; s++) resets = (PetscBool)(resets || model->scene.stages[s].reset);
+  return (PetscBool)(wanted && resets);
+}
+
+/* Numbers that a point has of its own where parameters vary, as many for each. */
+PetscInt MpmOwnParametersSize(MpmModel model)
+{
+  MpmMaterials *materials = model->scene.materials;
+  PetscInt      most      = 0;
+
+  for (PetscInt m = 0; m < materials->count; m++) most = PetscMax(most, MpmMaterialOwnSize(&materials->at[m]));
+  for (PetscInt m = 0; m < materials->count; m++)
+    if (materials->at[m].varies) materials->at[m].varies->stride = most;
+  return most;
+}
+
+PetscErrorCode MpmBodiesPrepare(MpmModel model)
+{
+  PetscInt axis, up;
+
+  PetscFunctionBeginUser;
+  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &axis, &up);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscBool joins = PETSC_FALSE;
+
+    MpmBodySetVertical(model->scene.bodies->at[b], axis, up);
+    for (PetscInt k = 1; k < model->scene.stage_count; k++)
+      joins = (PetscBool)(joins || model->scene.stages[k].adds[b]);
+    if (joins) MpmBodySetJoins(model->scene.bodies->at[b]);
+    MpmCheckInput(joins || MpmBodyFills(model->scene.bodies->at[b]) != MPM_FILL_YES,
+                  "-mpm_body_%s_fill true: the body joins no stage, must be in the list of bodies of a later one",
+                  model->scene.bodies->names[b]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmFillOwnStates(MpmModel model)
 {
@@ -17,14 +69,15 @@ PetscErrorCode MpmFillOwnStates(MpmModel model)
   if (!model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    const MpmMaterial *material = &model->scene.materials->at[points.material[p]];
-    PetscReal         *own      = &points.own[p * model->disc.layout->own_size];
+    const MpmMaterial *material   = &model->scene.materials->at[points.material[p]];
+    const double      *own_values = MpmPointOwn(&points, material, p);
+    PetscReal         *own        = &points.own[p * model->disc.layout->own_size];
 
     MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim, own);
     if (physics->initial) {
-      const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, model->disc.dim);
+      const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, own_values, model->disc.dim);
 
-      physics->initial(&of, material->physics_parameter,
+      physics->initial(&of, MpmMaterialPhysicsValues(material, own_values),
                        points.state ? &points.state[p * model->state.particles->state_size] : NULL, own);
     }
   }

@@ -375,6 +375,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   PetscCall(OrderPoints(particles, count, key));
   PetscCall(PetscFree(key));
   PetscCall(PetscFree(place));
+  PetscCall(MpmModelSetOwn(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

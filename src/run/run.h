@@ -151,12 +151,18 @@ PetscErrorCode MpmWeldsPrint(MpmModel model);
 PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool stick);
 /* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); is there water? */
 PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options);
+/* Before points are made: which way is up, and which bodies join a stage. */
+PetscErrorCode MpmBodiesPrepare(MpmModel model);
 /* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */
 PetscErrorCode MpmFillOwnStates(MpmModel model);
 /* The file of a body, with what the physics keeps of a point; and that into the points, once they have all else. */
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
 PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);
+/* Numbers of the row of parameters that each point has; 0: no material varies. Sets the materials' strides. */
+PetscInt MpmOwnParametersSize(MpmModel model);
+/* Do points keep their places in the initial state, beside those where displacements began anew? */
+PetscBool MpmOriginIsKept(const MpmModel model);
 /* Is the Jacobian symmetric, as far as the physics knows (symmetry.c)? Once materials, loads and surfaces are read. */
 PetscBool MpmSceneIsSymmetric(MpmModel model);
 /*

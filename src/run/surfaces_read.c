@@ -19,8 +19,11 @@ PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options)
   PetscCall(MpmBodySurfacesAddDrained(model->scene.boundaries, surfaces));
   PetscCall(PetscCalloc1((model->scene.loads->count + surfaces->count), &model->state.loads));
   for (PetscInt k = 0; k < surfaces->named; k++) {
-    PetscCall(
-      MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, model->scene.bodies, &surfaces->at[k]));
+    PetscReal tolerance[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < model->disc.dim; a++) tolerance[a] = MPM_TOLERANCE * model->disc.h[a];
+    PetscCall(MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, tolerance, model->scene.bodies,
+                                   &surfaces->at[k]));
     if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
   }
   PetscFunctionReturn(PETSC_SUCCESS);

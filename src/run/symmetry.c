@@ -16,7 +16,7 @@ PetscBool MpmSceneIsSymmetric(MpmModel model)
     if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY) return PETSC_FALSE; /* what points take up has weight */
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     const MpmMaterial       *material = &model->scene.materials->at[m];
-    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, model->disc.dim);
+    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, model->disc.dim);
 
     if (!physics->symmetric(&of, material->physics_parameter)) return PETSC_FALSE;
   }

@@ -14,6 +14,7 @@
   Source of the idea: the fixed-stress splitting as a preconditioner, White, Castelletto and Tchelepi (2016),
   doi:10.1016/j.cma.2015.12.010.
 */
+#include "particles/point_mass.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
@@ -119,9 +120,11 @@ static PetscErrorCode GroupMass(const MpmSum *sum, const MpmGroup *group, PetscR
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(element, n * n));
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt   p     = sum->space->order[s];
-    const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL;
-    const PetscReal  M   = MpmMaterialStiffness(&sum->materials[points->material[p]], state, &points->F[p * dim * dim]);
+    const PetscInt     p        = sum->space->order[s];
+    const PetscReal   *state    = points->state ? &points->state[p * sum->state_size] : NULL;
+    const MpmMaterial *material = &sum->materials[points->material[p]];
+    const PetscReal    M =
+      MpmMaterialStiffness(material, MpmPointOwn(points, material, p), state, &points->F[p * dim * dim]);
     const PetscReal *phi = work->basis.basis[basis];
 
     MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);

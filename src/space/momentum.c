@@ -10,6 +10,7 @@
   itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
 */
 #include "point/layout.h"
+#include "particles/point_mass.h"
 #include "point/material.h"
 #include "space/momentum.h"
 #include "space/motion.h"
@@ -679,11 +680,12 @@ PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt  p     = space->order[s];
-      const PetscReal speed = MpmMaterialWaveSpeed(&sum->materials[points->material[p]], dim,
+      const PetscInt     p        = space->order[s];
+      const MpmMaterial *material = &sum->materials[points->material[p]];
+      const PetscReal    speed    = MpmMaterialWaveSpeed(material, MpmPointOwn(points, material, p), dim,
                                                    points->state ? &points->state[p * sum->state_size] : NULL,
-                                                   &points->F[p * dim * dim], &points->stress[p * MpmSymSize(dim)]);
-      PetscReal       total = 0.;
+                                                         &points->F[p * dim * dim], &points->stress[p * MpmSymSize(dim)]);
+      PetscReal          total    = 0.;
 
       MpmShapeBasis(known, space, 0, p, PETSC_FALSE, basis);
       for (PetscInt i = 0; i < known.n; i++) {

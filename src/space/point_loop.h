@@ -201,10 +201,11 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
 {
   const MpmPoints   *points   = sum->points;
   const MpmMaterial *material = &sum->materials[points->material[p]];
+  const double      *own      = MpmPointOwn(points, material, p);
   const PetscInt     dim      = sum->space->dim;
 
-  point->parameter         = material->parameter;
-  point->physics_parameter = material->physics_parameter;
+  point->parameter         = own ? own : material->parameter;
+  point->physics_parameter = MpmMaterialPhysicsValues(material, own);
   point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
   point->F_n               = &points->F[p * dim * dim];
   point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;

@@ -28,13 +28,12 @@ static void Impedances(const MpmSum *sum, PetscInt p, PetscReal impedance[2])
   const MpmPoints   *points   = sum->points;
   const PetscInt     dim      = sum->space->dim;
   const MpmMaterial *material = &sum->materials[points->material[p]];
-  const MpmLawInfo  *info     = &material->info;
+  const double      *own      = MpmPointOwn(points, material, p);
   const PetscReal   *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = &points->F[p * dim * dim];
   const PetscReal    mass = MpmPointMass(points, sum->materials, p), volume = points->volume0[p];
-  PetscReal          shear = 0.;
+  const PetscReal    shear = MpmMaterialShearModulus(material, own, state, F);
 
-  if (info->shear_modulus) shear = info->shear_modulus(material->parameter, material->table, state, F);
-  impedance[0] = PetscSqrtReal(mass * volume * PetscMax(MpmMaterialStiffness(material, state, F), 0.));
+  impedance[0] = PetscSqrtReal(mass * volume * PetscMax(MpmMaterialStiffness(material, own, state, F), 0.));
   impedance[1] = PetscSqrtReal(mass * volume * PetscMax(shear, 0.));
 }
 

@@ -16,6 +16,7 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/outer_faces.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
@@ -93,9 +94,10 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   }
   MpmFacetLines(rules, space, points, &facet, made.line);
   made.material = points->material[p];
-  made.modulus  = material->penalty;
+  made.modulus  = MpmMaterialPenalty(material, MpmPointOwn(points, material, p));
   made.plastic  = material->info.traits & MPM_LAW_PLASTIC ? 1. : 0.;
-  made.strength = MpmMaterialShearStrength(material, points->state + p * contacts->state_size);
+  made.strength =
+    MpmMaterialShearStrength(material, MpmPointOwn(points, material, p), points->state + p * contacts->state_size);
   return made;
 }
 

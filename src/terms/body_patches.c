@@ -516,7 +516,7 @@ static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPai
   FOR_SIDES(patch, f, s)
   {
     const MpmMaterial       *material = &sum->materials[contacts->facet[contacts->list[f]].material];
-    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, sum->layout->dim);
+    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
 
     /* over a length of nothing: what a step of a second lets through */
     mobility =

@@ -69,11 +69,11 @@ static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout
 }
 
 PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
-                                    const MpmBodies *bodies, MpmBodySurface *surface)
+                                    const PetscReal tolerance[], const MpmBodies *bodies, MpmBodySurface *surface)
 {
   char       prefix[256];
   MpmOptions block = {options->comm, prefix, options->record};
-  PetscBool  traction, normal, water = PETSC_FALSE;
+  PetscBool  traction, normal, water = PETSC_FALSE, has_region;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_surface_%s_", name));
@@ -82,6 +82,8 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
   surface->boundary = -1;
   PetscCall(ReadBody(&block, bodies, &surface->body));
   PetscCall(ReadSide(&block, layout->dim, &surface->faces));
+  PetscCall(MpmOptionsHas(&block, "region", &has_region));
+  if (has_region || MpmOptionsHelp()) PetscCall(MpmRegionCreate(&block, layout->dim, tolerance, &surface->region));
   PetscCall(MpmOptionsReals(&block, "traction", "Pa", "force by area of the faces as they stand at a step's end",
                             MPM_RANGE_ANY, MPM_OPTIONAL, layout->dim, surface->traction, &traction));
   PetscCall(MpmOptionsReal(&block, "normal", "Pa",
@@ -141,6 +143,7 @@ PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces)
   for (PetscInt k = 0; surfaces->at && k < surfaces->count; k++) {
     PetscCall(PetscFree(surfaces->at[k].name));
     PetscCall(MpmRampDestroy(&surfaces->at[k].ramp));
+    PetscCall(MpmRegionDestroy(&surfaces->at[k].region));
   }
   PetscCall(MpmNamesDestroy(surfaces->count, &surfaces->names));
   PetscCall(PetscFree(surfaces->at));

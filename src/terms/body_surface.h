@@ -14,6 +14,7 @@ typedef struct {
   char     *name;
   PetscInt  body, faces;                   /* body: or -1; faces: bits of those that belong to it (outer_faces.h) */
   PetscInt  boundary;                      /* that is drained, or -1 */
+  MpmRegion region;                        /* of the faces' places in the initial state; NULL: everywhere */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
   MpmRamp   ramp;                  /* of both, and of the pressure where it is given */
@@ -62,9 +63,9 @@ typedef struct MpmSurfaceFaces {
   PetscReal             *weight;
 } MpmSurfaceFaces;
 
-/* `layout` is that of the scene's physics. */
+/* `layout` is that of the scene's physics; tolerances of regions by axis, m. */
 PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
-                                    const MpmBodies *bodies, MpmBodySurface *surface);
+                                    const PetscReal tolerance[], const MpmBodies *bodies, MpmBodySurface *surface);
 /* Adds what drained boundaries are to the list of surfaces, of which count and names are there. */
 PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces);
 /* Is there one on which open water stands below its level? */

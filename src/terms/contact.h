@@ -45,7 +45,8 @@ typedef struct {
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM];
   PetscReal line[MPM_MAX_DIM][16]; /* weights by axis, at these nodes */
   PetscReal area, place[MPM_MAX_DIM], normal[MPM_MAX_DIM];
-  PetscReal astray; /* distance of the point from where it should be beside the surface, m */
+  PetscReal modulus; /* scale of its penalty, Pa */
+  PetscReal astray;  /* distance of the point from where it should be beside the surface, m */
   PetscReal kept[MPM_PIECE_SLOTS];
 } MpmPiece;
 
@@ -60,6 +61,7 @@ typedef struct {
   PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
   PetscBool     round;   /* a facet on a round surface, which touches by itself */
   PetscBool     direct;  /* in an explicit step: no equations are solved */
+  PetscBool     broken;  /* of a bilateral boundary, which has let go: it pushes only */
   PetscBool     held;    /* touches whatever the law says (contact_states.c), and sticks, or */
   PetscBool     glides;  /* slides this way with the traction that goes with its pressure */
   PetscReal     way[MPM_MAX_DIM];
@@ -250,6 +252,8 @@ PetscErrorCode MpmPiecesAppendBoxes(const MpmContacts *contacts, MpmSpace *space
 PetscErrorCode MpmPiecesLoad(MpmContacts *contacts, const MpmTermStep *step);
 /* Slips, pressures and gaps with which the step starts, from those that points keep (contact_kept.c). */
 PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step);
+/* Points of bilateral boundaries with a tension let go for good where a patch is pulled by more. */
+PetscErrorCode MpmContactsBreak(MpmContacts *contacts, const MpmPatchAnswer answers[], MpmParticles *particles);
 /* By so much the material comes nearer in this step, m. */
 PetscReal MpmPieceWayBack(const MpmContacts *contacts, const MpmFacet *facet);
 /* The nodes that a facet touches: those of its point's group, or of its piece. */

@@ -125,6 +125,55 @@ static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Patches of which most has let go */
+static PetscErrorCode LoadBroken(MpmContacts *contacts, MpmParticles *particles)
+{
+  PetscReal *broken;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    if (!contacts->boundaries[b].broken_field) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->boundaries[b].broken_field, &broken));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmPatch *patch = &contacts->patch[k];
+      PetscReal area  = 0.;
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++) {
+        const PetscInt p = contacts->facet[f].point;
+
+        if (p >= 0 && broken[p] > 0.) area += contacts->facet[f].area;
+      }
+      patch->broken = (PetscBool)(area > 0.5 * patch->area);
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &broken));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsBreak(MpmContacts *contacts, const MpmPatchAnswer answers[], MpmParticles *particles)
+{
+  PetscReal *broken;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    if (!contacts->boundaries[b].broken_field) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->boundaries[b].broken_field, &broken));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+      const PetscBool tears =
+        (PetscBool)(patch->broken || patch->stiffness * answers[k].gap > contacts->boundaries[b].tension);
+
+      for (PetscInt f = patch->begin; patch->boundary == b && tears && f < patch->end; f++) {
+        const PetscInt p = contacts->facet[f].point;
+
+        if (p >= 0) broken[p] = 1.;
+      }
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &broken));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step)
 {
   PetscFunctionBeginUser;
@@ -133,5 +182,6 @@ PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step)
   PetscCall(LoadSlips(contacts, step->particles, contacts->boundaries[0].dim));
   PetscCall(LoadPressures(contacts, step->particles));
   PetscCall(LoadGaps(contacts, step->particles));
+  PetscCall(LoadBroken(contacts, step->particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -82,7 +82,7 @@ static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatc
                                   .adhesion  = adhesion,
                                   .strength  = strength,
                                   .stick     = boundary->stick,
-                                  .parts     = (PetscBool)(!boundary->bilateral && !patch->held),
+                                  .parts     = (PetscBool)((!boundary->bilateral || patch->broken) && !patch->held),
                                   .secant    = contacts->newton.secant,
                                   .least     = contacts->newton.least};
   const PetscReal     pressure = -patch->stiffness * answer->gap;
@@ -115,10 +115,10 @@ static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, 
 }
 
 /* How far a facet is beyond what a patch may tilt. */
-static PetscReal Beyond(const MpmContacts *contacts, const MpmBoundary *boundary, PetscReal gap)
+static PetscReal Beyond(const MpmContacts *contacts, PetscBool holds, PetscReal gap)
 {
   if (gap < -contacts->tilt) return gap + contacts->tilt;
-  return boundary->bilateral && gap > contacts->tilt ? gap - contacts->tilt : 0.;
+  return holds && gap > contacts->tilt ? gap - contacts->tilt : 0.;
 }
 
 /*
@@ -170,7 +170,9 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
   const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
   const PetscInt     dim      = boundary->dim;
 
-  *answer = (MpmPatchAnswer){.active = boundary->bilateral};
+  const PetscBool holds = (PetscBool)(boundary->bilateral && !patch->broken);
+
+  *answer = (MpmPatchAnswer){.active = holds};
   Distances(contacts, patch, work);
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const MpmFacet *facet   = &contacts->facet[f];
@@ -182,12 +184,12 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     /* what rounding took from the place counts where a body's balance depends on its depth */
     for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
-    work->beyond[f - patch->begin] = Beyond(contacts, boundary, surface->distance - facet->touches - facet->turn);
+    work->beyond[f - patch->begin] = Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
     if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
     answer->gap += share * (surface->distance - facet->touches - facet->turn);
   }
   answer->gap -= patch->shift;
-  if (!boundary->bilateral) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
+  if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
   if (!answer->active) {
     answer->gap = 0.;
     return;

@@ -22,6 +22,7 @@
 #include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
@@ -572,13 +573,13 @@ static void IncludeGroup(MpmGroup *box, const MpmGroup *group)
   then, and Newton's method gets on better as the material slides along a curved surface. Round bodies are soft themselves where they
   touch, by more than their penalty, and need the fewer iterations the softer it is.
 */
-static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *material, PetscBool round)
+static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *material, PetscReal modulus, PetscBool round)
 {
   PetscReal penalty = boundary->penalty;
 
   if (!boundary->firm && round) penalty = ROUND;
   if (!boundary->firm && material->info.traits & MPM_LAW_PLASTIC) penalty = SOFT;
-  return penalty * material->penalty;
+  return penalty * modulus;
 }
 
 static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
@@ -592,8 +593,9 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
   qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmFacet), CompareFacets);
   PetscCall(PetscRealloc((size_t)contacts->facet_count * sizeof(MpmPatch), &contacts->patch));
   for (PetscInt k = 0; k < contacts->facet_count; k++) {
-    const MpmFacet *facet = &contacts->facet[k];
-    MpmPatch       *patch;
+    const MpmFacet    *facet = &contacts->facet[k];
+    const MpmMaterial *material;
+    MpmPatch          *patch;
 
     if (!k || facet->boundary != facet[-1].boundary || facet->cell != facet[-1].cell ||
         facet->corner != facet[-1].corner || facet->side != facet[-1].side || facet->round || facet->single) {
@@ -608,12 +610,14 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     patch->end = k + 1;
     patch->area += facet->area;
     patch->foreign = (PetscBool)(patch->foreign || facet->point < 0);
+    material =
+      &rules->materials[facet->piece ? contacts->piece[facet->piece - 1].material : points->material[facet->point]];
     patch->stiffness +=
       facet->area * unit *
-      Penalty(
-        &contacts->boundaries[facet->boundary],
-        &rules->materials[facet->piece ? contacts->piece[facet->piece - 1].material : points->material[facet->point]],
-        patch->round);
+      Penalty(&contacts->boundaries[facet->boundary], material,
+              facet->piece ? contacts->piece[facet->piece - 1].modulus
+                           : MpmMaterialPenalty(material, MpmPointOwn(points, material, facet->point)),
+              patch->round);
     contacts->most = PetscMax(contacts->most, patch->end - patch->begin);
   }
   for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].stiffness /= contacts->patch[k].area;
@@ -723,12 +727,14 @@ static void Strengths(MpmContacts *contacts, const MpmSum *sum)
 
     patch->strength = 0.;
     for (PetscInt f = patch->begin; f < patch->end; f++) {
-      const MpmFacet *facet = &contacts->facet[f];
+      const MpmFacet    *facet    = &contacts->facet[f];
+      const MpmMaterial *material = facet->piece ? NULL : &sum->materials[sum->points->material[facet->point]];
 
-      patch->strength += facet->area / patch->area *
-                         (facet->piece ? contacts->piece[facet->piece - 1].kept[MPM_PIECE_STRENGTH]
-                                       : MpmMaterialShearStrength(&sum->materials[sum->points->material[facet->point]],
-                                                                  sum->points->state + facet->point * sum->state_size));
+      patch->strength +=
+        facet->area / patch->area *
+        (facet->piece ? contacts->piece[facet->piece - 1].kept[MPM_PIECE_STRENGTH]
+                      : MpmMaterialShearStrength(material, MpmPointOwn(sum->points, material, facet->point),
+                                                 sum->points->state + facet->point * sum->state_size));
     }
   }
 }

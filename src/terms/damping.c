@@ -12,6 +12,7 @@
   Sources: von Neumann, Richtmyer (1950), J. Appl. Phys. 21, 232-237, doi:10.1063/1.1699639; Landshoff (1955), Los Alamos report
   LA-1930, for the linear part.
 */
+#include "particles/point_mass.h"
 #include "grid/grid.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"
@@ -59,14 +60,13 @@ static PetscErrorCode FindViscosities(MpmDamping *damping, const MpmSum *sum)
   PetscCall(PetscMalloc1((points->count * MPM_VISCOSITIES + 1), &damping->viscosity));
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
+    const double      *own      = MpmPointOwn(points, material, p);
     const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = &points->F[p * dim * dim];
     const PetscReal  mass = MpmPointMass(points, sum->materials, p), volume = points->volume0[p];
-    const PetscReal  stiffness  = PetscMax(MpmMaterialStiffness(material, state, F), 0.);
-    const MpmLawInfo *info      = &material->info;
-    PetscReal        *viscosity = &damping->viscosity[p * MPM_VISCOSITIES];
-    PetscReal         shear     = 0.;
+    const PetscReal  stiffness = PetscMax(MpmMaterialStiffness(material, own, state, F), 0.);
+    PetscReal       *viscosity = &damping->viscosity[p * MPM_VISCOSITIES];
+    const PetscReal  shear     = MpmMaterialShearModulus(material, own, state, F);
 
-    if (info->shear_modulus) shear = info->shear_modulus(material->parameter, material->table, state, F);
     viscosity[0] = damping->stiffness * volume * (stiffness - 2. * shear);
     viscosity[1] = damping->stiffness * volume * shear;
     viscosity[2] = damping->linear * length * PetscSqrtReal(stiffness * mass * volume);

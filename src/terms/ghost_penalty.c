@@ -615,7 +615,7 @@ static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
   if (IsDry(sum, face)) return 0.;
   for (PetscInt k = 0; k < 2; k++) {
     const MpmMaterial       *material = &sum->materials[face->material[k]];
-    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, sum->layout->dim);
+    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
 
     factor[k] = Flow(sum, &of, material->physics_parameter, sum->grid->h[face->axis]);
   }

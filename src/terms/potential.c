@@ -12,6 +12,7 @@
 */
 #include "point/layout.h"
 #include "point/stored_energy.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/sum.h"
 #include "terms/body_surface.h"
@@ -53,9 +54,10 @@ MPM_INLINE PetscReal Stored(const PetscInt dim, const MpmDiscretization *disc)
   PetscReal     total = 0.;
 
   for (PetscInt p = 0; p < disc->points->count; p++)
-    total += disc->points->volume0[p] * MpmStoredEnergy(&sum->materials[disc->points->material[p]], dim,
-                                                        &disc->trial->stress[p * MpmSymSize(dim)], NULL,
-                                                        &disc->trial->F[p * dim * dim]);
+    total += disc->points->volume0[p] *
+             MpmStoredEnergy(&sum->materials[disc->points->material[p]],
+                             MpmPointOwn(disc->points, &sum->materials[disc->points->material[p]], p), dim,
+                             &disc->trial->stress[p * MpmSymSize(dim)], NULL, &disc->trial->F[p * dim * dim]);
   return total;
 }
 

@@ -24,6 +24,8 @@ typedef struct {
   PetscReal   penetration;    /* m */
   char       *pressure_field; /* of the particles, where augmented */
   char       *gap_field;      /* of the particles, where bilateral */
+  PetscReal   tension;        /* with which a bilateral one lets go for good, Pa; 0: none */
+  char       *broken_field;   /* of the particles, where it has a tension: 1 where it has let go */
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */

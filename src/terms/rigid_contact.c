@@ -583,6 +583,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     PetscCall(KeepSlips(contacts, sum, answers, particles));
     PetscCall(KeepPressures(contacts, sum, answers, particles));
     PetscCall(KeepGaps(contacts, sum, answers, particles));
+    PetscCall(MpmContactsBreak(contacts, answers, particles));
   }
   contacts->newton.bare = (PetscBool)!contacts->newton.near;
   PetscCall(PetscFree(answers));

@@ -118,6 +118,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   char                     prefix[256], field[256];
   MpmOptions               block     = {options->comm, prefix, options->record};
   PetscInt                 bilateral = 0;
+  PetscBool                tears;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(boundary, sizeof(*boundary)));
@@ -139,6 +140,12 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(MpmFrictionRead(&block, &boundary->friction, &boundary->adhesion, &boundary->stick));
   boundary->tangential = (PetscBool)(boundary->stick || boundary->friction > 0. || boundary->adhesion > 0.);
   boundary->bilateral  = (PetscBool)bilateral;
+  PetscCall(
+    MpmOptionsReal(&block, "tension", "Pa",
+                   "pull by area at a step's end with which a bilateral boundary lets go for good; by default it holds",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->tension, &tears));
+  MpmCheckInput(MpmOptionsHelp() || !tears || bilateral,
+                "-%stension: a unilateral boundary carries none; must be with -%scontact bilateral", prefix, prefix);
   PetscCall(MpmOptionsReal(&block, "penalty", "E/h",
                            "pressure by depth, times Young's modulus over the cell size; unless given, 10 on materials "
                            "that flow, whose pressures are small beside it",
@@ -150,6 +157,8 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   if (bilateral) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "held_%s", name));
     PetscCall(PetscStrallocpy(field, &boundary->gap_field));
+    PetscCall(PetscSNPrintf(field, sizeof(field), "broken_%s", name));
+    if (tears) PetscCall(PetscStrallocpy(field, &boundary->broken_field));
   }
   for (PetscInt a = 0; boundary->tangential && a < grid->dim; a++) {
     PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
@@ -164,6 +173,7 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
   PetscCall(PetscFree(boundary->name));
   PetscCall(PetscFree(boundary->pressure_field));
   PetscCall(PetscFree(boundary->gap_field));
+  PetscCall(PetscFree(boundary->broken_field));
   PetscCall(MpmSolidDestroy(&boundary->solid));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(boundary->slip_field[a]));
   PetscCall(MpmRegionDestroy(&boundary->region));

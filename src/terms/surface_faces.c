@@ -112,6 +112,35 @@ static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const M
   return (PetscBool)(along < 0. && there.distance <= reach);
 }
 
+#define SAMPLES 16 /* places across a face, an axis */
+
+/*
+  The part of a face that lies in the surface's region, by its place in the initial state, from evenly spread places.
+  Water passes all of a face, or none.
+*/
+static PetscReal PartInRegion(const MpmBodySurface *surface, PetscInt dim, const MpmPoints *points, PetscInt p,
+                              PetscInt face)
+{
+  const PetscInt axis = face / 2, along[2] = {(axis + 1) % dim, (axis + 2) % dim}, across = dim == 2 ? 1 : SAMPLES;
+  PetscReal      x[MPM_MAX_DIM] = {0., 0., 0.};
+  PetscInt       inside         = 0;
+
+  if (!surface->region) return 1.;
+  for (PetscInt a = 0; a < dim; a++) x[a] = points->origin[p * dim + a];
+  x[axis] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + axis];
+  for (PetscInt k = 0; k < SAMPLES * across; k++) {
+    for (PetscInt d = 0; d < dim - 1; d++) {
+      const PetscInt a = along[d], q = d ? k / SAMPLES : k % SAMPLES;
+
+      x[a] = points->origin[p * dim + a] +
+             points->half_length[p * dim + a] * ((2. * (PetscReal)q + 1.) / (PetscReal)SAMPLES - 1.);
+    }
+    inside += MpmRegionContains(surface->region, x) ? 1 : 0;
+  }
+  if (surface->held) return 2 * inside >= SAMPLES * across ? 1. : 0.;
+  return (PetscReal)inside / (PetscReal)(SAMPLES * across);
+}
+
 PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim)
 {
   return (PetscBool)(surface->boundary < 0 && surface->faces == (1 << (2 * dim)) - 1);
@@ -184,10 +213,12 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
   for (PetscInt k = 0; k < 2 * dim * faces->surfaces->count; k++) {
     const PetscInt surface = k / (2 * dim), face = k % (2 * dim), bit = MpmFaceBit(face / 2, face % 2);
     MpmFacet       facet = *start;
-    PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.};
+    PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.}, part;
 
     if (!(outer & faces->surfaces->at[surface].faces & bit) || !Has(faces, surface, points->id[p])) continue;
     if (faces->surfaces->at[surface].boundary >= 0 && (held & bit)) continue;
+    part = PartInRegion(&faces->surfaces->at[surface], dim, points, p, face);
+    if (!(part > 0.)) continue;
     MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
     if (!Touches(faces, surface, points, p, facet.place, area)) continue;
@@ -201,8 +232,8 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
       (MpmSurfaceFace){.surface = surface, .point = p, .group = start->group, .weight = *used};
     for (PetscInt a = 0; a < dim; a++) {
       faces->face[faces->face_count].place[a]    = facet.place[a];
-      faces->face[faces->face_count].area[a]     = area[a];
-      faces->face[faces->face_count].per_area[a] = area[a] / volume;
+      faces->face[faces->face_count].area[a]     = part * area[a];
+      faces->face[faces->face_count].per_area[a] = part * area[a] / volume;
     }
     faces->face_count++;
     *used += nodes;
@@ -247,13 +278,17 @@ PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLo
     for (PetscInt p = 0; p < points.count; p++) {
       if (points.id[p] < acting[k].first || points.id[p] >= acting[k].end) continue;
       count[0]++;
-      count[1] += points.faces[p] & surfaces->at[k].faces ? 1 : 0;
+      for (PetscInt face = 0; face < 2 * particles->dim; face++) {
+        if (!(points.faces[p] & surfaces->at[k].faces & MpmFaceBit(face / 2, face % 2))) continue;
+        count[1] += PartInRegion(&surfaces->at[k], particles->dim, &points, p, face) > 0. ? 1 : 0;
+      }
     }
     PetscCall(
       MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
     MpmCheckInput(k >= surfaces->named || !acting[k].active || !count[0] || count[1],
-                  "-mpm_surface_%s_side: the material does not end there: no face of its body bounds it",
-                  surfaces->names[k]);
+                  "-mpm_surface_%s_%s: the material does not end there: no face of its body%s bounds it",
+                  surfaces->names[k], surfaces->at[k].region ? "region" : "side",
+                  surfaces->at[k].region ? " in the region" : "");
   }
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -16,6 +16,7 @@
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "point/material.h"
 #include "space/rules.h"
@@ -89,7 +90,9 @@ static PetscErrorCode MakePiece(const MpmContacts *contacts, const MpmRules *rul
   piece->point    = p;
   piece->part     = points->part ? points->part[p] : 0;
   piece->material = points->material[p];
-  piece->area     = facet->area;
+  piece->modulus =
+    MpmMaterialPenalty(&rules->materials[piece->material], MpmPointOwn(points, &rules->materials[piece->material], p));
+  piece->area = facet->area;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     piece->first[a] = group->first[a];
     piece->count[a] = group->count[a];
@@ -298,10 +301,11 @@ PetscErrorCode MpmPiecesLoad(MpmContacts *contacts, const MpmTermStep *step)
   }
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < contacts->piece_own; k++) {
-    const PetscInt p = contacts->piece[k].point;
+    const PetscInt     p        = contacts->piece[k].point;
+    const MpmMaterial *material = &sum->materials[sum->points->material[p]];
 
-    contacts->piece[k].kept[MPM_PIECE_STRENGTH] =
-      MpmMaterialShearStrength(&sum->materials[sum->points->material[p]], sum->points->state + p * sum->state_size);
+    contacts->piece[k].kept[MPM_PIECE_STRENGTH] = MpmMaterialShearStrength(
+      material, MpmPointOwn(sum->points, material, p), sum->points->state + p * sum->state_size);
   }
   PetscCall(ShareWithNeighbours(contacts, sum->grid));
   PetscFunctionReturn(PETSC_SUCCESS);

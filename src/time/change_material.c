@@ -12,14 +12,19 @@
 #include "point/stress_inversion.h"
 #include "particles/body.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
+#include "terms/load.h"
 #include "time/model.h"
 #include "time/time.h"
 
-static PetscBool SameElasticity(const MpmMaterial *one, const MpmMaterial *other)
+static PetscBool SameElasticity(const MpmMaterial *one, const double one_own[], const MpmMaterial *other,
+                                const double other_own[])
 {
-  return (PetscBool)(!strcmp(one->info.name, other->info.name) && one->stiffness == other->stiffness &&
-                     one->penalty == other->penalty);
+  return (PetscBool)(!strcmp(one->info.name, other->info.name) &&
+                     MpmMaterialStiffness(one, one_own, NULL, NULL) ==
+                       MpmMaterialStiffness(other, other_own, NULL, NULL) &&
+                     MpmMaterialPenalty(one, one_own) == MpmMaterialPenalty(other, other_own));
 }
 
 /* History variables of `to` from those of `from` with the same name and kind; others as without strain. */
@@ -70,30 +75,44 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
 static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, PetscInt64 count[2])
 {
   const MpmMaterial *material = &model->scene.materials->at[to];
-  PetscInt           first, end;
+  PetscInt           first, end, vertical[2], size = 0;
   MpmInitial         initial;
   MpmPoints          points;
+  double            *row; /* own parameters before */
 
   PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    size = PetscMax(size, MpmMaterialOwnSize(&model->scene.materials->at[m]));
+  PetscCall(PetscMalloc1(size, &row));
+  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &vertical[0], &vertical[1]);
   PetscCall(MpmInitialCreate(material, model->disc.dim, &initial));
   MpmBodyGetIds(model->scene.bodies->at[body], &first, &end);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *old;
+    const double      *own, *before;
+    PetscReal          density;
 
     if (points.id[p] < first || points.id[p] >= end) continue;
-    old = &model->scene.materials->at[points.material[p]];
-    if (old->density > 0.) points.mass[p] *= material->density / old->density;
+    old    = &model->scene.materials->at[points.material[p]];
+    before = MpmPointOwn(&points, old, p);
+    if (before) PetscCall(PetscArraycpy(row, before, MpmMaterialOwnSize(old)));
+    before             = before ? row : NULL;
+    points.material[p] = to;
+    MpmPointsSetOwn(model->scene.materials->at, vertical, model->disc.dim, p, p + 1, &points);
+    initial.own = own = MpmPointOwn(&points, material, p);
+    density           = MpmMaterialDensity(old, before);
+    if (density > 0.) points.mass[p] *= MpmMaterialDensity(material, own) / density;
     else
-      points.mass[p] = material->density * points.volume0[p] *
+      points.mass[p] = MpmMaterialDensity(material, own) * points.volume0[p] *
                        MpmDeterminant(model->disc.dim, &points.F[p * model->disc.dim * model->disc.dim]);
-    if (!SameElasticity(old, material)) {
+    if (!SameElasticity(old, before, material, own)) {
       const int answer = ChangePoint(model, old, &initial, &points, p);
 
       if (answer) count[answer - 1]++;
     }
-    points.material[p] = to;
   }
+  PetscCall(PetscFree(row));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

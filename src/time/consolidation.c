@@ -46,7 +46,7 @@ const char *const MpmConsolidationField = "pressure_steady";
 /* The largest mobility of a material by axes, m2/(Pa s): what the ghost penalty's flow is in a long step. */
 static PetscReal Mobility(const MpmModel model, const MpmMaterial *material)
 {
-  const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, model->disc.dim);
+  const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, NULL, model->disc.dim);
 
   return PetscAbsReal(model->disc.layout->ghost(&of, material->physics_parameter, LONG, 1.)) / LONG;
 }

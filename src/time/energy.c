@@ -19,6 +19,7 @@
 #include "point/material.h"
 #include "point/stored_energy.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/momentum.h"
 #include "space/sum.h"
@@ -53,8 +54,8 @@ MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const Mpm
     for (PetscInt c = 0; c < sym; c++) stress[c] = points->stress[p * sym + c];
     if (points->across) /* does no work, and is none of the law's */
       stress[2] -= points->across[p] / (material->info.traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F));
-    sum +=
-      points->volume0[p] * MpmStoredEnergy(material, dim, stress, points->state ? &points->state[p * size] : NULL, F);
+    sum += points->volume0[p] * MpmStoredEnergy(material, MpmPointOwn(points, material, p), dim, stress,
+                                                points->state ? &points->state[p * size] : NULL, F);
   }
   return sum;
 }

@@ -22,6 +22,7 @@
   (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
 */
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "point/layout.h"
 #include "point/material.h"
@@ -64,10 +65,12 @@ MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const Mp
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
     const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = &points->F[p * dim * dim];
-    const PetscReal  c   = MpmWaveSpeed(dim, MpmMaterialStiffnessAt(material, state, F), material->density,
-                                        MpmDeterminant(dim, F), &points->stress[p * MpmSymSize(dim)]);
-    const PetscReal  eta = material->info.viscosity ? MpmMaterialViscosity(material) : 0.;
-    const PetscReal  nu  = eta > 0. ? eta * MpmPointVolumeRatio(material, dim, F) / material->density : 0.;
+    const double    *own     = MpmPointOwn(points, material, p);
+    const PetscReal  density = own ? MpmMaterialDensity(material, own) : material->density;
+    const PetscReal  c       = MpmWaveSpeed(dim, MpmMaterialStiffnessAt(material, own, state, F), density,
+                                            MpmDeterminant(dim, F), &points->stress[p * MpmSymSize(dim)]);
+    const PetscReal  eta     = material->info.viscosity ? MpmMaterialViscosity(material, own) : 0.;
+    const PetscReal  nu      = eta > 0. ? eta * MpmPointVolumeRatio(material, dim, F) / density : 0.;
 
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal speed = c + PetscAbsReal(points->velocity[p * dim + a]);
@@ -134,9 +137,10 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   if (model->state.dt_wanted > 0.) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL;
+    const MpmMaterial *material = &sum->materials[points->material[p]];
+    const PetscReal   *state    = points->state ? &points->state[p * sum->state_size] : NULL;
 
-    slowest = PetscMin(slowest, MpmMaterialWaveSpeed(&sum->materials[points->material[p]], dim, state,
+    slowest = PetscMin(slowest, MpmMaterialWaveSpeed(material, MpmPointOwn(points, material, p), dim, state,
                                                      &points->F[p * dim * dim], &points->stress[p * MpmSymSize(dim)]));
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));

@@ -311,11 +311,12 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   }
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     const char *name = model->scene.bodies->names[b], *file;
-    PetscBool   given, run;
+    const char *given;
+    PetscBool   run;
 
-    PetscCall(MpmBodyReadVelocity(options, name, model->scene.bodies->at[b], &given, &file, &run));
+    PetscCall(MpmBodyReadVelocity(options, name, model->scene.shape, model->scene.bodies->at[b], &given, &file, &run));
     if (AnyMoves(model) || MpmOptionsHelp()) continue;
-    MpmCheckInput(!given, "-mpm_body_%s_velocity: no stage has inertia; -mpm_time_integrator names one", name);
+    MpmCheckInput(!given, "-mpm_body_%s_%s: no stage has inertia; -mpm_time_integrator names one", name, given);
     MpmCheckInput(!file || run,
                   "-mpm_body_%s_file %s: has velocities, and no stage has inertia; -mpm_time_integrator names one",
                   name, file);

@@ -17,6 +17,7 @@
 #include "particles/body.h"
 #include "particles/overburden.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/sum.h"
 #include "terms/body_surface.h"
@@ -97,7 +98,8 @@ static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal
     int       answer;
 
     for (PetscInt c = 0; c < size; c++) stress[c] = goal[p * size + c];
-    answer = SetStress(model, &initial[points.material[p]], rest, &points, p, stress);
+    initial[points.material[p]].own = MpmPointOwn(&points, &model->scene.materials->at[points.material[p]], p);
+    answer                          = SetStress(model, &initial[points.material[p]], rest, &points, p, stress);
     if (answer) count[answer - 1]++;
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
@@ -121,10 +123,12 @@ static PetscErrorCode FindRatios(MpmModel model, const MpmPoints *points, const 
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &model->scene.materials->at[points->material[p]];
 
+    const double *own = MpmPointOwn(points, material, p);
+
     ratio[p] = k0[body[p]];
     if (ratio[p] == MPM_K0_OCR && material->info.k0)
-      ratio[p] =
-        material->info.k0(material->parameter, material->table, size ? &points->state[p * size] : NULL, pressure[p]);
+      ratio[p] = material->info.k0(own ? own : material->parameter, material->table,
+                                   size ? &points->state[p * size] : NULL, pressure[p]);
   }
   PetscCall(PetscFree(body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -262,6 +266,7 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     *auxiliary            = model->scene.materials->at[m];
     auxiliary->state_size = 0; /* that a step would write */
     auxiliary->table      = NULL;
+    auxiliary->varies     = NULL;
     PetscCheck(MpmLawFindAll("k0_law", dim, auxiliary->law, &auxiliary->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
                "law k0 is not compiled");
     PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));

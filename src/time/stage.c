@@ -637,12 +637,15 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
-    if (stage->adds[b]) {
-      PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
-      PetscCall(MpmWaterFill(model, first, end));
-    }
+    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
     if (stage->removed[b] && !MpmRemovalBegin(model, stage, b))
       PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
+  }
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    if (!stage->adds[b]) continue;
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    if (model->state.stage) PetscCall(MpmGapClose(model, b, stage->name));
+    PetscCall(MpmWaterFill(model, first, end));
   }
   PetscCall(MpmMovingGridFollow(model, &why));
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
@@ -748,7 +751,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   SetTime(model, k);
   model->state.dt_wanted = model->state.dt_nominal;
   model->state.dt_last = model->state.scheme.behind = 0.; /* nothing goes on as before */
-  MpmReductionApply(model, model->state.time);
+  PetscCall(MpmReductionApply(model, model->state.time));
   if (stage->name) {
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
     PetscCall(ChangeBodies(model, stage));
@@ -791,6 +794,6 @@ PetscErrorCode MpmStageResume(MpmModel model)
   }
   model->state.time = time;
   MpmRemovalResume(model);
-  MpmReductionApply(model, time);
+  PetscCall(MpmReductionApply(model, time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

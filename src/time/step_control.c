@@ -65,7 +65,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
   *retryable = PETSC_FALSE;
   *why       = NULL;
   if (!again) model->state.scheme.refused = 0.;
-  MpmReductionApply(model, time);
+  PetscCall(MpmReductionApply(model, time));
   if (removes) PetscCall(MpmRemovalSet(model, time, why));
   if (!*why) PetscCall(integrator->begin(model, time, dt, (PetscBool)(again && !removes), why));
   if (!*why) {
@@ -79,7 +79,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
     } else model->state.scheme.refused = 0.;
     PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
   }
-  if (*why) MpmReductionApply(model, model->state.time);
+  if (*why) PetscCall(MpmReductionApply(model, model->state.time));
   if (removes && *why) PetscCall(MpmRemovalSet(model, model->state.time, &lost));
   else if (removes) PetscCall(MpmRemovalCommit(model));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -72,13 +72,30 @@ PetscReal MpmReductionFactor(const MpmModel model, PetscReal time)
   return factor;
 }
 
-void MpmReductionApply(MpmModel model, PetscReal time)
+PetscErrorCode MpmReductionApply(MpmModel model, PetscReal time)
 {
   const PetscReal factor = MpmReductionFactor(model, time);
 
-  if (!MpmStagesReduce(model)) return;
+  PetscFunctionBeginUser;
+  if (!MpmStagesReduce(model)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     MpmMaterialReduce(&model->scene.materials->at[m], factor);
+  PetscCall(MpmModelSetOwn(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetOwn(MpmModel model)
+{
+  PetscInt  vertical[2];
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  if (!MpmParticlesHaveField(model->state.particles, "parameter")) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmLoadsGetVertical(model->scene.loads, model->disc.dim, &vertical[0], &vertical[1]);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  MpmPointsSetOwn(model->scene.materials->at, vertical, model->disc.dim, 0, points.count, &points);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- materials that stay as they are ---- */

@@ -58,6 +58,8 @@ PetscBool      MpmRemovalGoesOn(const MpmModel model);
 PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, const char **why);
 PetscErrorCode MpmRemovalCommit(MpmModel model);
 void           MpmRemovalResume(MpmModel model);
+/* Closes the gap beneath a body that joins, or refuses the body (fill_gap.c). Its points are there. Collective. */
+PetscErrorCode MpmGapClose(MpmModel model, PetscInt body, const char stage[]);
 /* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
@@ -79,7 +81,9 @@ PetscErrorCode MpmReductionCheck(MpmModel model);
   under way reduce, without a factor of safety so far?
 */
 PetscErrorCode MpmReductionBegin(MpmModel model);
-void           MpmReductionApply(MpmModel model, PetscReal time);
+PetscErrorCode MpmReductionApply(MpmModel model, PetscReal time);
+/* Own parameters of all points, of materials that vary, at the reduction in force. */
+PetscErrorCode MpmModelSetOwn(MpmModel model);
 PetscErrorCode MpmReductionObserve(MpmModel model);
 PetscBool      MpmStagesReduce(const MpmModel model);
 PetscBool      MpmReductionSeeks(const MpmModel model);

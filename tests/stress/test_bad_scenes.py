@@ -58,6 +58,17 @@ FROM_FILE = {**NO_BOX, "mpm_body_block_region": "file", "mpm_body_block_file": "
 # name, change, what the line must contain
 MOVES = {"mpm_time_integrator": "newmark"}
 CASES = [
+    # parameters by height, bodies and surfaces
+    ("heights that decrease", {"mpm_material_soil_E": "3:1e6,1:2e6"}, "-mpm_material_soil_E 3:1e6,1:2e6: heights must not decrease"),
+    ("a negative modulus at a height", {"mpm_material_soil_E": "0:1e6,1:-1"}, "-mpm_material_soil_E ... must be > 0 Pa"),
+    ("one height", {"mpm_material_soil_E": "0:1e6"}, "-mpm_material_soil_E 0:1e6: two heights"),
+    ("a field that is not there", {"mpm_material_soil_E": "nothing.csv"}, "-mpm_material_soil_E nothing.csv: cannot be read"),
+    ("friction of a condition", {"mpm_bc_base_friction": "0.3"}, "-mpm_bc_base_friction ... boundary of type plane"),
+    ("spin in a quasi-static scene", {"mpm_body_block_spin": "2"}, "-mpm_body_block_spin: no stage has inertia"),
+    ("fill of a body that is there", {"mpm_body_block_fill": "true"}, "-mpm_body_block_fill true: the body joins no stage"),
+    ("stress of two numbers", {"mpm_body_block_initial_stress": "1,2"}, "-mpm_body_block_initial_stress has 2 numbers: must be 1 or 4"),
+    ("region of a surface without a face", {**SURFACE, "mpm_surface_top_region": "box", "mpm_surface_top_lower": "0.4,0.4",
+                                            "mpm_surface_top_upper": "0.6,0.6"}, "-mpm_surface_top_region"),
     # motion
     ("velocity in a quasi-static scene", {"mpm_bc_base_quantity": "velocity"}, "-mpm_bc_base_quantity velocity ... quasi-static"),
     ("acceleration in a quasi-static scene", {"mpm_bc_base_quantity": "acceleration", "mpm_bc_base_value": "1,0"}, "-mpm_bc_base_quantity"),

@@ -185,7 +185,7 @@ def switched_off(test):
 
 
 def refused(test):
-    run = test.run(example("bar_elastic"), status=2, mpm_output_fields="stress,strain")
+    run = test.run(example("bar_elastic"), status=2, mpm_output_fields="stress,strains")
     text = run.errors.strip()
     test.check("refused.lines", text.count("\n") + 1, 1, 1)
     test.check("refused.names_field", float("-mpm_output_fields strain" in text and "displacement" in text), 1, 1)

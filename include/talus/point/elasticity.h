@@ -103,6 +103,15 @@ MPM_FN int ElasticLeftCauchyGreen(const Sym *e, Sym *b)
   return SymExp(&twice, b);
 }
 
+/* Growth of the equivalent plastic strain: sqrt(2/3) |dev e_p|, where flow takes e_p from the trial elastic strain */
+MPM_FN Real ElasticPlasticGrowth(const Sym *trial, const Sym *end)
+{
+  const Sym taken = SymSub(trial, end), dev = SymDev(&taken);
+
+  if (!(SymNormValue(&dev) > ELASTIC_STRAIN_NOISE)) return 0.;
+  return sqrt(2. / 3.) * ScalarReal(SymNorm(&dev));
+}
+
 /*
   History that begins with the elastic left Cauchy-Green tensor b, from a wanted Kirchhoff stress of Hencky's elasticity:
   b = exp(2 e), e = (tau - lambda/(3 lambda + 2 mu) tr(tau) I)/(2 mu). The rest stays.
