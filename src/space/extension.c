@@ -3,13 +3,15 @@
 
   A node that only slivers of the material touch makes the matrix arbitrarily ill-conditioned, and lets its sliver strain as nothing
   holds it. The pieces between the spline's knots (pieces.h) are well filled where they hold at least a share f of the fullest piece beside
-  them, or of a whole one if that is less. A node of no well filled piece follows: its coefficient is that of the polynomial of the nearest
-  well filled piece that material connects it with, the mean where several are as near,
+  them, or of a whole one if that is less. A node of no well filled piece follows: its coefficient is extended from the nearest well filled
+  piece that material connects it with, the mean where several are as near,
 
     u_s = sum_k e_sk u_k ,    e_sk = prod_a L_k(s_a) ,
 
-  with L the Lagrange polynomials over the p + 1 nodes of the piece on each axis. Trial and test functions are extended alike: the matrix is
-  E^T K E and the forces E^T r. No energy is added, and nothing is remembered from step to step; polynomials of degree p are kept.
+  with L the node itself where the piece has it on axis a, else linear through the two nodes of the piece that are nearest on that axis.
+  Trial and test functions are extended alike: the matrix is E^T K E and the forces E^T r. No energy is added, nothing is remembered from
+  step to step, and linear fields are kept. Extension by the spline's own degree is no more accurate (docs/stabilization.md), and its
+  weights grow as powers of the distance.
 
   Sources: Hoellig, Reif and Wipper (2001), doi:10.1137/S0036142900373208 (extended splines); Badia, Verdugo and Martin (2018),
   doi:10.1016/j.cma.2018.03.022 (aggregated elements); Yamaguchi, Moriguchi and Terada (2021), doi:10.1002/nme.6673, for the implicit
@@ -246,13 +248,13 @@ static void LineWeights(const MpmPieceLine *line, PetscInt degree, PetscInt node
     return;
   }
   for (PetscInt k = 0; k <= degree; k++) {
-    const PetscInt at   = line->first + k;
-    const PetscInt step = at < line->lower + inside ? 1 : at > line->upper - inside ? -1 : 0;
-    const PetscInt edge = step > 0 ? line->lower : line->upper;
-    PetscReal      L    = 1.;
+    const PetscInt  at   = line->first + k;
+    const PetscInt  step = at < line->lower + inside ? 1 : at > line->upper - inside ? -1 : 0;
+    const PetscInt  edge = step > 0 ? line->lower : line->upper;
+    const PetscInt  from = node < line->low ? 0 : degree - 1; /* of the two nodes that the extension takes */
+    const PetscInt  away = node - line->first - from;
+    const PetscReal L    = k == from ? 1. - (PetscReal)away : k == from + 1 ? (PetscReal)away : 0.;
 
-    for (PetscInt j = 0; j <= degree; j++)
-      if (j != k) L *= (PetscReal)(node - line->first - j) / (PetscReal)(k - j);
     if (!step) weight[at - line->low] += L;
     for (PetscInt j = 0; step && j <= degree; j++) {
       const PetscReal part = MpmEdgeCoefficient(line->edge, degree, PetscAbsInt(edge - at), j);

@@ -16,12 +16,14 @@
 
   Order of calls: Begin() with a stage; Look() at a solution before it is accepted, Observe() after that; Explain() where a run gives up.
 */
+#include "point/material.h"
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "time/model.h"
+#include "time/step.h"
 #include "time/time.h"
 
 #define JUMP_WAY    0.1
@@ -34,13 +36,22 @@ void MpmSlideBegin(MpmModel model)
   model->state.scheme.slide = (MpmSlide){.end = -1.};
 }
 
+/* Does anything flow or rub? An elastic body that jumps, as it buckles, is in equilibrium behind that. */
+static PetscBool MaySlide(const MpmModel model)
+{
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (model->scene.materials->at[m].info.traits & MPM_LAW_PLASTIC) return PETSC_TRUE;
+  return MpmContactsMaySlide(model);
+}
+
 /* May the stage under way not slide? */
 static PetscBool MustStand(const MpmModel model)
 {
   const MpmStage *stage = &model->scene.stages[model->state.stage];
 
-  return (PetscBool)(stage->time.motion.type == MPM_QUASISTATIC && stage->geostatic.method == MPM_GEOSTATIC_NONE &&
-                     !stage->reduction.ramp && !model->state.scheme.rescuing.on && !stage->time.rescue);
+  return (PetscBool)(MaySlide(model) && stage->time.motion.type == MPM_QUASISTATIC &&
+                     stage->geostatic.method == MPM_GEOSTATIC_NONE && !stage->reduction.ramp &&
+                     !model->state.scheme.rescuing.on && !stage->time.rescue);
 }
 
 /* The number of a point's body; -1: none. */

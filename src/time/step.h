@@ -50,6 +50,8 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict);
 
 /* The start of Newton, and the residual that its tolerance refers to. */
 PetscErrorCode MpmStepPredict(MpmModel model);
+/* May any contact slide: has it friction, and does it not stick? */
+PetscBool MpmContactsMaySlide(const MpmModel model);
 /* Newton. `why`, unless NULL: what went wrong; `retryable`: a shorter step may not. */
 PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable);
 

@@ -65,8 +65,7 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
 
 #define GIVE 64. /* what may slide gives by so many times as much, in the last attempts at a step that was cut */
 
-/* May anything slide? */
-static PetscBool MaySlide(const MpmModel model)
+PetscBool MpmContactsMaySlide(const MpmModel model)
 {
   const MpmBoundaries *boundaries = model->scene.boundaries;
   const MpmPairs      *pairs      = model->scene.pairs;
@@ -87,7 +86,7 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionBeginUser;
   model->solver.newton = model->solver.linear = 0;
   PetscCall(TryAll(model, reason));
-  if (*reason >= 0 || !model->state.cuts || !MaySlide(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (*reason >= 0 || !model->state.cuts || !MpmContactsMaySlide(model)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmContactsGive(model->disc.contacts, GIVE);
   MpmPairsGive(model->disc.pairs, GIVE);
   model->solver.cache.predicted = PETSC_FALSE;

@@ -175,8 +175,10 @@ START_TEST(databases)
   CALL(MpmModelStep(left, &status));
   ck_assert_int_eq(status, MPM_GAVE_UP); /* one iteration is not enough */
   CALL(MpmModelGetReason(left, &why));
-  ck_assert_str_eq(why, "Newton reached its iteration limit; if there is a state of rest elsewhere, a stage of type "
-                        "relaxation may find it, or -mpm_time_rescue relaxation in this one");
+  ck_assert_msg(strstr(why, "Newton reached its iteration limit, with ") == why &&
+                  strstr(why, "; if there is a state of rest elsewhere, a stage of type relaxation may find it, or "
+                              "-mpm_time_rescue relaxation in this one"),
+                "%s", why);
   CALL(MpmModelGetTime(left, NULL, &step));
   ck_assert_int_eq((int)step, 0);
   CALL(PetscOptionsUsed(NULL, "left_snes_max_it", &used));

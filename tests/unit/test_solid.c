@@ -541,7 +541,7 @@ START_TEST(motions_refused)
     {2, "", "time,uz\n0,0\n", "-mpm_a_motion_table test_solid.csv: column uz is unknown: must be time, ux, uy or rz"},
     {3, "", "time,u\n0,0\n",
      "-mpm_a_motion_table test_solid.csv: column u is unknown: must be time, ux, uy, uz, rx, ry or rz"},
-    {3, "", "time,ux,ux\n0,0,0\n", "-mpm_a_motion_table test_solid.csv: has column ux twice"},
+    {3, "", "time,ux,ux\n0,0,0\n", "-mpm_a_motion_table test_solid.csv: line 1 has column ux twice, as number 2 and 3"},
     {3, "", "time,ux\n0,0\n0,1\n",
      "-mpm_a_motion_table test_solid.csv: time must grow from row to row: 0 s of row 2 follows 0 s"},
     {3, "", "time,ux\n0,0\n1,inf\n", "-mpm_a_motion_table test_solid.csv: ux of row 2 is not a finite number"},

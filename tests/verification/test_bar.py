@@ -31,8 +31,8 @@ def against_table(test, name, reach, most_newton):
         test.check(f"{label}.steps", run.newton.size, 40, 40)
 
 
-def with_penalty(test, name, reach):
-    """The ghost penalty of `auto` takes up to 15 % of the error away, and adds no more than rounding of the table's digits;
+def aggregated(test, name, reach):
+    """Aggregation of small-cut nodes takes up to 18 % of the error away, and adds no more than rounding of the table's digits;
     the solver does not change it."""
     table = read_table(EXAMPLES / name / "reference.csv")
     for count, error in zip(table["cells"].astype(int), table["error"]):
@@ -41,7 +41,7 @@ def with_penalty(test, name, reach):
         for solver in ("direct", "amg"):
             label = f"{name}_{count}_{solver}"
             quantities = test.check_example(label, run_column(test, name, count, mpm_solver=solver), name)
-            test.check(f"{label}.stress_error_over_table", quantities["stress_error"] / error, 0.85, 1.0 + reach)
+            test.check(f"{label}.stress_error_over_table", quantities["stress_error"] / error, 0.8, 1.0 + reach)
 
 
 def splines(test):
@@ -58,7 +58,7 @@ def splines(test):
 
 
 def open_edges(test):
-    """The same with not-a-knot ends and a firm ghost penalty: second order from the coarsest grids on, and errors far below
+    """The same with not-a-knot ends: second order from the coarsest grids on, and errors far below
     those of GIMP, whose steps take as many iterations."""
     gimp = read_table(EXAMPLES / "bar_elastic" / "reference.csv")
     gimp = dict(zip(gimp["cells"].astype(int), gimp["error"]))
@@ -67,7 +67,7 @@ def open_edges(test):
     for count, bound in bounds.items():
         label = f"open_{count}"
         run = run_column(test, "bar_elastic", count, mpm_shape="gimp_bspline2", mpm_shape_edge="open",
-                         mpm_stabilization_ghost=0.1, mpm_body_column_points_per_cell="3,3")
+                         mpm_body_column_points_per_cell="3,3")
         errors[count] = test.check_example(label, run, "bar_elastic")["stress_error"]
         test.check(f"{label}.stress_error_bound", errors[count], None, bound)
         test.check(f"{label}.over_gimp", errors[count] / gimp[count], None, 0.2)
@@ -107,7 +107,7 @@ def newton_rate(test, name, count):
 with Test() as test:
     against_table(test, "bar_elastic", 0.01, 4)
     against_table(test, "bar_j2", 0.02, 5)
-    with_penalty(test, "bar_elastic", 0.05)
+    aggregated(test, "bar_elastic", 0.05)
     splines(test)
     open_edges(test)
     for column in ("bar_elastic", "bar_j2"):
