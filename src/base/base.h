@@ -154,19 +154,26 @@ typedef enum {
   MPM_TIME_COUNT
 } MpmTimer;
 
+/* Settings that a run may change by itself. */
+typedef enum { MPM_CHANGE_DILATION, MPM_CHANGE_SMOOTHING, MPM_CHANGE_KRYLOV, MPM_CHANGE_WORKSPACE, MPM_CHANGE_COUNT } MpmChange;
+
 /* What the engine tells of itself while it works: messages go to whoever listens, times add up. */
 typedef struct MpmMonitor {
   PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: nobody listens */
   void         *ctx;
   PetscReal     seconds[MPM_TIME_COUNT];
-  PetscLogEvent event[MPM_TIME_COUNT]; /* the same tasks in -log_view */
+  PetscLogEvent event[MPM_TIME_COUNT];     /* the same tasks in -log_view */
+  PetscInt      changes[MPM_CHANGE_COUNT]; /* how often the run has changed each setting by itself */
 } MpmMonitor;
-extern const char *const MpmTimers[]; /* their names */
+extern const char *const MpmTimers[], *const MpmChanges[]; /* their names */
 /* Nobody listens, no time has passed; the tasks' events are made known to PETSc. */
 PetscErrorCode MpmMonitorCreate(MpmMonitor *monitor);
 /* A note to the step under way, and a line of its own in place of a step's. */
 PetscErrorCode MpmMonitorNote(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
 PetscErrorCode MpmMonitorLine(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
 /* A task begins, and ends: the seconds in between are added to its own. `since` is the caller's. */
+/* Notes a change that the run makes by itself, and counts it. */
+PetscErrorCode MpmMonitorChange(MpmMonitor *monitor, MpmChange change, const char format[], ...)
+  PETSC_ATTRIBUTE_FORMAT(3, 4);
 PetscErrorCode MpmMonitorBegin(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble *since);
 PetscErrorCode MpmMonitorEnd(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since);

@@ -8,6 +8,9 @@
 
 const char *const MpmTimers[] = {"setup", "transfer", "residual", "jacobian", "solve", "migrate", "output", NULL};
 
+const char *const MpmChanges[] = {"F-bar averages dilation", "strains are not smoothed", "GMRES in place of CG",
+                                  "workspace of MUMPS raised", NULL};
+
 static PetscErrorCode Tell(const MpmMonitor *monitor, PetscBool line, const char format[], va_list arguments)
 {
   char text[LONGEST_MESSAGE];
@@ -24,6 +27,18 @@ PetscErrorCode MpmMonitorNote(const MpmMonitor *monitor, const char format[], ..
   va_list arguments;
 
   PetscFunctionBeginUser;
+  va_start(arguments, format);
+  PetscCall(Tell(monitor, PETSC_FALSE, format, arguments));
+  va_end(arguments);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMonitorChange(MpmMonitor *monitor, MpmChange change, const char format[], ...)
+{
+  va_list arguments;
+
+  PetscFunctionBeginUser;
+  monitor->changes[change]++;
   va_start(arguments, format);
   PetscCall(Tell(monitor, PETSC_FALSE, format, arguments));
   va_end(arguments);

@@ -181,6 +181,7 @@ typedef struct MpmSummary {
   PetscReal   factor_of_safety; /* 0: not reached */
   PetscBool   relaxes;
   PetscReal   criteria[2]; /* of the last relaxation: when they held first, and since when; s, -1: they do not */
+  PetscInt    changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
   PetscReal   memory_max;  /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 

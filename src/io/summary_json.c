@@ -87,6 +87,13 @@ static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const 
   PetscCall(AppendCount(text, "step_cuts", summary->step_cuts));
   PetscCall(AppendCount(text, "newton_iterations", summary->newton_iterations));
   PetscCall(AppendCount(text, "linear_iterations", summary->linear_iterations));
+  PetscCall(MpmTextFileAppend(text, "  \"changes\": {"));
+  for (PetscInt k = 0, any = 0; k < MPM_CHANGE_COUNT; k++) {
+    if (!summary->changes[k]) continue;
+    PetscCall(MpmTextFileAppend(text, "%s\"%s\": %d", any ? ", " : "", MpmChanges[k], (int)summary->changes[k]));
+    any = 1;
+  }
+  PetscCall(MpmTextFileAppend(text, "},\n"));
   PetscCall(MpmTextFileAppend(text, "  \"imbalance\": "));
   PetscCall(AppendNumber(text, summary->imbalance));
   PetscCall(MpmTextFileAppend(text, ",\n"));

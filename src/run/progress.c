@@ -191,6 +191,10 @@ PetscErrorCode MpmTerminalSummary(MPI_Comm comm, const MpmSummary *summary)
   PetscCall(PetscPrintf(comm, "%lld steps, %lld cuts, %lld Newton and %lld linear iterations, %.1f MB\n",
                         (long long)summary->steps, (long long)summary->step_cuts, (long long)summary->newton_iterations,
                         (long long)summary->linear_iterations, (double)summary->memory_max / 1e6));
+  for (PetscInt k = 0; k < MPM_CHANGE_COUNT; k++)
+    if (summary->changes[k])
+      PetscCall(PetscPrintf(comm, "changed by itself: %s (%d time%s)\n", MpmChanges[k], (int)summary->changes[k],
+                            summary->changes[k] == 1 ? "" : "s"));
   PetscCall(PetscPrintf(comm, "Where the time went (slowest rank of each)\n"));
   for (int i = 0; i < MPM_TIME_COUNT; ++i) {
     PetscCall(PrintTime(comm, MpmTimers[i], summary->time[i], summary->time_total));

@@ -316,6 +316,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
   PetscFunctionBeginUser;
   if (!(summary.factor_of_safety > 0.) && model->caller.why && MpmReductionSeeks(model))
     summary.factor_of_safety = model->state.safety.reduced; /* a lower bound */
+  PetscCall(PetscArraycpy(summary.changes, model->monitor.changes, MPM_CHANGE_COUNT));
   for (PetscInt a = 0; a < model->disc.dim; a++) summary.cells *= model->disc.grid->cells[a];
   if (model->laboratory) {
     summary.physics  = MPM_STRESS_POINT;

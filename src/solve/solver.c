@@ -644,7 +644,8 @@ PetscErrorCode MpmSolverRenew(MpmSolver *solver)
   if (solver->may_be_indefinite && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
     solver->may_be_indefinite = PETSC_FALSE;
     solver->indefinite        = PETSC_TRUE;
-    PetscCall(MpmMonitorNote(solver->monitor, "the Jacobian is not positive definite; from here on with GMRES"));
+    PetscCall(MpmMonitorChange(solver->monitor, MPM_CHANGE_KRYLOV,
+                               "the Jacobian is not positive definite; from here on with GMRES"));
   }
   PetscCall(SNESDestroy(&solver->snes));
   PetscCall(CreateSNES(solver));
@@ -685,7 +686,8 @@ static PetscErrorCode RaiseWorkspace(MpmSolver *solver, PetscBool *raised)
   if (percent > WORKSPACE_MOST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, percent));
   PetscCall(PetscOptionsSetValue(NULL, WORKSPACE, text));
-  PetscCall(MpmMonitorNote(solver->monitor, "MUMPS ran out of its workspace and gets more (" WORKSPACE " %s)", text));
+  PetscCall(MpmMonitorChange(solver->monitor, MPM_CHANGE_WORKSPACE,
+                             "MUMPS ran out of its workspace and gets more (" WORKSPACE " %s)", text));
   *raised = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

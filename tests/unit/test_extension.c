@@ -101,7 +101,7 @@ START_TEST(polynomials)
       PetscReal error;
       PetscInt  followers, degree;
 
-      SCENE_CALL(Create(dim, shapes[s], "0.4", PETSC_FALSE, &model));
+      SCENE_CALL(Create(dim, shapes[s], "0.45", PETSC_FALSE, &model));
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
       degree = 1;
@@ -173,7 +173,7 @@ START_TEST(sliding)
   for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(shapes); s++) {
     PetscReal with = 0., without = 0.;
 
-    SCENE_CALL(Slide(2, shapes[s], "0.4", &with));
+    SCENE_CALL(Slide(2, shapes[s], "0.45", &with));
     SCENE_CALL(Slide(2, shapes[s], "0", &without));
     printf("2D %s: worst over best iterations %.2f with aggregation, %.2f without\n", shapes[s], (double)with,
            (double)without);
