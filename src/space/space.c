@@ -21,7 +21,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
-  PetscCall(PetscFree(space->faces));
+  PetscCall(PetscFree(space->faces.face));
   PetscCall(PetscFree(space->cells));
   PetscCall(PetscFree(space->share));
   PetscCall(PetscFree(space->group_nodes));

@@ -27,6 +27,12 @@ typedef struct {
   PetscInt box; /* into groups: one without points that holds the nodes of them all */
 } MpmCell;
 
+/* Faces of the ghost penalty: groups without points, behind the others. */
+typedef struct {
+  PetscInt begin, count; /* into groups */
+  MpmFace *face;         /* what they are only the ghost penalty knows */
+} MpmFaces;
+
 /*
   Weights of a shape: per point and axis `width` values, from the first node of the point's group on; gradients by x;
   means over the cell, NULL where no field asks for its deviation; and NULL where nothing is smoothed, what makes the
@@ -83,13 +89,12 @@ typedef struct MpmSpace {
     *support; /* per local node: a bit for each shape with which points touch it; NULL where there is one shape */
   PetscInt     *order; /* points by group */
   PetscInt      group_count;
-  PetscInt      face_begin, face_count; /* faces of the ghost penalty: groups without points, behind the others */
-  PetscInt      cell_count;             /* cells with a mean, if the physics has one: their boxes come last */
-  PetscInt      box_count;              /* groups, faces and cells */
-  PetscInt      reach;                  /* no box has more than reach + 1 nodes on an axis, on any rank */
+  MpmFaces      faces;
+  PetscInt      cell_count; /* cells with a mean, if the physics has one: their boxes come last */
+  PetscInt      box_count;  /* groups, faces and cells */
+  PetscInt      reach;      /* no box has more than reach + 1 nodes on an axis, on any rank */
   MpmCell      *cells;
   PetscReal    *share; /* of each point in the mean of its cell */
-  MpmFace      *faces; /* what they are only the ghost penalty knows */
   MpmGroup     *groups;
   PetscInt     *group_nodes;  /* local nodes of each group, x fastest */
   PetscInt      owned, local; /* active nodes owned by this rank, and with ghosts */
