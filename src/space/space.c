@@ -5,6 +5,7 @@
   of once a point, and no point pays for more nodes than it touches.
 */
 #include "grid/grid.h"
+#include "space/extension.h"
 #include "space/point_loop.h"
 #include "space/rules.h"
 

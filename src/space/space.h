@@ -5,7 +5,6 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "talus/point/tables.h"
-#include "space/extension.h"
 
 /*
   Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side.
@@ -71,6 +70,19 @@ typedef struct {
   MpmCouple *couple;
 } MpmParts;
 #define MPM_PART_GAP 16
+
+/*
+  Nodes whose values follow from others': u_s = sum_k e_sk u_k. Local nodes; masters of a rank's local nodes are local
+  (extension.h).
+*/
+typedef struct {
+  PetscInt   count;    /* of followers */
+  PetscInt  *follower; /* local node of each */
+  PetscInt  *offset;   /* count + 1, into the next two */
+  PetscInt  *master;   /* local nodes */
+  PetscReal *weight;   /* e_sk */
+  PetscInt  *of;       /* per local node: its place among the followers, or -1; NULL: there are none on this rank */
+} MpmExtension;
 
 /*
   The step's discrete spaces, one for each shape that the physics' fields have: weights of every point, and the active
