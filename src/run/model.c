@@ -26,6 +26,7 @@
 #include "time/time.h"
 #include "time/water_state.h"
 #include "run/laboratory.h"
+#include "run/program.h"
 #include "run/run.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
