@@ -7,7 +7,9 @@
 #include "options/database.h"
 #include "options/options.h"
 #include "options/scene_file.h"
-#include "run/run.h"
+#include "run/manual.h"
+#include "run/program.h"
+#include "run/signals.h"
 #include "talus/talus.h"
 
 /* What the handler knows of the current error. */

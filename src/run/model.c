@@ -26,6 +26,7 @@
 #include "time/time.h"
 #include "time/water_state.h"
 #include "run/laboratory.h"
+#include "run/program.h"
 #include "run/run.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
@@ -593,7 +594,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscBool parts       = (PetscBool)(model->disc.parts > 1);
   PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
-                                      MpmStagesReduce(model) || model->scene.divide > 0.);
+                                      MpmStagesReduce(model) || model->scene.stabilization.divide > 0.);
   const char  *why;
   const char **fields;
 
@@ -632,7 +633,7 @@ static PetscErrorCode CreateParticles(MpmModel model)
                          .increment    = model->state.predict,
                          .faces        = faces,
                          .part         = parts,
-                         .divisions    = (PetscBool)(model->scene.divide > 0.),
+                         .divisions    = (PetscBool)(model->scene.stabilization.divide > 0.),
                          .origin       = MpmOriginIsKept(model),
                          .across       = (PetscBool)(model->disc.dim == 2 && model->state.particles->has_mass),
                          .velocity     = model->disc.inertia->dynamic,

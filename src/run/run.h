@@ -114,9 +114,6 @@ struct MpmResults {
   MpmTerminal   terminal;
 };
 
-/* Where the options of the command line were given; borrowed until the model is destroyed. */
-void MpmModelSetSources(MpmModel model, MpmSources sources);
-
 /*
   A call that must not be entered again while it is at work, with the model's options in force; both end with it, also
   where it fails.

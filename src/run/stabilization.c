@@ -56,10 +56,11 @@ static PetscErrorCode ReadSmooth(MpmModel model, const MpmOptions *block)
                    "[0, 0.9] (factor of safety of a slope, 20 cells a height, 1.377 to be expected: 1.385 "
                    "with 0, 1.378 with 0.8)",
                    "auto", MPM_OPTIONAL, &smooth));
-  model->state.rescue.smooth = (PetscBool)(!smooth || !strcmp(smooth, "auto"));
-  model->scene.smooth        = 0.;
+  model->state.rescue.smooth        = (PetscBool)(!smooth || !strcmp(smooth, "auto"));
+  model->scene.stabilization.smooth = 0.;
   if (!model->state.rescue.smooth)
-    MpmCheckInput(MpmParseReal(smooth, &model->scene.smooth) && model->scene.smooth >= 0. && model->scene.smooth <= 0.9,
+    MpmCheckInput(MpmParseReal(smooth, &model->scene.stabilization.smooth) && model->scene.stabilization.smooth >= 0. &&
+                    model->scene.stabilization.smooth <= 0.9,
                   "-mpm_stabilization_smooth %s: must be auto or a share in [0, 0.9]", smooth);
   PetscCall(PetscFree(smooth));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -78,11 +79,11 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
                            "a number in [0.1, 10] (pipe pulled through clay by its diameter, 2 x 2 points a cell: "
                            "resistance within 4.5 % of its mean with off, 1.6 % with 0.6)",
                            "auto", MPM_OPTIONAL, &divide));
-  model->scene.divide_auto = (PetscBool)(!divide || !strcmp(divide, "auto"));
-  model->scene.divide      = 0.;
-  if (!model->scene.divide_auto && strcmp(divide, "off"))
-    MpmCheckInput(MpmParseReal(divide, &model->scene.divide) && model->scene.divide >= 0.1 &&
-                    model->scene.divide <= 10.,
+  model->scene.stabilization.divide_auto = (PetscBool)(!divide || !strcmp(divide, "auto"));
+  model->scene.stabilization.divide      = 0.;
+  if (!model->scene.stabilization.divide_auto && strcmp(divide, "off"))
+    MpmCheckInput(MpmParseReal(divide, &model->scene.stabilization.divide) &&
+                    model->scene.stabilization.divide >= 0.1 && model->scene.stabilization.divide <= 10.,
                   "-mpm_stabilization_divide %s: must be auto, off or a number of cells in [0.1, 10]", divide);
   PetscCall(PetscFree(divide));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -102,28 +103,28 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
     "one point a cell, else none), off, or a factor times Young's modulus: a viscosity in steps, in place of "
     "aggregation unless `filled` is set too",
     "auto", MPM_OPTIONAL, &ghost));
-  model->scene.ghost_auto = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
-  model->disc.ghost       = 0.;
-  if (!model->scene.ghost_auto && strcmp(ghost, "off")) {
+  model->scene.stabilization.ghost_auto = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
+  model->disc.ghost                     = 0.;
+  if (!model->scene.stabilization.ghost_auto && strcmp(ghost, "off")) {
     MpmCheckInput(MpmParseReal(ghost, &model->disc.ghost) && model->disc.ghost >= 0.,
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));
-  model->scene.filled = model->scene.ghost_auto ? MPM_FILLED : 0.;
+  model->scene.stabilization.filled = model->scene.stabilization.ghost_auto ? MPM_FILLED : 0.;
   PetscCall(MpmOptionsReal(
     &block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
     "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0: no node "
     "does, the default where ghost is not auto (bar pulled by its end nodes by 8 % of a cell: reaction exact to "
     "0.3 %, 19 % less with 0)",
-    MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.filled, NULL));
+    MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
   PetscCall(
     MpmOptionsReal(&block, "interior", "-",
                    "penalty like ghost on the displacement over all faces between cells, times Young's modulus: "
                    "holds rows of cells that would shear by themselves where dilation is less than friction; 0 "
                    "for none (cavity in sand expanded by a fifth, cells of an eighth of its radius: error of the "
                    "pressure 0.5 % with 0, 0.05 % with 0.1)",
-                   MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.interior, NULL));
+                   MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.interior, NULL));
   PetscCall(MpmOptionsWord(&block, "fbar",
                            "average the volume change over cells, against locking: auto (where a law flows "
                            "plastically or nu is above 0.45, unless only one component of the displacement is free), "
@@ -135,9 +136,9 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   PetscCall(ReadSmooth(model, &block));
   PetscCall(ReadDivide(model, &block));
   PetscCall(MpmStabilityRead(&model->solver, options));
-  model->scene.fbar_auto  = (PetscBool)(word == 0);
-  model->scene.fbar       = (PetscBool)(word % 2 == 1);
-  model->scene.fbar_plain = (PetscBool)(word == FBAR_PLAIN);
+  model->scene.stabilization.fbar_auto  = (PetscBool)(word == 0);
+  model->scene.stabilization.fbar       = (PetscBool)(word % 2 == 1);
+  model->scene.stabilization.fbar_plain = (PetscBool)(word == FBAR_PLAIN);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -210,21 +211,21 @@ static PetscErrorCode ChooseFbar(MpmModel model)
     follows = (PetscBool)(follows || free);
     if ((plastic && !free) || material->nu > MPM_NU_LOCKS) locks = material;
   }
-  model->scene.fbar_why =
+  model->scene.stabilization.fbar_why =
     follows ? "splines follow plastic flow that dilates" : "no law flows or is nearly incompressible";
   if (!locks) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CountFree(model, &count));
-  model->scene.fbar     = (PetscBool)(count > 1);
-  model->scene.fbar_why = !model->scene.fbar                     ? "one free component: nothing locks"
-                          : locks->info.traits & MPM_LAW_PLASTIC ? "plastic flow would lock"
-                                                                 : "nu above 0.45 would lock";
+  model->scene.stabilization.fbar     = (PetscBool)(count > 1);
+  model->scene.stabilization.fbar_why = !model->scene.stabilization.fbar       ? "one free component: nothing locks"
+                                        : locks->info.traits & MPM_LAW_PLASTIC ? "plastic flow would lock"
+                                                                               : "nu above 0.45 would lock";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Does F-bar leave to the points what shear makes the material dilate? */
 static PetscBool LeavesDilation(const MpmModel model, const MpmMaterial *material)
 {
-  return (PetscBool)(model->disc.dim == 2 && !model->scene.fbar_plain && material->info.dilatancy &&
+  return (PetscBool)(model->disc.dim == 2 && !model->scene.stabilization.fbar_plain && material->info.dilatancy &&
                      material->dilation.most > 0.);
 }
 
@@ -235,13 +236,14 @@ static PetscErrorCode SettleDivide(MpmModel model)
   PetscBool       wants = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  MpmCheckInput(could || model->scene.divide == 0., "-mpm_stabilization_divide %g: must be auto or off with %s",
-                (double)model->scene.divide, model->disc.layout->solid ? "inertia" : model->scene.physics.name);
+  MpmCheckInput(could || model->scene.stabilization.divide == 0.,
+                "-mpm_stabilization_divide %g: must be auto or off with %s", (double)model->scene.stabilization.divide,
+                model->disc.layout->solid ? "inertia" : model->scene.physics.name);
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     if (model->scene.boundaries->at[b].bilateral) wants = could;
   for (PetscInt l = 0; l < model->scene.loads->count; l++)
     if (model->scene.loads->at[l].type == MPM_LOAD_TRACTION) wants = PETSC_FALSE;
-  if (wants && model->scene.divide_auto) model->scene.divide = MPM_DIVIDE;
+  if (wants && model->scene.stabilization.divide_auto) model->scene.stabilization.divide = MPM_DIVIDE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,16 +254,16 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->scene.smooth == 0. || model->disc.layout->solid,
+  MpmCheckInput(model->scene.stabilization.smooth == 0. || model->disc.layout->solid,
                 "-mpm_stabilization_smooth %g: not available for physics %s, must be auto or 0",
-                (double)model->scene.smooth, model->scene.physics.name);
+                (double)model->scene.stabilization.smooth, model->scene.physics.name);
   model->state.rescue.smooth = (PetscBool)(model->state.rescue.smooth && model->disc.layout->solid);
   PetscCall(SettleDivide(model));
-  if (model->scene.fbar_auto && physics.fbar) PetscCall(ChooseFbar(model));
-  MpmCheckInput(physics.fbar || !model->scene.fbar,
+  if (model->scene.stabilization.fbar_auto && physics.fbar) PetscCall(ChooseFbar(model));
+  MpmCheckInput(physics.fbar || !model->scene.stabilization.fbar,
                 "-mpm_stabilization_fbar true: not available for physics %s, must be auto or false",
                 model->scene.physics.name);
-  if (!model->scene.fbar) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->scene.stabilization.fbar) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
   PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);
   model->scene.physics.name = physics.name;
@@ -285,27 +287,32 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     sparse = (PetscBool)(sparse || model->scene.materials->at[m].spacing >= 1.);
-  if (model->scene.filled > 0. && MpmStagesSolve(model))
-    PetscCall(PetscSNPrintf(cuts, sizeof(cuts), "aggregation of cells filled below %g", (double)model->scene.filled));
+  if (model->scene.stabilization.filled > 0. && MpmStagesSolve(model))
+    PetscCall(PetscSNPrintf(cuts, sizeof(cuts), "aggregation of cells filled below %g",
+                            (double)model->scene.stabilization.filled));
   if (model->disc.ghost > 0. && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g", (double)model->disc.ghost));
-  else if (sparse && model->scene.ghost_auto && MpmStagesSolve(model))
+  else if (sparse && model->scene.stabilization.ghost_auto && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g (auto: one point a cell)", MPM_GHOST_SPARSE));
-  if (model->scene.interior > 0. && MpmStagesSolve(model))
-    PetscCall(PetscSNPrintf(interior, sizeof(interior), "; interior penalty %g", (double)model->scene.interior));
-  if (model->scene.smooth > 0.)
-    PetscCall(PetscSNPrintf(smooth, sizeof(smooth), "; strains smoothed by %g", (double)model->scene.smooth));
+  if (model->scene.stabilization.interior > 0. && MpmStagesSolve(model))
+    PetscCall(
+      PetscSNPrintf(interior, sizeof(interior), "; interior penalty %g", (double)model->scene.stabilization.interior));
+  if (model->scene.stabilization.smooth > 0.)
+    PetscCall(
+      PetscSNPrintf(smooth, sizeof(smooth), "; strains smoothed by %g", (double)model->scene.stabilization.smooth));
   else if (model->state.rescue.smooth && MpmStagesReduce(model))
     PetscCall(PetscSNPrintf(smooth, sizeof(smooth), "; strains smoothed by %g while a factor of safety is sought",
                             MPM_SMOOTH_SAFETY));
-  if (model->scene.divide > 0.)
-    PetscCall(PetscSNPrintf(divide, sizeof(divide), "; points divided over %g cells%s", (double)model->scene.divide,
-                            model->scene.divide_auto ? " (auto)" : ""));
+  if (model->scene.stabilization.divide > 0.)
+    PetscCall(PetscSNPrintf(divide, sizeof(divide), "; points divided over %g cells%s",
+                            (double)model->scene.stabilization.divide,
+                            model->scene.stabilization.divide_auto ? " (auto)" : ""));
   PetscCall(PetscSNPrintf(text, length, "%s%s%s; F-bar %s%s%s%s%s%s", cuts, ghost, interior,
-                          model->state.rescue.dilation ? "on but for dilation"
-                          : model->scene.fbar          ? "on"
-                                                       : "off",
-                          model->scene.fbar_why ? " (auto: " : "", model->scene.fbar_why ? model->scene.fbar_why : "",
-                          model->scene.fbar_why ? ")" : "", smooth, divide));
+                          model->state.rescue.dilation      ? "on but for dilation"
+                          : model->scene.stabilization.fbar ? "on"
+                                                            : "off",
+                          model->scene.stabilization.fbar_why ? " (auto: " : "",
+                          model->scene.stabilization.fbar_why ? model->scene.stabilization.fbar_why : "",
+                          model->scene.stabilization.fbar_why ? ")" : "", smooth, divide));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -89,7 +89,7 @@ static PetscErrorCode ViewSpace(const MpmModel model, PetscViewer viewer)
     viewer,
     "[%d] %" PetscInt_FMT " points in %" PetscInt_FMT " groups, %" PetscInt_FMT " nodes and %" PetscInt_FMT
     " ghosts, %" PetscInt_FMT " faces of the ghost penalty, %" PetscInt_FMT " cells with a mean\n",
-    model->rank, space->point_count, space->group_count, space->owned, space->local - space->owned, space->face_count,
+    model->rank, space->point_count, space->group_count, space->owned, space->local - space->owned, space->faces.count,
     space->cell_count));
   PetscCall(PetscViewerFlush(viewer));
   PetscCall(PetscViewerASCIIPopSynchronized(viewer));

@@ -8,7 +8,6 @@
 */
 #include "terms/body_contact.h"
 #include "terms/contact.h"
-#include "space/space.h"
 #include "terms/discretization.h"
 #include "terms/inertia.h"
 #include "solve/solve.h"
@@ -52,7 +51,7 @@ PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J)
   PetscCall(VecDuplicate(solver->x, &diagonal));
   PetscCall(MatGetDiagonal(J, diagonal));
   PetscCall(VecGetArray(diagonal, &d));
-  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
+  for (PetscInt k = 0; k < MpmNodesOwned(solver->disc) * bs; k++) {
     weak = (PetscBool)(k % bs < dim ? PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal : weak);
     d[k] *= 1. + (weak ? WEAK_LIFT : 0.) + (k % bs < dim ? all : 0.);
   }

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  A line search at work (newton.c), and that of a minimisation (minimise.c).
+  A line search at work (line_search.c), and that of a minimisation (minimise.c).
 */
 #include "solve/solve.h"
 
@@ -23,6 +23,10 @@ PetscErrorCode MpmSearchDescend(MpmSearch *search, PetscBool *found);
 PetscErrorCode MpmSearchTaken(MpmSearch *search);
 /* The objective as SNES asks for it; ctx: the solver. */
 PetscErrorCode MpmObjective(SNES snes, Vec x, PetscReal *value, void *ctx);
+/* The program's own line search, as SNES calls it; ctx: the solver. */
+PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx);
+/* Residual over tolerance where there are several fields (newton.c). */
+PetscErrorCode MpmFieldsExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *excess);
 /* Where a vector's values stand, and whether two places are the same. */
 PetscErrorCode MpmPlaceGet(Vec x, MpmPlace *place);
 PetscBool      MpmPlaceIsSame(const MpmPlace *a, const MpmPlace *b);

@@ -10,7 +10,6 @@
 */
 #include "options/database.h"
 #include "point/layout.h"
-#include "space/space.h"
 #include "bc/bc.h"
 #include "terms/discretization.h"
 #include "solve/solve.h"
@@ -45,7 +44,7 @@ static PetscErrorCode Start(MpmSolver *solver, Vec x, PetscReal most, PetscBool 
     PetscScalar *values;
 
     PetscCall(VecGetArray(at, &values));
-    MpmConstraintsZero(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, values);
+    MpmConstraintsZero(solver->disc->constraints, MpmNodesOwned(solver->disc) * solver->disc->block, values);
     PetscCall(VecRestoreArray(at, &values));
   }
   PetscCall(SNESGetKSP(solver->snes, &ksp));

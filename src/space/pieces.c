@@ -255,42 +255,51 @@ static PetscErrorCode Widen(const MpmLists *received, MpmPieces *pieces)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ranks that own a node within a distance of a piece: `rank` has room for grid->size. */
-static PetscInt RanksAround(const MpmSpace *space, const MpmGrid *grid, const PetscInt piece[], PetscInt distance,
-                            PetscMPIInt rank[])
+/* Ranks that own a node within a distance of a piece. */
+typedef struct {
+  const MpmSpace *space;
+  const MpmGrid  *grid;
+  PetscInt        distance;
+  PetscMPIInt    *rank; /* room for grid->size */
+} Around;
+
+/* Puts them into around->rank and returns their number. */
+static PetscInt FindRanks(const Around *around, const PetscInt piece[])
 {
   PetscInt at[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
-  MpmSpaceAt(space, piece, at);
+  MpmSpaceAt(around->space, piece, at);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    lower[a] = at[a] - distance;
-    upper[a] = at[a] + distance;
+    lower[a] = at[a] - around->distance;
+    upper[a] = at[a] + around->distance;
   }
-  return MpmGridBoxOwners(grid, lower, upper, rank);
+  return MpmGridBoxOwners(around->grid, lower, upper, around->rank);
 }
 
 /* Lists this rank's pieces for the others that need them: `fill` counts the integers for each rank where `sent` has no data. */
-static void ListPieces(const MpmSpace *space, const MpmGrid *grid, const MpmPieces *pieces, PetscInt distance,
-                       PetscMPIInt around[], PetscInt fill[], const PetscInt slot[], MpmLists *sent)
+static void ListPieces(const Around *around, const MpmPieces *pieces, PetscInt fill[], const PetscInt slot[],
+                       MpmLists *sent)
 {
-  const PetscInt size = pieces->size[0] * pieces->size[1] * pieces->size[2], dim = grid->dim;
+  const PetscInt size = pieces->size[0] * pieces->size[1] * pieces->size[2], dim = pieces->dim;
   PetscInt       piece[MPM_MAX_DIM];
 
   for (PetscInt i = 0; i < size; i++) {
     if (!pieces->fill[i] && !pieces->touch[i]) continue;
     MpmPiecesAt(pieces, i, piece);
-    const PetscInt ranks = RanksAround(space, grid, piece, distance, around);
+    const PetscInt ranks = FindRanks(around, piece);
 
     for (PetscInt r = 0; r < ranks; r++) {
-      if (around[r] == grid->rank) continue;
+      const PetscMPIInt rank = around->rank[r];
+
+      if (rank == around->grid->rank) continue;
       if (sent->data) {
-        PetscInt *to = &sent->data[fill[slot[around[r]]]];
+        PetscInt *to = &sent->data[fill[slot[rank]]];
 
         for (PetscInt a = 0; a < dim; a++) to[a] = piece[a];
         to[dim]     = pieces->fill[i];
         to[dim + 1] = pieces->touch[i];
-        fill[slot[around[r]]] += dim + 2;
-      } else fill[around[r]] += dim + 2;
+        fill[slot[rank]] += dim + 2;
+      } else fill[rank] += dim + 2;
     }
   }
 }
@@ -298,14 +307,14 @@ static void ListPieces(const MpmSpace *space, const MpmGrid *grid, const MpmPiec
 /* Adds what other ranks' points fill of the pieces within a distance of this rank's nodes. */
 static PetscErrorCode Exchange(const MpmSpace *space, const MpmGrid *grid, PetscInt distance, MpmPieces *pieces)
 {
-  MpmLists     sent = {0}, received = {0};
-  PetscMPIInt *around;
-  PetscInt    *length, *slot, *fill;
+  MpmLists  sent = {0}, received = {0};
+  Around    around = {.space = space, .grid = grid, .distance = distance};
+  PetscInt *length, *slot, *fill;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(grid->size, &around));
+  PetscCall(PetscMalloc1(grid->size, &around.rank));
   PetscCall(PetscCalloc3(grid->size, &length, grid->size, &slot, grid->size, &fill));
-  ListPieces(space, grid, pieces, distance, around, length, NULL, &sent);
+  ListPieces(&around, pieces, length, NULL, &sent);
   for (PetscMPIInt r = 0; r < grid->size; r++) sent.count += length[r] > 0;
   PetscCall(PetscMalloc1(sent.count, &sent.rank));
   PetscCall(PetscMalloc1((sent.count + 1), &sent.offset));
@@ -319,7 +328,7 @@ static PetscErrorCode Exchange(const MpmSpace *space, const MpmGrid *grid, Petsc
     k++;
   }
   PetscCall(PetscMalloc1((sent.offset[sent.count] + 1), &sent.data));
-  ListPieces(space, grid, pieces, distance, around, fill, slot, &sent);
+  ListPieces(&around, pieces, fill, slot, &sent);
   PetscCall(MpmListsExchange(grid->comm, &sent, &received));
   PetscCall(Widen(&received, pieces));
   for (PetscInt k = 0; k < received.offset[received.count]; k += grid->dim + 2) {
@@ -330,7 +339,7 @@ static PetscErrorCode Exchange(const MpmSpace *space, const MpmGrid *grid, Petsc
   }
   PetscCall(MpmListsDestroy(&sent));
   PetscCall(MpmListsDestroy(&received));
-  PetscCall(PetscFree(around));
+  PetscCall(PetscFree(around.rank));
   PetscCall(PetscFree3(length, slot, fill));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

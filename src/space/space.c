@@ -5,6 +5,7 @@
   of once a point, and no point pays for more nodes than it touches.
 */
 #include "grid/grid.h"
+#include "space/extension.h"
 #include "space/point_loop.h"
 #include "space/rules.h"
 
@@ -21,7 +22,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
-  PetscCall(PetscFree(space->faces));
+  PetscCall(PetscFree(space->faces.face));
   PetscCall(PetscFree(space->cells));
   PetscCall(PetscFree(space->share));
   PetscCall(PetscFree(space->group_nodes));

@@ -5,7 +5,6 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "talus/point/tables.h"
-#include "space/extension.h"
 
 /*
   Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side.
@@ -26,6 +25,12 @@ typedef struct {
   PetscInt group_begin, group_end;
   PetscInt box; /* into groups: one without points that holds the nodes of them all */
 } MpmCell;
+
+/* Faces of the ghost penalty: groups without points, behind the others. */
+typedef struct {
+  PetscInt begin, count; /* into groups */
+  MpmFace *face;         /* what they are only the ghost penalty knows */
+} MpmFaces;
 
 /*
   Weights of a shape: per point and axis `width` values, from the first node of the point's group on; gradients by x;
@@ -67,6 +72,19 @@ typedef struct {
 #define MPM_PART_GAP 16
 
 /*
+  Nodes whose values follow from others': u_s = sum_k e_sk u_k. Local nodes; masters of a rank's local nodes are local
+  (extension.h).
+*/
+typedef struct {
+  PetscInt   count;    /* of followers */
+  PetscInt  *follower; /* local node of each */
+  PetscInt  *offset;   /* count + 1, into the next two */
+  PetscInt  *master;   /* local nodes */
+  PetscReal *weight;   /* e_sk */
+  PetscInt  *of;       /* per local node: its place among the followers, or -1; NULL: there are none on this rank */
+} MpmExtension;
+
+/*
   The step's discrete spaces, one for each shape that the physics' fields have: weights of every point, and the active
   nodes. They number their nodes together, so that all unknowns of a node make one block; a node that no point touches
   with a field's shape has no unknown of that field. Local nodes are those that this rank's points touch or that it owns:
@@ -83,13 +101,12 @@ typedef struct MpmSpace {
     *support; /* per local node: a bit for each shape with which points touch it; NULL where there is one shape */
   PetscInt     *order; /* points by group */
   PetscInt      group_count;
-  PetscInt      face_begin, face_count; /* faces of the ghost penalty: groups without points, behind the others */
-  PetscInt      cell_count;             /* cells with a mean, if the physics has one: their boxes come last */
-  PetscInt      box_count;              /* groups, faces and cells */
-  PetscInt      reach;                  /* no box has more than reach + 1 nodes on an axis, on any rank */
+  MpmFaces      faces;
+  PetscInt      cell_count; /* cells with a mean, if the physics has one: their boxes come last */
+  PetscInt      box_count;  /* groups, faces and cells */
+  PetscInt      reach;      /* no box has more than reach + 1 nodes on an axis, on any rank */
   MpmCell      *cells;
   PetscReal    *share; /* of each point in the mean of its cell */
-  MpmFace      *faces; /* what they are only the ghost penalty knows */
   MpmGroup     *groups;
   PetscInt     *group_nodes;  /* local nodes of each group, x fastest */
   PetscInt      owned, local; /* active nodes owned by this rank, and with ghosts */

@@ -3,7 +3,6 @@
   Boxes around the points whose faces bound the material: asked before any facet is made, whether contact may be near at all
   (contact_search.c).
 */
-#include "particles/points.h"
 #include "terms/contact.h"
 
 /*

@@ -92,6 +92,11 @@ PetscInt MpmNodesLocal(const MpmDiscretization *disc)
   return disc->space->local;
 }
 
+PetscInt MpmNodesOwned(const MpmDiscretization *disc)
+{
+  return disc->space->owned;
+}
+
 PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node)
 {
   return (PetscBool)!MpmSpaceIsExtra(disc->space, node);

@@ -53,8 +53,9 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
                                             MpmLoadActing *acting, const MpmKernelSet *kernel);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
-/* Number of local nodes, and whether one is a node of the grid: not one of a body's or of another unknown's own. */
+/* Numbers of local and owned nodes; is one a node of the grid, not one of a body's or of another unknown's own? */
 PetscInt  MpmNodesLocal(const MpmDiscretization *disc);
+PetscInt  MpmNodesOwned(const MpmDiscretization *disc);
 PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node);
 /* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */
 PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[]);

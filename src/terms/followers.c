@@ -7,6 +7,7 @@
 #include "space/space.h"
 #include "bc/bc.h"
 #include "terms/sparsity.h"
+#include "terms/sparsity_impl.h"
 
 /* A node to which a row or column of another goes, and by how much component c there counts in its unknown r. */
 typedef struct {

@@ -550,12 +550,12 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
   PetscCall(MarkOwnPoints(space, rules, points, rules->grid->size > 1 ? 3 : 0, &map));
   if (rules->grid->size > 1) PetscCall(ExchangeMarks(rules->grid, rules->materials, &map));
   PetscCall(PetscMalloc1((map.size[0] * map.size[1] * map.size[2]), &pieces));
-  count             = OwnPieces(&map, rules->grid, pieces);
-  space->face_count = ListFaces(&map, rules, count, pieces, NULL, NULL);
-  space->face_begin = space->box_count;
-  PetscCall(MpmSpaceAppendBoxes(space, space->face_count, &boxes));
-  PetscCall(PetscMalloc1(space->face_count, &space->faces));
-  (void)ListFaces(&map, rules, count, pieces, space->faces, boxes);
+  count              = OwnPieces(&map, rules->grid, pieces);
+  space->faces.count = ListFaces(&map, rules, count, pieces, NULL, NULL);
+  space->faces.begin = space->box_count;
+  PetscCall(MpmSpaceAppendBoxes(space, space->faces.count, &boxes));
+  PetscCall(PetscMalloc1(space->faces.count, &space->faces.face));
+  (void)ListFaces(&map, rules, count, pieces, space->faces.face, boxes);
   PetscCall(PetscFree(pieces));
   PetscCall(PetscFree2(map.mark, map.used));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -589,7 +589,7 @@ static PetscInt Components(const MpmSum *sum)
 /* Does the face's matrix reach into dry ground? The slope of the pressure jumps where that begins. */
 static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
 {
-  const MpmGroup *box   = &sum->space->groups[sum->space->face_begin + (PetscInt)(face - sum->space->faces)];
+  const MpmGroup *box   = &sum->space->groups[sum->space->faces.begin + (PetscInt)(face - sum->space->faces.face)];
   const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
   for (PetscInt i = 0; sum->still.bent && i < box->node_count; i++)
@@ -631,9 +631,9 @@ static PetscErrorCode AddForces(const MpmSum *sum, const PetscReal u[], PetscRea
   PetscReal       value[2][FACE_NODES];
 
   PetscFunctionBeginUser;
-  for (PetscInt f = 0; f < space->face_count; f++) {
-    const MpmFace  *face = &space->faces[f];
-    const MpmGroup *box  = &space->groups[space->face_begin + f];
+  for (PetscInt f = 0; f < space->faces.count; f++) {
+    const MpmFace  *face = &space->faces.face[f];
+    const MpmGroup *box  = &space->groups[space->faces.begin + f];
     const PetscInt  n = box->node_count, *nodes = &space->group_nodes[box->node_offset];
 
     for (PetscInt c = 0; c < components; c++) {
@@ -659,9 +659,9 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   (void)ctx;
   (void)u;
   (void)failed;
-  for (PetscInt f = 0; f < space->face_count; f++) {
-    const MpmFace  *face  = &space->faces[f];
-    const MpmGroup *box   = &space->groups[space->face_begin + f];
+  for (PetscInt f = 0; f < space->faces.count; f++) {
+    const MpmFace  *face  = &space->faces.face[f];
+    const MpmGroup *box   = &space->groups[space->faces.begin + f];
     const PetscInt *nodes = &space->group_nodes[box->node_offset];
     const PetscReal other = components > dim ? Factor(sum, face, dim) / face->stiffness : 0.;
 
@@ -680,9 +680,9 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 /* The face's matrix, the same for every component of the displacement; returns its number of nodes. */
 static PetscInt FaceMatrix(const MpmSpace *space, PetscInt f, PetscReal matrix[])
 {
-  const MpmFace  *face  = &space->faces[f];
-  const PetscInt *count = space->groups[space->face_begin + f].count,
-                 n      = space->groups[space->face_begin + f].node_count;
+  const MpmFace  *face  = &space->faces.face[f];
+  const PetscInt *count = space->groups[space->faces.begin + f].count,
+                 n      = space->groups[space->faces.begin + f].node_count;
 
   for (PetscInt p = 0; p < n / count[0]; p++) { /* lines of nodes along the first axis */
     for (PetscInt q = 0; q < n / count[0]; q++) {
@@ -704,12 +704,13 @@ static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
   PetscReal      *matrix, *element;
 
   PetscFunctionBeginUser;
-  if (!space->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!space->faces.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((FACE_NODES * FACE_NODES), &matrix));
   PetscCall(PetscMalloc1((FACE_NODES * FACE_NODES * bs * bs), &element));
-  for (PetscInt f = 0; f < space->face_count; f++) {
-    const PetscInt  n     = FaceMatrix(space, f, matrix);
-    const PetscReal other = components > dim ? Factor(sum, &space->faces[f], dim) / space->faces[f].stiffness : 0.;
+  for (PetscInt f = 0; f < space->faces.count; f++) {
+    const PetscInt  n = FaceMatrix(space, f, matrix);
+    const PetscReal other =
+      components > dim ? Factor(sum, &space->faces.face[f], dim) / space->faces.face[f].stiffness : 0.;
 
     PetscCall(PetscArrayzero(element, n * n * bs * bs));
     for (PetscInt i = 0; i < n; i++)
@@ -717,7 +718,7 @@ static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
         for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] = matrix[i * n + j];
     for (PetscInt k = 0; k < n * n && components > dim; k++)
       element[((k / n * bs + dim) * bs + dim) * n + k % n] = other * matrix[k];
-    MpmPatternAddBlock(pattern, space, &space->groups[space->face_begin + f], element);
+    MpmPatternAddBlock(pattern, space, &space->groups[space->faces.begin + f], element);
   }
   PetscCall(PetscFree(matrix));
   PetscCall(PetscFree(element));

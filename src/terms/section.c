@@ -475,7 +475,7 @@ static void AddNodes(const Pass *pass, Plane *plane, const PetscReal force[], co
 static PetscErrorCode AddGhostPenalty(Pass *pass)
 {
   const MpmSpace *space = pass->sum->space;
-  PetscInt        faces = space->face_count, failed = 0;
+  PetscInt        faces = space->faces.count, failed = 0;
   PetscReal      *force, *share;
 
   PetscFunctionBeginUser;

@@ -29,11 +29,6 @@ typedef struct MpmPattern {
   const MpmConstraints *constraints; /* whose unknowns are left out, between Begin and End */
 } MpmPattern;
 
-/* The slot of a local node in the window of another, or NULL where it has none; and where it stands in the row, one that it has. */
-PetscInt *MpmPatternSlot(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column);
-PetscInt  MpmPatternPosition(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column);
-/* Brings rows and columns of followers to those that they follow (followers.c): E^T K E of this rank's part. */
-void MpmPatternEliminate(MpmPattern *pattern, const MpmSpace *space);
 /* The pattern of a space, in place of the last one's; `changed`: the rank's rows or columns are others. */
 PetscErrorCode MpmPatternSetUp(MpmPattern **pattern, const MpmSpace *space, MPI_Comm comm, PetscInt block,
                                PetscBool *changed);

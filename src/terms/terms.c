@@ -1,6 +1,7 @@
 /*
   The list of terms that a problem's residual consists of, and sums over it.
 */
+#include "space/extension.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terms/terms.h"

@@ -46,7 +46,9 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model);
 /* Room for the nodes of the step's space, in model->state.scheme.dynamics and in the inertia's arrays. */
 PetscErrorCode MpmDynamicsResize(MpmModel model);
 PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics);
-/* An explicit step's longest, over the time in which a wave crosses a cell (explicit.c). */
+/* An explicit step's longest, over the time in which a wave crosses a cell (explicit_length.c). */
 PetscReal MpmExplicitPart(const MpmMotionControl *motion);
+/* Finds how long the next explicit step may be; `why` as in MpmIntegrator. */
+PetscErrorCode MpmExplicitLength(MpmModel model, const char **why);
 /* Of the stage under way. */
 const MpmMotionControl *MpmModelMotion(const MpmModel model);

@@ -10,7 +10,6 @@
 #include "particles/points.h"
 #include "point/material.h"
 #include "bc/bc.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "terms/discretization.h"
 #include "time/model.h"
@@ -25,7 +24,7 @@ static void FindForce(const MpmModel model, PetscReal *size, PetscReal place[])
   const PetscInt        bs = model->disc.block, dim = model->disc.dim;
 
   *size = 0.;
-  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
+  for (PetscInt i = 0; i < MpmNodesOwned(&model->disc); i++) {
     PetscReal square = 0.;
 
     for (PetscInt a = 0; a < dim; a++)
@@ -127,7 +126,7 @@ PetscErrorCode MpmStepLocate(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(&model->solver, model->solver.x));
   PetscCall(MpmSumResidual(&model->solver, &failed));
-  MpmFramesToUnknowns(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual);
+  MpmFramesToUnknowns(model->disc.constraints, bs, MpmNodesOwned(&model->disc), model->disc.residual);
   model->disc.trial->made = PETSC_FALSE;
   tell                    = (PetscBool)(!failed && AllTell(model));
   FindForce(model, &most.size, place);

@@ -339,7 +339,8 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
 
 PetscBool MpmStagesMinimise(const MpmModel model)
 {
-  if (!MpmStagesSolve(model) || model->scene.smooth > 0. || !MpmPotentialExists(&model->disc)) return PETSC_FALSE;
+  if (!MpmStagesSolve(model) || model->scene.stabilization.smooth > 0. || !MpmPotentialExists(&model->disc))
+    return PETSC_FALSE;
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
     const MpmMotionControl  *motion  = &model->scene.stages[k].time.motion;
     const MpmDampingControl *damping = &motion->damping;

@@ -112,6 +112,19 @@ typedef struct {
   PetscReal   at[MPM_MAX_DIM]; /* what moves with the followed, in the grid as it was read; by default the other side */
 } MpmFollow;
 
+/* Choices against cuts, locking and points drawn apart (stabilization.c). */
+typedef struct {
+  PetscReal filled; /* share of the fullest piece beside it that makes a piece well filled; 0: no node follows others */
+  PetscBool ghost_auto; /* a ghost penalty where points are sparse */
+  PetscReal interior;   /* factor of the ghost penalty on all faces, but in geostatic stages; 0: none */
+  PetscReal smooth;     /* share of means over pieces in the strain of a solid */
+  PetscReal divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
+  PetscBool divide_auto;
+  PetscBool fbar, fbar_auto;
+  PetscBool fbar_plain; /* F-bar averages dilation by shear, too */
+  const char *fbar_why; /* what `auto` went by, or NULL */
+} MpmStabilization;
+
 /* What was read: constant from then on. */
 typedef struct {
   char            *title, *prefix;
@@ -132,15 +145,7 @@ typedef struct {
   MpmFollow        follow;
   MpmBodyForce     body_force;
   void            *body_force_ctx;
-  PetscBool        fbar, fbar_auto;
-  PetscBool        fbar_plain; /* F-bar averages dilation by shear, too */
-  const char      *fbar_why;   /* what `auto` went by, or NULL */
-  PetscReal filled; /* share of the fullest piece beside it that makes a piece well filled; 0: no node follows others */
-  PetscBool ghost_auto; /* a ghost penalty where points are sparse */
-  PetscReal interior;   /* factor of the ghost penalty on all faces, but in geostatic stages; 0: none */
-  PetscReal smooth;     /* share of means over pieces in the strain of a solid */
-  PetscReal divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
-  PetscBool divide_auto;
-  PetscInt  stage_count;
-  MpmStage *stages;
+  MpmStabilization stabilization;
+  PetscInt         stage_count;
+  MpmStage        *stages;
 } MpmScene;

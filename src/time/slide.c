@@ -20,7 +20,6 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/points.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "time/model.h"
 #include "time/step.h"
@@ -73,7 +72,7 @@ static PetscErrorCode FindLongest(MpmModel model, PetscReal *way)
 
   PetscFunctionBeginUser;
   *way = 0.;
-  for (PetscInt i = 0; i < model->disc.space->owned; i++)
+  for (PetscInt i = 0; i < MpmNodesOwned(&model->disc); i++)
     for (PetscInt a = 0; a < model->disc.dim; a++) *way = PetscMax(*way, PetscAbsReal(model->disc.u[i * bs + a]));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, way, 1, MPIU_REAL, MPIU_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

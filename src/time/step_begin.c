@@ -23,7 +23,7 @@
 /* How much of the strain is its mean over pieces (docs/stabilization.md). */
 static PetscReal SmoothShare(const MpmModel model)
 {
-  return model->state.rescue.smooth && MpmReductionSeeks(model) ? MPM_SMOOTH_SAFETY : model->scene.smooth;
+  return model->state.rescue.smooth && MpmReductionSeeks(model) ? MPM_SMOOTH_SAFETY : model->scene.stabilization.smooth;
 }
 
 /* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
@@ -42,27 +42,28 @@ static MpmRules Rules(MpmModel model, PetscReal time)
   const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
   MpmRules                rules;
 
-  rules = (MpmRules){.grid           = model->disc.grid,
-                     .shape          = model->scene.shape,
-                     .edge           = model->scene.edge,
-                     .layout         = model->disc.layout,
-                     .wall_count     = model->state.walls.count,
-                     .walls          = model->state.walls.at,
-                     .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
-                     .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
-                     .parts          = model->disc.parts,
-                     .materials      = model->disc.sum->materials,
-                     .material_count = model->disc.material_count,
-                     .ghost          = solves ? model->disc.ghost : 0.,
-                     .filled         = solves ? model->scene.filled : 0.,
-                     .sparse         = solves && model->scene.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-                     .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.interior : 0.,
-                     .smooth   = SmoothShare(model),
-                     .mean     = (PetscBool)(model->disc.layout->means > 0),
-                     .put_back = model->disc.put_back,
-                     .time_n   = model->state.time,
-                     .time     = time,
-                     .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
+  rules = (MpmRules){
+    .grid           = model->disc.grid,
+    .shape          = model->scene.shape,
+    .edge           = model->scene.edge,
+    .layout         = model->disc.layout,
+    .wall_count     = model->state.walls.count,
+    .walls          = model->state.walls.at,
+    .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
+    .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
+    .parts          = model->disc.parts,
+    .materials      = model->disc.sum->materials,
+    .material_count = model->disc.material_count,
+    .ghost          = solves ? model->disc.ghost : 0.,
+    .filled         = solves ? model->scene.stabilization.filled : 0.,
+    .sparse         = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+    .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
+    .smooth   = SmoothShare(model),
+    .mean     = (PetscBool)(model->disc.layout->means > 0),
+    .put_back = model->disc.put_back,
+    .time_n   = model->state.time,
+    .time     = time,
+    .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad *load = &model->scene.loads->at[l];
 

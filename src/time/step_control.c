@@ -217,7 +217,7 @@ static PetscErrorCode DividePoints(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesDivide(model->state.particles, model->disc.grid, model->scene.materials->at,
-                               model->scene.divide, &divided));
+                               model->scene.stabilization.divide, &divided));
   if (divided) PetscCall(PetscInfo(model->state.particles->swarm, "%" PetscInt_FMT " points are divided\n", divided));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -231,7 +231,7 @@ static PetscErrorCode Arrange(MpmModel model, const char **why)
   PetscCall(MpmMovingGridFollow(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
-  if (model->scene.divide > 0.) PetscCall(DividePoints(model));
+  if (model->scene.stabilization.divide > 0.) PetscCall(DividePoints(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -121,7 +121,7 @@ static void CheckPolynomials(const char *const factor[])
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
       degree = MpmShapeDegree(model->scene.shape);
-      ck_assert_msg(SceneAll((PetscBool)(model->disc.space->face_count > 0 || model->size > 1)), "%s has no faces",
+      ck_assert_msg(SceneAll((PetscBool)(model->disc.space->faces.count > 0 || model->size > 1)), "%s has no faces",
                     shapes[s]);
       SCENE_CALL(Forces(model, degree, &polynomial, &random));
       ck_assert_msg(random > 0., "%dD %s: no penalty", (int)dim, shapes[s]);

@@ -1,0 +1,9 @@
+#pragma once
+/*
+  Calls that the program makes of a model beside those of the library (talus.h).
+*/
+#include "options/database.h"
+#include "talus/talus.h"
+
+/* Where the options of the command line were given; borrowed until the model is destroyed. */
+void MpmModelSetSources(MpmModel model, MpmSources sources);
