@@ -10,7 +10,12 @@
   Newton's tolerance; where no force acts within the width, it does not depend on where the points stand. Where the balance
   takes a part of the points' forces from the step's start (generalised alpha), so does the sum.
 
-  The ramp stays within the material: a plane nearer to its end than half the width is moved there.
+  Small-cut nodes have no balance of their own: forces there belong to the nodes they follow (space/extension.h), and the
+  motion is extended likewise, component by component: in place of s_i and s_i (y_i - c) stand sum_k e_ik s_k and
+  sum_k e_ik s_k (y_k - c).
+
+  The ramp stays within the material: a plane nearer to its end than half the width is moved there, and further where
+  the nodes of the end follow: all that these follow lie beyond the ramp.
   Area and centroid are those of int grad s dv.
 
   Source: the domain form of a boundary flux, as in Carey, Chow and Seager (1985), doi:10.1016/0045-7825(85)90084-2.
@@ -19,6 +24,7 @@
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/selection.h"
+#include "bc/bc.h"
 #include "terms/cell_mean.h"
 #include "terms/section.h"
 #include "terms/terms.h"
@@ -66,16 +72,17 @@ typedef struct {
   PetscReal        *sums;
 } Plane;
 
-/* All of them, with room for one group: places of the nodes at the step's end, distances, ramp and forces there. */
+/* All of them, with places of the local nodes at the step's end, and room for one group: its nodes' forces, and the ramp. */
 typedef struct {
-  const MpmSum    *sum;
-  const PetscReal *u, *by; /* displacements that say where nodes go, and by which points have their fluxes */
-  PetscBool        areas;  /* they are summed with the forces */
-  PetscInt         count;
-  Plane           *planes;
-  PetscReal       *place, *distance, *ramp, *force, *storage;
-  PetscReal        flux[MPM_MAX_INPUTS];
-  MpmBasis         basis;
+  const MpmSum         *sum;
+  const MpmConstraints *constraints;
+  const PetscReal      *u, *by; /* displacements that say where nodes go, and by which points have their fluxes */
+  PetscBool             areas;  /* they are summed with the forces */
+  PetscInt              count;
+  Plane                *planes;
+  PetscReal            *place, *ramp, *force, *storage;
+  PetscReal             flux[MPM_MAX_INPUTS];
+  MpmBasis              basis;
 } Pass;
 
 static PetscReal Distance(const MpmSection *section, PetscInt dim, const PetscReal y[])
@@ -98,37 +105,71 @@ static PetscBool AnyChosen(const Pass *pass, const Plane *plane, const MpmGroup 
   return PETSC_FALSE;
 }
 
-/* Where the group's nodes go, [i][a]. */
-static void PlaceNodes(Pass *pass, const MpmGroup *group)
+/* Where the local nodes go, [i][a]. */
+static void PlaceNodes(Pass *pass)
 {
   const MpmSpace *space = pass->sum->space;
   const MpmGrid  *grid  = pass->sum->grid;
   const PetscInt  dim   = space->dim;
-  PetscInt        first[MPM_MAX_DIM];
 
-  MpmSpaceAt(space, group->first, first);
-  for (PetscInt i = 0; i < group->node_count; i++) {
-    const PetscInt node = space->group_nodes[group->node_offset + i];
+  for (PetscInt i = 0; i < space->local; i++) {
+    PetscInt at[MPM_MAX_DIM];
 
-    for (PetscInt a = 0, k = i; a < dim; k /= group->count[a], a++) {
-      const PetscInt at = first[a] + k % group->count[a];
-
-      pass->place[i * dim + a] = grid->lower[a] + grid->h[a] * (PetscReal)at;
-      pass->place[i * dim + a] += pass->u[node * pass->sum->block + a];
+    if (MpmSpaceIsExtra(space, i)) continue;
+    MpmSpaceAt(space, &space->node[i * dim], at);
+    for (PetscInt a = 0; a < dim; a++) {
+      pass->place[i * dim + a] = grid->lower[a] + grid->h[a] * (PetscReal)at[a];
+      pass->place[i * dim + a] += pass->u[i * pass->sum->block + a];
     }
   }
 }
 
-static void MeasureNodes(Pass *pass, const MpmSection *section, const MpmGroup *group, PetscReal range[2])
+/* A local node's place among the followers where its component c follows, or -1. */
+static inline PetscInt FollowerOf(const Pass *pass, PetscInt node, PetscInt c)
 {
-  const PetscInt dim = pass->sum->space->dim;
+  const PetscInt *of = pass->sum->space->extension.of;
 
+  if (!of || of[node] < 0 || pass->constraints->condition[node * pass->sum->block + c] != MPM_FOLLOWS) return -1;
+  return of[node];
+}
+
+static PetscInt AnyFollower(const Pass *pass, PetscInt node)
+{
+  PetscInt f = -1;
+
+  for (PetscInt c = 0; c < pass->sum->space->dim && f < 0; c++) f = FollowerOf(pass, node, c);
+  return f;
+}
+
+static void Widen(const Pass *pass, const MpmSection *section, PetscInt node, PetscReal range[2])
+{
+  const PetscInt  dim = pass->sum->space->dim;
+  const PetscReal d   = Distance(section, dim, &pass->place[node * dim]);
+
+  range[0] = PetscMin(range[0], d);
+  range[1] = PetscMax(range[1], d);
+}
+
+/* The range of those that lead a follower. */
+static void MeasureMasters(const Pass *pass, const MpmSection *section, PetscInt f, PetscReal range[2])
+{
+  const MpmExtension *extension = &pass->sum->space->extension;
+
+  for (PetscInt k = extension->offset[f]; k < extension->offset[f + 1]; k++)
+    Widen(pass, section, extension->master[k], range);
+}
+
+/* The range of a group's nodes, and of those that lead them; `own`: of nodes that do not follow alone. */
+static void MeasureNodes(const Pass *pass, const MpmSection *section, const MpmGroup *group, PetscBool own,
+                         PetscReal range[2])
+{
   range[0] = PETSC_INFINITY;
   range[1] = PETSC_NINFINITY;
   for (PetscInt i = 0; i < group->node_count; i++) {
-    pass->distance[i] = Distance(section, dim, &pass->place[i * dim]);
-    range[0]          = PetscMin(range[0], pass->distance[i]);
-    range[1]          = PetscMax(range[1], pass->distance[i]);
+    const PetscInt node = pass->sum->space->group_nodes[group->node_offset + i], f = AnyFollower(pass, node);
+
+    if (f < 0 || !own) Widen(pass, section, node, range);
+    if (f >= 0) MeasureMasters(pass, section, f, range);
   }
 }
 
@@ -160,7 +201,7 @@ static PetscReal HalfExtent(const Pass *pass, const MpmSection *section, PetscIn
 }
 
 /*
-  reach: how far the points go along the normal against it and with it, and how far the nodes do that they touch.
+  reach: how far the points go along the normal against it and with it, and how far the nodes do that bear their forces.
 */
 static PetscErrorCode FindReach(Pass *pass, Plane *plane, PetscReal reach[4])
 {
@@ -173,8 +214,7 @@ static PetscErrorCode FindReach(Pass *pass, Plane *plane, PetscReal reach[4])
     PetscReal       range[2];
 
     if (!AnyChosen(pass, plane, group)) continue;
-    PlaceNodes(pass, group);
-    MeasureNodes(pass, plane->section, group, range);
+    MeasureNodes(pass, plane->section, group, PETSC_TRUE, range);
     reach[2] = PetscMax(reach[2], -range[0]);
     reach[3] = PetscMax(reach[3], range[1]);
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
@@ -194,6 +234,37 @@ static PetscErrorCode FindReach(Pass *pass, Plane *plane, PetscReal reach[4])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Draws the nodes' reach back behind those that lead followers beyond it. */
+static PetscErrorCode DrawBack(const Pass *pass, const Plane *plane, PetscReal reach[4])
+{
+  const MpmSpace *space  = pass->sum->space;
+  const PetscReal end[2] = {-reach[2], reach[3]};
+  PetscReal       back[2];
+
+  PetscFunctionBeginUser;
+  back[0] = end[0];
+  back[1] = -end[1];
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+
+    if (!space->extension.of || !AnyChosen(pass, plane, group)) continue;
+    for (PetscInt i = 0; i < group->node_count; i++) {
+      const PetscInt  node = space->group_nodes[group->node_offset + i], f = AnyFollower(pass, node);
+      const PetscReal d        = Distance(plane->section, space->dim, &pass->place[node * space->dim]);
+      PetscReal       range[2] = {PETSC_INFINITY, PETSC_NINFINITY};
+
+      if (f < 0 || (d >= end[0] && d <= end[1])) continue;
+      MeasureMasters(pass, plane->section, f, range);
+      if (d < end[0]) back[0] = PetscMax(back[0], range[1]);
+      else back[1] = PetscMax(back[1], -range[0]);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, back, 2, MPIU_REAL, MPIU_MAX, pass->sum->grid->comm));
+  reach[2] = -back[0];
+  reach[3] = -back[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The ramps of a section's cuts: of a cell's width, within the material. */
 static PetscErrorCode PlaceRamps(Pass *pass, Plane *plane)
 {
@@ -203,6 +274,7 @@ static PetscErrorCode PlaceRamps(Pass *pass, Plane *plane)
 
   PetscFunctionBeginUser;
   PetscCall(FindReach(pass, plane, reach));
+  PetscCall(DrawBack(pass, plane, reach));
   lower = -PetscMin(reach[0], reach[2]);
   upper = PetscMin(reach[1], reach[3]);
   for (PetscInt a = 0; a < grid->dim; a++) width += grid->h[a] * PetscAbsReal(section->axis[0][a]);
@@ -229,6 +301,35 @@ static PetscBool Crosses(const Ramp *ramp, const PetscReal range[2])
   return (PetscBool)(ramp->upper > ramp->lower && range[0] < ramp->upper && range[1] > ramp->lower);
 }
 
+/* What the motion of one side does against component c of a node's force: s, and s (y - c). */
+typedef struct {
+  PetscReal value, arm[MPM_MAX_DIM];
+} Motion;
+
+static void AddMotion(const Pass *pass, const MpmSection *section, const Ramp *ramp, PetscInt node, PetscReal weight,
+                      Motion *motion)
+{
+  const PetscInt   dim  = pass->sum->space->dim;
+  const PetscReal *y    = &pass->place[node * dim];
+  const PetscReal  s    = (Distance(section, dim, y) - ramp->lower) / (ramp->upper - ramp->lower);
+  const PetscReal  part = weight * PetscMin(PetscMax(s, 0.), 1.);
+
+  motion->value += part;
+  for (PetscInt a = 0; a < dim; a++) motion->arm[a] += part * (y[a] - ramp->origin[a]);
+}
+
+static Motion MotionAt(const Pass *pass, const MpmSection *section, const Ramp *ramp, PetscInt node, PetscInt c)
+{
+  const MpmExtension *extension = &pass->sum->space->extension;
+  const PetscInt      f         = FollowerOf(pass, node, c);
+  Motion              motion    = {.value = 0.};
+
+  if (f < 0) AddMotion(pass, section, ramp, node, 1., &motion);
+  for (PetscInt k = f < 0 ? 0 : extension->offset[f]; f >= 0 && k < extension->offset[f + 1]; k++)
+    AddMotion(pass, section, ramp, extension->master[k], extension->weight[k], &motion);
+  return motion;
+}
+
 /* sum += y x f, from the origin; in 2D about z, which is first */
 static void AddMoment(PetscInt dim, const PetscReal y[], const PetscReal origin[], const PetscReal f[], PetscReal sum[])
 {
@@ -240,32 +341,45 @@ static void AddMoment(PetscInt dim, const PetscReal y[], const PetscReal origin[
     for (PetscInt a = 0; a < 3; a++) sum[a] += r[(a + 1) % 3] * f[(a + 2) % 3] - r[(a + 2) % 3] * f[(a + 1) % 3];
 }
 
-/* The part of one point in the area, int n . grad s dv = V_n n . cof(dF) grad s, and that times its place. */
+/* Force and moment of component c of a node's force. */
+static void AddComponent(PetscInt dim, const Motion *motion, PetscInt c, PetscReal force, PetscReal sums[])
+{
+  const PetscReal origin[MPM_MAX_DIM] = {0., 0., 0.};
+  PetscReal       f[MPM_MAX_DIM]      = {0., 0., 0.};
+
+  f[c] = force;
+  sums[SUM_FORCE + c] += motion->value * force;
+  AddMoment(dim, motion->arm, origin, f, &sums[SUM_MOMENT]);
+}
+
+/* The part of one point in the area, int n . grad s dv = V_n n . cof(dF) grad s, with s by component, and that times its place. */
 static void AddArea(const Pass *pass, const MpmSection *section, const Ramp *ramp, const MpmGroup *group, PetscInt p,
                     PetscReal sums[])
 {
   const MpmSum   *sum = pass->sum;
   const PetscInt  dim = sum->space->dim, n = group->node_count;
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
-  PetscReal       dF[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], slope[MPM_MAX_DIM] = {0.};
-  PetscReal       y[MPM_MAX_DIM], area = 0.;
+  PetscReal       dF[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], y[MPM_MAX_DIM], area = 0.;
 
-  for (PetscInt b = 0; b < dim; b++)
-    for (PetscInt i = 0; i < n; i++) slope[b] += pass->ramp[i] * pass->basis.basis[1 + b][i];
   for (PetscInt k = 0; k < dim * dim; k++) {
     dF[k] = k / dim == k % dim ? 1. : 0.;
     for (PetscInt i = 0; i < n; i++)
       dF[k] += pass->u[nodes[i] * sum->block + k / dim] * pass->basis.basis[1 + k % dim][i];
   }
   (void)MpmCofactors(dim, dF, cofactor);
-  for (PetscInt k = 0; k < dim * dim; k++) area += section->axis[0][k / dim] * cofactor[k] * slope[k % dim];
+  for (PetscInt k = 0; k < dim * dim; k++) {
+    PetscReal slope = 0.;
+
+    for (PetscInt i = 0; i < n; i++) slope += pass->ramp[k / dim * n + i] * pass->basis.basis[1 + k % dim][i];
+    area += section->axis[0][k / dim] * cofactor[k] * slope;
+  }
   area *= sum->points->volume0[p] * MpmDeterminant(dim, &sum->points->F[p * dim * dim]);
   PlacePoint(pass, group, p, y);
   sums[SUM_AREA] += area;
   for (PetscInt a = 0; a < dim; a++) sums[SUM_PLACE + a] += area * (y[a] - ramp->origin[a]);
 }
 
-/* One group's part in one cut; forces and distances of its nodes are there. */
+/* One group's part in one cut; forces of its nodes are there. */
 static void AddCut(Pass *pass, Plane *plane, PetscInt cut, const MpmGroup *group)
 {
   const MpmSpace *space = pass->sum->space;
@@ -273,15 +387,12 @@ static void AddCut(Pass *pass, Plane *plane, PetscInt cut, const MpmGroup *group
   const PetscInt  dim = space->dim, n = group->node_count;
   PetscReal      *sums = &plane->sums[cut * SUMS];
 
-  for (PetscInt i = 0; i < n; i++) {
-    PetscReal f[MPM_MAX_DIM];
+  for (PetscInt k = 0; k < n * dim; k++) {
+    const PetscInt node   = space->group_nodes[group->node_offset + k % n];
+    const Motion   motion = MotionAt(pass, plane->section, ramp, node, k / n);
 
-    pass->ramp[i] = PetscMin(PetscMax((pass->distance[i] - ramp->lower) / (ramp->upper - ramp->lower), 0.), 1.);
-    for (PetscInt a = 0; a < dim; a++) {
-      f[a] = pass->ramp[i] * pass->force[a * n + i];
-      sums[SUM_FORCE + a] += f[a];
-    }
-    AddMoment(dim, &pass->place[i * dim], ramp->origin, f, &sums[SUM_MOMENT]);
+    pass->ramp[k] = motion.value;
+    AddComponent(dim, &motion, k / n, pass->force[k], sums);
   }
   for (PetscInt s = group->point_begin; pass->areas && s < group->point_end; s++) {
     const PetscInt p = space->order[s];
@@ -334,13 +445,12 @@ static PetscErrorCode AddUnit(Pass *pass, const MpmCell *unit, MpmCellWork *cell
   for (PetscInt g = unit->group_begin; g < unit->group_end; g++) {
     const MpmGroup *group = &pass->sum->space->groups[g];
 
-    PlaceNodes(pass, group);
     for (PetscInt k = 0; k < pass->count; k++) {
       Plane    *plane = &pass->planes[k];
       PetscReal range[2];
       PetscBool forces = PETSC_FALSE;
 
-      MeasureNodes(pass, plane->section, group, range);
+      MeasureNodes(pass, plane->section, group, PETSC_FALSE, range);
       for (PetscInt c = 0; c < plane->section->count; c++) {
         if (!Crosses(&plane->ramps[c], range)) continue;
         if (!forces && !AnyChosen(pass, plane, group)) break;
@@ -398,18 +508,6 @@ static PetscErrorCode AddStart(Pass *pass)
 
 /* ---- the ghost penalty ---- */
 
-/* Where a local node goes. */
-static void PlaceNode(const Pass *pass, PetscInt node, PetscReal y[])
-{
-  const MpmGrid *grid = pass->sum->grid;
-  const PetscInt dim  = grid->dim;
-  PetscInt       at[MPM_MAX_DIM];
-
-  MpmSpaceAt(pass->sum->space, &pass->sum->space->node[node * dim], at);
-  for (PetscInt a = 0; a < dim; a++)
-    y[a] = grid->lower[a] + grid->h[a] * (PetscReal)at[a] + pass->u[node * pass->sum->block + a];
-}
-
 /* The chosen points' share of the volume at the local nodes. */
 static PetscErrorCode FindShare(Pass *pass, const Plane *plane, PetscReal share[])
 {
@@ -447,23 +545,17 @@ static void AddNodes(const Pass *pass, Plane *plane, const PetscReal force[], co
   const PetscInt dim = pass->sum->space->dim, bs = pass->sum->block;
 
   for (PetscInt i = 0; i < pass->sum->space->local; i++) {
-    PetscReal y[MPM_MAX_DIM], f[MPM_MAX_DIM], d, size = 0.;
+    PetscReal size = 0.;
 
     for (PetscInt a = 0; a < dim; a++) size += PetscAbsReal(force[i * bs + a]) * share[i];
     if (size == 0.) continue;
-    PlaceNode(pass, i, y);
-    d = Distance(plane->section, dim, y);
-    for (PetscInt c = 0; c < plane->section->count; c++) {
-      const Ramp *ramp = &plane->ramps[c];
-      PetscReal  *sums = &plane->sums[c * SUMS], s;
+    for (PetscInt k = 0; k < plane->section->count * dim; k++) {
+      const Ramp *ramp = &plane->ramps[k / dim];
+      Motion      motion;
 
-      if (d <= ramp->lower || ramp->upper <= ramp->lower) continue;
-      s = share[i] * PetscMin((d - ramp->lower) / (ramp->upper - ramp->lower), 1.);
-      for (PetscInt a = 0; a < dim; a++) {
-        f[a] = s * force[i * bs + a];
-        sums[SUM_FORCE + a] += f[a];
-      }
-      AddMoment(dim, y, ramp->origin, f, &sums[SUM_MOMENT]);
+      if (ramp->upper <= ramp->lower) continue;
+      motion = MotionAt(pass, plane->section, ramp, i, k % dim);
+      AddComponent(dim, &motion, k % dim, share[i] * force[i * bs + k % dim], &plane->sums[k / dim * SUMS]);
     }
   }
 }
@@ -529,8 +621,9 @@ static PetscErrorCode Begin(MpmSections *sections, MpmParticles *particles, Pass
   const PetscInt  n     = PetscPowInt(space->width, space->dim);
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc5((n * space->dim), &pass->place, n, &pass->distance, n, &pass->ramp, (n * pass->sum->block),
-                         &pass->force, (n * MpmBasisCount(space)), &pass->storage));
+  PetscCall(PetscMalloc4((space->local * space->dim), &pass->place, (n * space->dim), &pass->ramp,
+                         (n * pass->sum->block), &pass->force, (n * MpmBasisCount(space)), &pass->storage));
+  PlaceNodes(pass);
   MpmBasisPlace(space, n, pass->storage, &pass->basis);
   PetscCall(PetscCalloc1(sections->count, &pass->planes));
   for (PetscInt k = 0; k < sections->count; k++) {
@@ -545,15 +638,16 @@ static PetscErrorCode Begin(MpmSections *sections, MpmParticles *particles, Pass
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmSum *sum, const PetscReal u[],
-                                   MpmParticles *particles)
+PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmConstraints *constraints, const MpmSum *sum,
+                                   const PetscReal u[], MpmParticles *particles)
 {
   const PetscInt dim   = sum->space->dim;
   MpmSum         still = *sum;
-  Pass           pass  = {.sum = &still, .u = u, .by = u, .areas = PETSC_TRUE, .count = sections->count};
+  Pass           pass  = {.sum = &still, .constraints = constraints, .u = u, .by = u, .areas = PETSC_TRUE};
 
   PetscFunctionBeginUser;
   still.trial = NULL;
+  pass.count  = sections->count;
   PetscCall(Begin(sections, particles, &pass));
   PetscCall(AddUnits(&pass));
   PetscCall(AddStart(&pass));
@@ -570,7 +664,7 @@ PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmSum *sum, con
     PetscCall(PetscFree2(plane->ramps, plane->sums));
   }
   PetscCall(PetscFree(pass.planes));
-  PetscCall(PetscFree5(pass.place, pass.distance, pass.ramp, pass.force, pass.storage));
+  PetscCall(PetscFree4(pass.place, pass.ramp, pass.force, pass.storage));
   sections->made = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -40,6 +40,9 @@ typedef struct MpmSections {
 PetscErrorCode MpmSectionDestroy(MpmSection *section);
 /* Finds the points that are cut, in the initial state; the bodies' points have been made. */
 PetscErrorCode MpmSectionSelect(MpmSection *section, const MpmBodies *bodies, MpmParticles *particles);
-/* All cuts at the step's end, from the displacement u at the local nodes; before the step becomes the state. */
-PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmSum *sum, const PetscReal u[],
-                                   MpmParticles *particles);
+/*
+  All cuts at the step's end, from the displacement u at the local nodes; before the step becomes the state. `constraints` are
+  read where there are nodes that follow others.
+*/
+PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmConstraints *constraints, const MpmSum *sum,
+                                   const PetscReal u[], MpmParticles *particles);

@@ -548,7 +548,8 @@ static PetscErrorCode Observe(MpmModel model)
 
   PetscFunctionBeginUser;
   if (model->disc.sections)
-    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.trial->u, model->state.particles));
+    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.trial->u,
+                                  model->state.particles));
   PetscCall(PetscArraycpy(dynamics->loads, model->disc.force, count));
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
   GravityGain(model, gain);

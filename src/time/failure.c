@@ -58,7 +58,8 @@ static PetscErrorCode FindBody(MpmModel model, const PetscReal place[], PetscInt
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE_INT, MPI_MINLOC, model->comm));
   *body = -1;
-  for (PetscInt b = 0; at >= 0 && b < model->scene.bodies->count; b++) {
+  if (at >= 0 && model->scene.bodies->count == 1) *body = 0;
+  for (PetscInt b = 0; at >= 0 && *body < 0 && b < model->scene.bodies->count; b++) {
     PetscInt first, end;
 
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
@@ -117,7 +118,7 @@ PetscErrorCode MpmStepLocate(MpmModel model, const char **why)
   PetscReal      place[MPM_MAX_DIM] = {0.}, count[2] = {0., 0.};
   PetscInt       failed, body;
   PetscBool      tell;
-  char           text[256], at[96], flow[64] = "";
+  char           text[256], at[96], of[64] = "", flow[64] = "";
   struct {
     double size;
     int    rank;
@@ -142,8 +143,9 @@ PetscErrorCode MpmStepLocate(MpmModel model, const char **why)
   if (count[1] == 0.)
     PetscCall(PetscSNPrintf(flow, sizeof(flow), "; %.3g %% of the points flow",
                             (double)(100. * count[0] / (PetscReal)model->state.particles->total)));
-  PetscCall(PetscSNPrintf(text, sizeof(text), "%s, with %.3g N out of balance at %s in body %.40s%s", *why, most.size,
-                          at, body >= 0 ? model->scene.bodies->names[body] : "", flow));
+  if (body >= 0) PetscCall(PetscSNPrintf(of, sizeof(of), " in body %.40s", model->scene.bodies->names[body]));
+  PetscCall(
+    PetscSNPrintf(text, sizeof(text), "%s, with %.3g N out of balance at %s%s%s", *why, most.size, at, of, flow));
   PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
   *why = model->solver.lost;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -270,7 +270,8 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(MpmStepFindTrial(model));
   if (model->disc.sections)
-    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.sum, model->disc.u, model->state.particles));
+    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.u,
+                                  model->state.particles));
   PetscCall(MpmSurfaceFlowCommit(model->disc.surfaces, model->disc.sum, model->disc.u));
   PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
   model->disc.trial->made = PETSC_FALSE;

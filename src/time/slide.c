@@ -53,9 +53,10 @@ static PetscBool MustStand(const MpmModel model)
                      !model->state.scheme.rescuing.on && !stage->time.rescue);
 }
 
-/* The number of a point's body; -1: none. */
+/* The number of a point's body; -1: it is not known, as in runs that go on without the bodies. */
 static PetscInt BodyOf(const MpmModel model, PetscInt id)
 {
+  if (model->scene.bodies->count == 1) return 0;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscInt first, end;
 

@@ -31,6 +31,7 @@
 #include "point/material.h"
 #include "particles/body.h"
 #include "particles/particles.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/sum.h"
 #include "terms/load.h"
@@ -54,6 +55,7 @@ PetscBool MpmStagesReduce(const MpmModel model)
 
 PetscBool MpmReductionSeeks(const MpmModel model)
 {
+  if (!model->scene.stages) return PETSC_FALSE; /* a stress point has none */
   return (PetscBool)(model->scene.stages[model->state.stage].reduction.ramp && !(model->state.safety.factor > 0.));
 }
 
@@ -114,8 +116,8 @@ static PetscErrorCode AddMasses(MpmModel model, const MpmPoints *points, const P
       if (points->id[p] >= first && points->id[p] < end && material[b] != -1) m = material[b];
     }
     if (m < -1) continue;
-    mass[materials->count] += points->mass[p];
-    if (!MpmMaterialHasStrength(&materials->at[m])) mass[m] += points->mass[p];
+    mass[materials->count] += MpmPointMass(points, materials->at, p);
+    if (!MpmMaterialHasStrength(&materials->at[m])) mass[m] += MpmPointMass(points, materials->at, p);
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, mass, (PetscMPIInt)(materials->count + 1), MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

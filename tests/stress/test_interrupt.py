@@ -118,11 +118,12 @@ def gave_up(test):
     """A run that gives up leaves a checkpoint, from which it goes on with better options."""
     folder = test.folder()
     unsolvable = {"mpm_time_step": 0.1, "snes_max_it": 4, "mpm_time_step_min": 0.09}
+    better = {"snes_max_it": 25, "mpm_time_step_min": 1e-3}  # a step of 0.1 jumps by two cells, which halving takes back
     status, _ = Background(test.program, folder, example(SCENE), **unsolvable).wait()
     test.check("gave_up_status", status, 3, 3)
     test.check("gave_up_reason", int("limit" in summary(folder)["status"]), 1, 1)
     steps = summary(folder)["steps"]
-    status, _ = Background(test.program, folder, folder / "run_restart.yaml", snes_max_it=25).wait()
+    status, _ = Background(test.program, folder, folder / "run_restart.yaml", **better).wait()
     test.check("gave_up_continued", status, 0, 0)
     test.check("gave_up_then_steps", summary(folder)["steps"] - steps, lower=1)
 
@@ -179,8 +180,9 @@ def full_disk(test, reference, sizes):
     options = {**OPTIONS, "mpm_output_every": 0, "mpm_checkpoint_every": 2}
     Background(test.program, alone, example(SCENE), ranks=2, **options).wait()
     state = (alone / "run_checkpoint.h5").stat().st_size
+    # run.h5 has 8 states; three and a checkpoint stand after step 2, a fourth has no room
     for label, size in (("during_a_checkpoint", int(2.4 * state)),
-                        ("during_output", int(4.2 * sizes["run_checkpoint.h5"]))):
+                        ("during_output", int(sizes["run_checkpoint.h5"] + 3.6 / 8 * sizes["run.h5"]))):
         disk = test.folder()
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none", str(disk)], capture_output=True,
                                  check=False)

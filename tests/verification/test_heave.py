@@ -19,7 +19,7 @@ def boil(test):
         lines = [line for line in run.errors.splitlines() if line.startswith("talus: gave up")]
         test.check(f"{label}.lines", len(lines), 1, 1)
         test.check(f"{label}.heaves", "the ground heaves" in lines[0], 1)
-        test.check(f"{label}.cuts", run.results.summary["step_cuts"], None, 1)
+        test.check(f"{label}.cuts", run.results.summary["step_cuts"], None, 3)  # ground that parts jumps: at most 3 halvings
         test.check(f"{label}.steps", run.results.summary["steps"], None, 21)
     test.run(example("seepage"), mpm_surface_bottom_ramp="0:0,3600:1,7200:1.97")
     sealed = test.folder() / "sealed.yaml"
