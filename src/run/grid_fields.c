@@ -202,7 +202,7 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
     arrays->part[i] = MpmSpacePart(space, &space->node[i * dim]);
     arrays->held[i] = 0;
     for (PetscInt c = 0; c < block; c++)
-      if (!MpmConstraintsFree(model->disc.constraints, i * block + c)) arrays->held[i] |= 1 << c;
+      if (!MpmConstraintsCounts(model->disc.constraints, i * block + c)) arrays->held[i] |= 1 << c;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -235,7 +235,7 @@ static void HoldByConditions(Pieces *pieces)
       PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
 
       unit[a] = 1.;
-      if (!MpmConstraintsFree(model->disc.constraints, i * bs + a))
+      if (!MpmConstraintsCounts(model->disc.constraints, i * bs + a))
         Hold(pieces, pieces->of[i], frame ? frame->axis[a] : unit, x);
     }
   }

@@ -230,8 +230,8 @@ poro_column: poro body_b_upper=3,5 water_level=3 loads=weight load_weight_type=g
 poro_initial: poro body_b_initial_pressure=1e3
 poro_boundary: poro surfaces=s,top surface_s_body=b surface_s_side=+x surface_s_drained=true boundaries=p
     boundary_p_type=box boundary_p_lower=2,2 boundary_p_upper=3,2.5 boundary_p_motion=0,-0.01 boundary_p_drained=true
-poro_contact: poro bodies=b,top body_top_region=box body_top_lower=2,2 body_top_upper=3,3 body_top_points_per_cell=3,3
-    body_top_material=s contacts=bt contact_bt_bodies=b,top contact_bt_friction=0.3 surface_top_body=top time_end=50
+poro_contact: poro body_b_upper=4,2 bodies=b,top body_top_region=box body_top_lower=2,2 body_top_upper=4,3 body_top_points_per_cell=3,3
+    body_top_material=s contacts=bt contact_bt_bodies=b,top contact_bt_friction=0.3 surface_top_body=top time_end=100
 file: file
 sphere: sphere
 follow_motion: solid motions=m motion_m_body=b motion_m_region=box motion_m_lower=2,1.6 motion_m_upper=3,2

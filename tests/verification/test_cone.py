@@ -9,7 +9,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import Test, difference, example  # noqa: E402
 
-COARSE = {"mpm_grid_cells": "12,24", "mpm_body_clay_points_per_cell": "4,4", "mpm_output_every": 0, "mpm_quiet": None}
+COARSE = {"mpm_grid_cells": "18,36", "mpm_body_clay_points_per_cell": "3,3", "mpm_output_every": 0, "mpm_quiet": None}
 
 with Test() as test:
     test.check_example("pushed", test.run(example("cone_penetration"), **COARSE), "cone_penetration")

@@ -43,8 +43,9 @@ with Test() as check:
         run = check.run(example("pipe"), mpm_boundary_pipe_friction=friction, **common)
         way, force = resistance(run)
         plateau = force[way > 0.1]
-        check.near(f"{friction}.mean", np.mean(plateau), theory, relative=0.1)  # 0.4 h/D, as check.py of the example
-        check.check(f"{friction}.waves", np.max(np.abs(plateau / np.mean(plateau) - 1.0)), None, 0.02)
+        # waves come as cells at the pipe fill and empty, some of a cell's share of the resistance: 1.7 % on half the cells
+        check.near(f"{friction}.mean", np.mean(plateau), theory, relative=0.04)
+        check.check(f"{friction}.waves", np.max(np.abs(plateau / np.mean(plateau) - 1.0)), None, 0.04)
         check.check(f"{friction}.cuts", np.sum(run.results.column("cuts")), None, 0)
         check.check(f"{friction}.newton", np.mean(run.results.column("newton")), None, 6.0)
     tight = {**common, "snes_rtol": 1e-12, "mpm_time_end": 0.4}
@@ -61,7 +62,7 @@ with Test() as check:
     half = check.run(example("pipe"), mpm_checkpoint_every=1, **{**tight, "mpm_time_end": 0.3})
     rest = check.run(example("pipe"), ranks=2, mpm_restart=half.prefix + "_checkpoint.h5", **tight)
     check.check("restart", abs(resistance(rest)[1][-1] - one[-1]) / np.max(one), None, RANKS)
-    short = {**tight, "mpm_time_end": 0.16}
+    short = {**tight, "mpm_time_end": 0.14}  # a cell that falls below the least filling does so in one of them first
     plane = resistance(check.run(example("pipe"), **short))[1]
     scene, options = slab(check.folder())
     thick = resistance(check.run(scene, ranks=2, **{**short, **options}))[1] / DEPTH

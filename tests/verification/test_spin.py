@@ -40,7 +40,7 @@ with Test() as test:
     turned(test, "gimp", {"mpm_shape": "gimp"}, angle=5e-3, energy=1e-2)
     turned(test, "gimp_bspline2", {"mpm_shape": "gimp_bspline2"})
     turned(test, "flip", {"mpm_time_transfer": "flip"}, angle=3e-2, energy=2e-2)
-    turned(test, "implicit", {"mpm_time_integrator": "newmark", "mpm_time_step": 0.02, "mpm_stabilization_ghost": "off"})
+    turned(test, "implicit", {"mpm_time_integrator": "newmark", "mpm_time_step": 0.02})
     solid = {"mpm_dim": 3, "mpm_grid_lower": "0,0,0", "mpm_grid_upper": "2,2,2", "mpm_grid_cells": "8,8,8", "mpm_body_disc_center": "1,1,1",
              "mpm_body_disc_points_per_cell": "2,2,2",
              "mpm_body_disc_velocity": "0,0,0", "mpm_body_disc_spin": "1,2,3", "mpm_track_rim_at": "1.4,1,1",

@@ -31,9 +31,11 @@ def column(test):
         stress = run.table("stress")[:, 1]
         if domains:
             test.check(f"{label}.stress", np.max(np.abs(stress + PRESSURE)) / PRESSURE, None, 1e-10)
-        else:  # the mean is exact but for the boxes that a grid line cuts
-            volume = run.table("volume")
-            test.near(f"{label}.mean", np.sum(stress * volume) / volume.sum(), -PRESSURE, 0.03 if label == "linear" else 1e-3)
+        else:  # the mean over what stands below the load, by virtual work: points' volumes are off where their strains waver
+            volume, y = run.table("volume"), run.table("position")[:, 1]
+            top = np.argmax(y)
+            height = y[top] + 0.125 * volume[top] / run.table("volume", "first")[top]
+            test.near(f"{label}.mean", np.sum(stress * volume) / (WIDTH * height), -PRESSURE, 1e-3)
     for label in ("traction", "on_2", "on_3", "on_4", "matfree", "smooth"):
         test.check(f"{label}.same", difference(runs["gimp"].table("displacement"), runs[label].table("displacement")), None, 1e-9)
     half = test.run(COLUMN, mpm_checkpoint_every=4, **NORMAL)
