@@ -23,6 +23,7 @@
 #include "terms/water_table.h"
 #include "time/dynamics.h"
 #include "time/integrator.h"
+#include "time/stage_lists.h"
 #include "time/time.h"
 #include "time/water_state.h"
 #include "run/laboratory.h"
@@ -485,7 +486,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                              &model->scene.loads->names));
   PetscCall(MpmOptionsBlocks(options, "surfaces", "names of the surfaces of bodies on which something acts",
                              MPM_OPTIONAL, &model->scene.surfaces->count, &model->scene.surfaces->names));
-  PetscCall(MpmStagesReadLists(model, options));
+  PetscCall(MpmStagesReadLists(&model->scene, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
   PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));

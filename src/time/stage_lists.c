@@ -7,9 +7,7 @@
 #include "bc/body_motion.h"
 #include "terms/body_surface.h"
 #include "terms/load.h"
-#include "time/model.h"
 #include "time/stage_lists.h"
-#include "time/time.h"
 
 PetscInt MpmStageFindName(PetscInt count, char *const names[], const char *name)
 {
@@ -89,9 +87,8 @@ static PetscBool **Marks(MpmStage *stage, const ActiveList *list)
 }
 
 /* Conditions, motions, loads and surfaces of all stages; `had` holds how many names were known when each stage's list was read. */
-static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
+static PetscErrorCode ReadActive(MpmScene *scene, const MpmOptions *options)
 {
-  MpmScene  *scene       = &model->scene;
   ActiveList list[LISTS] = {{"bcs",
                              "conditions on nodes that act; default: -mpm_bcs; none",
                              {&scene->bcs->count, &scene->bcs->names, PETSC_TRUE},
@@ -140,7 +137,7 @@ static PetscErrorCode ReadActive(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options)
+PetscErrorCode MpmStagesReadLists(MpmScene *scene, const MpmOptions *options)
 {
   PetscInt  count;
   char    **names;
@@ -150,10 +147,10 @@ PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options)
   PetscCall(MpmOptionsHas(options, "stages", &given));
   PetscCall(MpmOptionsBlocks(options, "stages", "names of the stages, in their order", MPM_OPTIONAL, &count, &names));
   MpmCheckInput(!given || count || MpmOptionsHelp(), "-mpm_stages: the list is empty; a scene without stages has none");
-  model->scene.stage_count = PetscMax(count, 1);
-  PetscCall(PetscCalloc1(model->scene.stage_count, &model->scene.stages));
-  for (PetscInt k = 0; k < count; k++) PetscCall(PetscStrallocpy(names[k], &model->scene.stages[k].name));
+  scene->stage_count = PetscMax(count, 1);
+  PetscCall(PetscCalloc1(scene->stage_count, &scene->stages));
+  for (PetscInt k = 0; k < count; k++) PetscCall(PetscStrallocpy(names[k], &scene->stages[k].name));
   PetscCall(MpmNamesDestroy(count, &names));
-  PetscCall(ReadActive(model, options));
+  PetscCall(ReadActive(scene, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

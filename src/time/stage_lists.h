@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "time/scene.h"
 
 /* Names of all blocks of one kind; with `grows` others join them. */
 typedef struct {
@@ -20,3 +21,5 @@ PetscInt MpmStageFindName(PetscInt count, char *const names[], const char *name)
 */
 PetscErrorCode MpmStageMarkList(const MpmOptions *block, const char *list, const char *help, MpmNameList all,
                                 PetscBool **marks, PetscBool *given);
+/* The names of the stages, and the conditions, motions, loads and surfaces that only they name. */
+PetscErrorCode MpmStagesReadLists(MpmScene *scene, const MpmOptions *options);

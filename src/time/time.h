@@ -17,11 +17,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
 */
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *retryable);
-/*
-  Stages (stage.c): their names, and the conditions and loads that only they name; then, when the scene is known, the
-  rest.
-*/
-PetscErrorCode MpmStagesReadLists(MpmModel model, const MpmOptions *options);
+/* Stages (stage.c), whose lists have been read (stage_lists.h): when the scene is known, the rest (stage_read.c). */
 PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmStagesDestroy(MpmModel model);
 /* Does any stage change what a point weighs per stress-free volume? */
