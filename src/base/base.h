@@ -155,7 +155,13 @@ typedef enum {
 } MpmTimer;
 
 /* Settings that a run may change by itself. */
-typedef enum { MPM_CHANGE_DILATION, MPM_CHANGE_SMOOTHING, MPM_CHANGE_KRYLOV, MPM_CHANGE_WORKSPACE, MPM_CHANGE_COUNT } MpmChange;
+typedef enum {
+  MPM_CHANGE_DILATION,
+  MPM_CHANGE_SMOOTHING,
+  MPM_CHANGE_KRYLOV,
+  MPM_CHANGE_WORKSPACE,
+  MPM_CHANGE_COUNT
+} MpmChange;
 
 /* What the engine tells of itself while it works: messages go to whoever listens, times add up. */
 typedef struct MpmMonitor {

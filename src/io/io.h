@@ -182,7 +182,7 @@ typedef struct MpmSummary {
   PetscBool   relaxes;
   PetscReal   criteria[2]; /* of the last relaxation: when they held first, and since when; s, -1: they do not */
   PetscInt    changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
-  PetscReal   memory_max;  /* bytes, sum over ranks of each rank's maximum resident size */
+  PetscReal   memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 
 /* Makes one account of the ranks' own: times become the maximum over ranks, memory_max the sum of the processes'

@@ -148,8 +148,8 @@ static PetscErrorCode AverageDilation(MpmModel model, const char *why, PetscReal
   PetscFunctionBeginUser;
   MpmStepAverageDilation(model, PETSC_TRUE);
   model->state.dt_wanted = dt;
-  PetscCall(MpmMonitorChange(&model->monitor, MPM_CHANGE_DILATION, "%s; %s with -mpm_stabilization_fbar plain", why,
-                             how_long));
+  PetscCall(
+    MpmMonitorChange(&model->monitor, MPM_CHANGE_DILATION, "%s; %s with -mpm_stabilization_fbar plain", why, how_long));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,8 +159,8 @@ static PetscErrorCode StopSmoothing(MpmModel model, const char *why, PetscReal d
   PetscFunctionBeginUser;
   model->state.rescue.smooth = PETSC_FALSE;
   model->state.dt_wanted     = dt;
-  PetscCall(MpmMonitorChange(&model->monitor, MPM_CHANGE_SMOOTHING, "%s; this step with -mpm_stabilization_smooth 0",
-                             why));
+  PetscCall(
+    MpmMonitorChange(&model->monitor, MPM_CHANGE_SMOOTHING, "%s; this step with -mpm_stabilization_smooth 0", why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
