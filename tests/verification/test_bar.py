@@ -32,7 +32,7 @@ def against_table(test, name, reach, most_newton):
 
 
 def aggregated(test, name, reach):
-    """Aggregation of small-cut nodes takes up to 18 % of the error away, and adds no more than rounding of the table's digits;
+    """Aggregation of small-cut nodes takes up to 28 % of the error away, and adds no more than rounding of the table's digits;
     the solver does not change it."""
     table = read_table(EXAMPLES / name / "reference.csv")
     for count, error in zip(table["cells"].astype(int), table["error"]):
@@ -41,7 +41,7 @@ def aggregated(test, name, reach):
         for solver in ("direct", "amg"):
             label = f"{name}_{count}_{solver}"
             quantities = test.check_example(label, run_column(test, name, count, mpm_solver=solver), name)
-            test.check(f"{label}.stress_error_over_table", quantities["stress_error"] / error, 0.8, 1.0 + reach)
+            test.check(f"{label}.stress_error_over_table", quantities["stress_error"] / error, 0.7, 1.0 + reach)
 
 
 def splines(test):

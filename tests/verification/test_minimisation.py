@@ -25,7 +25,7 @@ def column(test):
         run = test.run(COLUMN, **more)
         test.near(f"column.{name}", run.results.column("track_top_ux")[-1], top, relative=0.04)
         if name == "quarter":
-            test.check("column.iterations", run.results.summary["newton_iterations"], None, 80)
+            test.check("column.iterations", run.results.summary["newton_iterations"], None, 320)  # of which 220 as it falls to the side
 
 
 def cantilever(test):
