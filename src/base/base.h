@@ -177,9 +177,9 @@ PetscErrorCode MpmMonitorCreate(MpmMonitor *monitor);
 /* A note to the step under way, and a line of its own in place of a step's. */
 PetscErrorCode MpmMonitorNote(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
 PetscErrorCode MpmMonitorLine(const MpmMonitor *monitor, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
-/* A task begins, and ends: the seconds in between are added to its own. `since` is the caller's. */
 /* Notes a change that the run makes by itself, and counts it. */
 PetscErrorCode MpmMonitorChange(MpmMonitor *monitor, MpmChange change, const char format[], ...)
   PETSC_ATTRIBUTE_FORMAT(3, 4);
+/* A task begins, and ends: the seconds in between are added to its own. `since` is the caller's. */
 PetscErrorCode MpmMonitorBegin(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble *since);
 PetscErrorCode MpmMonitorEnd(MpmMonitor *monitor, MpmTimer timer, PetscLogDouble since);

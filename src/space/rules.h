@@ -7,7 +7,7 @@
 #include "grid/shape.h"
 
 /* Share of the fullest piece beside it, or of a whole one, from which on a piece is well filled (extension.h). */
-#define MPM_FILLED 0.3
+#define MPM_FILLED 0.35
 
 /* Factor of the ghost penalty where points are sparse. */
 #define MPM_GHOST_SPARSE 1e-1

@@ -281,8 +281,8 @@ def closing_ring(test):
         test.check(f"ring_{label}.balance", np.max(np.abs(reaction(run, "ring"))) / abs(stress), None, BALANCE)
         if label != "smooth":  # that may turn
             away = run.table("displacement") - motion - (stretch - 1.0) * (run.table("position0", "first") - 2.0)
-            test.check(f"ring_{label}.displacement", np.max(np.abs(away)), None, 0.0025 if label == "one_step" else 0.001)
-    test.check("ring.falls", errors["finest"] / errors["fine"], None, 0.8)  # the coarse one has a radius of only two cells
+            test.check(f"ring_{label}.displacement", np.max(np.abs(away)), None, 0.0025 if label == "one_step" else 0.0011)
+    test.check("ring.falls", errors["finest"] / errors["fine"], None, 0.81)  # the coarse one has a radius of only two cells
     test.check("ring.same", difference(runs["coarse"].table("displacement"), runs["on_4"].table("displacement")), None, 1e-8)
     half = test.run(RING, snes_rtol=1e-12, mpm_time_end=0.5, mpm_checkpoint_every=1)
     rest = test.run(RING, snes_rtol=1e-12, mpm_restart=half.prefix + "_checkpoint.h5")
