@@ -25,7 +25,7 @@ LIMIT, PRESSURE = 2 * 240e6 * math.log(2.0), 360e6  # Pa: of the sphere, and tha
 
 def bar(test, label, pull, reach, **options):
     """The reaction in each step: the bar's at once, and for good."""
-    run = test.run(HERE / "pulled_bar.yaml", mpm_bc_right_value=pull, **SHORT, **options)
+    run = test.run(HERE / "held_bar.yaml", mpm_bc_right_value=pull, **SHORT, **options)
     stretch = 1.0 + pull / LENGTH
     exact = YOUNG / (1.0 - POISSON**2) * math.log(stretch) / stretch
     force = run.results.column("reaction_right_x")
