@@ -10,7 +10,7 @@ import common  # noqa: E402
 from common import Quantity  # noqa: E402
 
 SPIRAL = 1.368  # upper bound of a log spiral through the toe, associated flow
-SLIDE = 1.0  # m
+SLIDE = 0.75  # m
 
 
 def parameter(results, name):
