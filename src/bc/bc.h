@@ -53,7 +53,9 @@ typedef struct {
   PetscReal             diagonal; /* a typical stiffness of a node, N/m */
 } MpmPrescription;
 
-/* The frame of a node with a condition along a normal; rows q_r, of which the first `constrained` are (node_frames.c). */
+/*
+  The frame of a node with a condition along a normal; rows q_r, of which the first `constrained` are (node_frames.c).
+*/
 typedef struct {
   PetscInt  constrained, condition[MPM_MAX_DIM]; /* condition: whose equation it is */
   PetscReal value[MPM_MAX_DIM];
@@ -68,8 +70,8 @@ typedef struct {
 #define MPM_FOLLOWS (-4) /* one that follows others: the space's extension */
 
 /*
-  The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement are
-  its components in the frame.
+  The conditions as they act on the local unknowns of a step. At a node with a frame the unknowns of the displacement
+  are its components in the frame.
 */
 typedef struct MpmConstraints {
   PetscInt  *condition; /* per local unknown: which condition or, behind them, motion holds it, or one of these two */
@@ -94,16 +96,19 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
 /* `contradicts` is a motion that another one, or a condition, contradicts at a node, or -1; the same on all ranks. */
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
                                    const MpmLayout *layout, const MpmSpace *space, PetscInt *contradicts);
-/* What the ramp of condition or motion b adds in the step, or its factor at the step's end for unknowns that are totals. */
+/*
+  What the ramp of condition or motion b adds in the step, or its factor at the step's end for unknowns that are
+  totals.
+*/
 PetscReal MpmStepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment);
 /* Does condition b act at a node, which is given by its place in the grid as it was read? */
 PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const PetscReal x[]);
 /* Does the condition ever prescribe a displacement other than zero, along one of `dim` axes? */
 PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim);
 /*
-  Looks whether each condition that moves the material in the step still holds the body that it began to move, and notes in
-  `acting` which that is. `lost` is the first that does not, or -1, and `left` what is left of what it held then; 0 where no such
-  condition holds any node. The same on all ranks.
+  Looks whether each condition that moves the material in the step still holds the body that it began to move, and
+  notes in `acting` which that is. `lost` is the first that does not, or -1, and `left` what is left of what it held
+  then; 0 where no such condition holds any node. The same on all ranks.
 */
 PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
                                      const MpmSum *sum, PetscInt *lost, PetscReal *left);
@@ -119,9 +124,9 @@ static inline PetscBool MpmConstraintsCounts(const MpmConstraints *constraints, 
   return (PetscBool)(constraints->condition[unknown] == MPM_FREE || constraints->condition[unknown] == MPM_FOLLOWS);
 }
 /*
-  Unknowns of small-cut nodes that nothing prescribes follow those of the space's extension, components with the scene's shape; nodes
-  with a frame keep theirs. Extend: values of local nodes, along the axes, from those of the others. Gather: their forces, a rank's
-  part, to the others.
+  Unknowns of small-cut nodes that nothing prescribes follow those of the space's extension, components with the
+  scene's shape; nodes with a frame keep theirs. Extend: values of local nodes, along the axes, from those of the
+  others. Gather: their forces, a rank's part, to the others.
 */
 void MpmConstraintsFollow(MpmConstraints *constraints, const MpmLayout *layout, const MpmSpace *space);
 void MpmConstraintsExtend(const MpmConstraints *constraints, const MpmSpace *space, PetscReal values[]);
@@ -137,20 +142,22 @@ void MpmConstraintsMultiply(const MpmConstraints *constraints, PetscInt count, c
 /* or the diagonal times the distance of `x` from what is prescribed: their rows of the residual. */
 void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[],
                             PetscScalar residual[]);
-/* Rows and columns of unknowns that are not free in the first diagonal blocks of `nodes` nodes become the diagonal's. */
+/*
+  Rows and columns of unknowns that are not free in the first diagonal blocks of `nodes` nodes become the diagonal's.
+*/
 void MpmConstraintsBlocks(const MpmConstraints *constraints, PetscInt nodes, PetscReal blocks[]);
 /*
-  Adds the forces of the supports on the body, those that the owned nodes' residual lacks in balance; reaction[b*block + c]
-  for condition b and component c.
+  Adds the forces of the supports on the body, those that the owned nodes' residual lacks in balance; reaction[b*block
+  + c] for condition b and component c.
 */
 void MpmConstraintsAddReactions(const MpmConstraints *constraints, PetscInt block, PetscInt owned,
                                 const PetscReal residual[], PetscReal reaction[]);
 
 /*
-  The solver works with unknowns in units that make all equations forces: a pressure in K/h, K a typical stiffness and h a cell, so
-  that the unknown is a length and its volume balance, times K/h, a force. Times: values of the first `count` local
-  unknowns from these units to the physics', or of their equations the other way; Over: the reverse. The second kind is for
-  blocks c, d of the Jacobian: nothing is done where all units are 1.
+  The solver works with unknowns in units that make all equations forces: a pressure in K/h, K a typical stiffness and
+  h a cell, so that the unknown is a length and its volume balance, times K/h, a force. Times: values of the first
+  `count` local unknowns from these units to the physics', or of their equations the other way; Over: the reverse. The
+  second kind is for blocks c, d of the Jacobian: nothing is done where all units are 1.
 */
 void MpmUnitsTimes(const MpmConstraints *constraints, PetscInt count, PetscReal values[]);
 void MpmUnitsOver(const MpmConstraints *constraints, PetscInt count, PetscReal values[]);
@@ -168,9 +175,9 @@ void MpmFrameComplete(MpmFrame *frame, PetscInt dim);
 /* The force along the vector of each equation into which the supports' force on the node falls. */
 void MpmFrameForces(const MpmFrame *frame, PetscInt dim, const PetscReal force[], PetscReal amount[]);
 /*
-  Turns the values (`bs` a node) of the first `nodes` local nodes from components along the axes into those that the solver
-  works with, and back; element blocks [i][c][d][j] and the diagonal blocks of nodes likewise. Where no node has a frame
-  nothing is done.
+  Turns the values (`bs` a node) of the first `nodes` local nodes from components along the axes into those that the
+  solver works with, and back; element blocks [i][c][d][j] and the diagonal blocks of nodes likewise. Where no node
+  has a frame nothing is done.
 */
 void MpmFramesToUnknowns(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);
 void MpmFramesToAxes(const MpmConstraints *constraints, PetscInt bs, PetscInt nodes, PetscReal values[]);

@@ -1,8 +1,8 @@
 /*
   Start of Newton's method in a step whose supports move and that no earlier step predicts.
 
-  Prescribed nodes that are displaced alone strain the cells beside them as nothing else in the step: the tangent there is that of another
-  state. The start is the solution of the problem linearised at the step's beginning instead,
+  Prescribed nodes that are displaced alone strain the cells beside them as nothing else in the step: the tangent
+  there is that of another state. The start is the solution of the problem linearised at the step's beginning instead,
 
     K(0) u = -r(0) ,    u = g where prescribed,
 

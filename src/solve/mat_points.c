@@ -63,8 +63,8 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
 }
 
 /*
-  What followers' diagonal blocks are to their masters', e^2 K_ss; what couples a follower with others is left out, since it would take
-  all entries of the matrix.
+  What followers' diagonal blocks are to their masters', e^2 K_ss; what couples a follower with others is left out,
+  since it would take all entries of the matrix.
 */
 static void ExtendBlocks(const MpmConstraints *constraints, const MpmSpace *space, PetscReal blocks[])
 {
@@ -124,7 +124,9 @@ static PetscErrorCode MatGetDiagonal_Matfree(Mat J, Vec diagonal)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Inverts an n x n matrix in place by Gauss-Jordan with pivots on the diagonal, as suits a block of a stable Jacobian. */
+/*
+  Inverts an n x n matrix in place by Gauss-Jordan with pivots on the diagonal, as suits a block of a stable Jacobian.
+*/
 static PetscBool InvertBlock(PetscInt n, PetscReal a[])
 {
   for (PetscInt k = 0; k < n; k++) {

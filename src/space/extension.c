@@ -1,21 +1,22 @@
 /*
   Aggregation of small-cut nodes.
 
-  A node that only slivers of the material touch makes the matrix arbitrarily ill-conditioned, and lets its sliver strain as nothing
-  holds it. The pieces between the spline's knots (pieces.h) are well filled where they hold at least a share f of the fullest piece beside
-  them, or of a whole one if that is less. A node of no well filled piece follows: its coefficient is extended from the nearest well filled
-  piece that material connects it with, the mean where several are as near,
+  A node that only slivers of the material touch makes the matrix arbitrarily ill-conditioned, and lets its sliver
+  strain as nothing holds it. The pieces between the spline's knots (pieces.h) are well filled where they hold at
+  least a share f of the fullest piece beside them, or of a whole one if that is less. A node of no well filled piece
+  follows: its coefficient is extended from the nearest well filled piece that material connects it with, the mean
+  where several are as near,
 
     u_s = sum_k e_sk u_k ,    e_sk = prod_a L_k(s_a) ,
 
-  with L the node itself where the piece has it on axis a, else linear through the two nodes of the piece that are nearest on that axis.
-  Trial and test functions are extended alike: the matrix is E^T K E and the forces E^T r. No energy is added, nothing is remembered from
-  step to step, and linear fields are kept. Extension by the spline's own degree is no more accurate (docs/stabilization.md), and its
-  weights grow as powers of the distance.
+  with L the node itself where the piece has it on axis a, else linear through the two nodes of the piece that are
+  nearest on that axis. Trial and test functions are extended alike: the matrix is E^T K E and the forces E^T r. No
+  energy is added, nothing is remembered from step to step, and linear fields are kept. Extension by the spline's own
+  degree is no more accurate (docs/stabilization.md), and its weights grow as powers of the distance.
 
-  Sources: Hoellig, Reif and Wipper (2001), doi:10.1137/S0036142900373208 (extended splines); Badia, Verdugo and Martin (2018),
-  doi:10.1016/j.cma.2018.03.022 (aggregated elements); Yamaguchi, Moriguchi and Terada (2021), doi:10.1002/nme.6673, for the implicit
-  material point method.
+  Sources: Hoellig, Reif and Wipper (2001), doi:10.1137/S0036142900373208 (extended splines); Badia, Verdugo and
+  Martin (2018), doi:10.1016/j.cma.2018.03.022 (aggregated elements); Yamaguchi, Moriguchi and Terada (2021),
+  doi:10.1002/nme.6673, for the implicit material point method.
 */
 #include "grid/grid.h"
 #include "space/extension.h"
@@ -324,8 +325,8 @@ static PetscErrorCode ListNode(const Search *search, const PetscInt node[], Foun
 }
 
 /*
-  Where nodes that a piece's points touch may follow: its own ones, none where it is well filled; beside edges those around it too, as a
-  point may stand on the other side.
+  Where nodes that a piece's points touch may follow: its own ones, none where it is well filled; beside edges those
+  around it too, as a point may stand on the other side.
 */
 static PetscBool FindCandidates(const Search *search, PetscInt index, PetscInt piece[], PetscInt low[], PetscInt high[])
 {

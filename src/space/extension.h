@@ -5,8 +5,8 @@
 #include "space/space.h"
 
 /*
-  Boxes: finds the followers of this rank's nodes and appends boxes that make their masters local. Behind the boxes of all terms, before
-  the nodes are numbered. Number: the local numbers, afterwards. Collective.
+  Boxes: finds the followers of this rank's nodes and appends boxes that make their masters local. Behind the boxes of
+  all terms, before the nodes are numbered. Number: the local numbers, afterwards. Collective.
 */
 PetscErrorCode MpmExtensionBoxes(const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
 PetscErrorCode MpmExtensionNumber(MpmSpace *space);

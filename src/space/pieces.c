@@ -1,9 +1,9 @@
 /*
   The pieces between a spline's knots, and how far the material fills them.
 
-  The fill of piece c is sum_p V_p s_pc / V_c over the points, with s_pc the part of the domain of p that lies in c; for shapes without
-  domains that is a cube of the point's volume. V_p is the volume at the step's start. Sums are kept as integers: the same points give the same
-  fill on any number of ranks.
+  The fill of piece c is sum_p V_p s_pc / V_c over the points, with s_pc the part of the domain of p that lies in c;
+  for shapes without domains that is a cube of the point's volume. V_p is the volume at the step's start. Sums are
+  kept as integers: the same points give the same fill on any number of ranks.
 */
 #include "grid/grid.h"
 #include "particles/points.h"
@@ -31,8 +31,8 @@ static void EdgesAt(const MpmSpace *space, const MpmRules *rules, PetscInt part,
 }
 
 /*
-  Edges about the middle of a piece, in the lattice of its part. A piece around a node on a wall with two sides is that on the side with
-  more material.
+  Edges about the middle of a piece, in the lattice of its part. A piece around a node on a wall with two sides is
+  that on the side with more material.
 */
 static void PieceEdges(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
                        PetscInt lower[], PetscInt upper[])
@@ -113,7 +113,10 @@ static void FindOverlap(PetscInt degree, PetscReal xi, PetscReal half, Overlap *
   }
 }
 
-/* A point without a domain touches fewer nodes than the piece has where it stands on a knot; beside edges pieces have fewer. */
+/*
+  A point without a domain touches fewer nodes than the piece has where it stands on a knot; beside edges pieces have
+  fewer.
+*/
 static PetscBool TouchesAll(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces,
                             const MpmPoints *points, PetscInt p, const PetscInt piece[])
 {
@@ -276,7 +279,10 @@ static PetscInt FindRanks(const Around *around, const PetscInt piece[])
   return MpmGridBoxOwners(around->grid, lower, upper, around->rank);
 }
 
-/* Lists this rank's pieces for the others that need them: `fill` counts the integers for each rank where `sent` has no data. */
+/*
+  Lists this rank's pieces for the others that need them: `fill` counts the integers for each rank where `sent` has no
+  data.
+*/
 static void ListPieces(const Around *around, const MpmPieces *pieces, PetscInt fill[], const PetscInt slot[],
                        MpmLists *sent)
 {

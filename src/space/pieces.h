@@ -9,8 +9,8 @@
 #define MPM_PIECE_FULL (1 << 26)
 
 /*
-  Pieces between knots on the lattice: the grid's cells, or the cells around nodes for splines of even degree. A part of the material has
-  pieces of its own (space.h).
+  Pieces between knots on the lattice: the grid's cells, or the cells around nodes for splines of even degree. A part
+  of the material has pieces of its own (space.h).
 */
 typedef struct {
   PetscInt dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];

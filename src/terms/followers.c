@@ -1,8 +1,8 @@
 /*
   Elimination of followers from the Jacobian: E^T K E, entry by entry, of what a rank has summed.
 
-  A follower's row and column go to its masters. At a node with a frame the master's unknowns are components in the frame, and its part is
-  turned.
+  A follower's row and column go to its masters. At a node with a frame the master's unknowns are components in the
+  frame, and its part is turned.
 */
 #include "space/space.h"
 #include "bc/bc.h"

@@ -1,20 +1,23 @@
 /*
   Loss of equilibrium in steps without inertia.
 
-  Where ground loses its equilibrium a solution is a jump: it lies so much further on that the ground has come to rest in another shape, however
-  short the step is. A solution is suspected where a point moves by more than JUMP_WAY cells, and by more than JUMP_RATIO times as much, for
-  the forces that drive the step, as in the stage so far:
+  Where ground loses its equilibrium a solution is a jump: it lies so much further on that the ground has come to rest
+  in another shape, however short the step is. A solution is suspected where a point moves by more than JUMP_WAY
+  cells, and by more than JUMP_RATIO times as much, for the forces that drive the step, as in the stage so far:
 
     C = max |u_p| / |f_ext(t + dt) - f_int(t)| ,    C > JUMP_RATIO sum max |u_p| / sum |f_ext(t + dt) - f_int(t)|
 
-  The sums leave out steps that were as far out of proportion, but those that halving has confirmed. A suspected step is halved. What is suspected again after JUMP_HALVES halvings, in steps that end no later than the first one, and moves by more than
-  JUMP_SHRINK of what that did, does not shrink with the step: the run ends, and the last line says what slides, how far, and where. Steps that shrink are
-  accepted: they follow a path of equilibrium. Where the run gives up, because no solution is found, it is told to slide if the last step was as far out
-  of proportion.
+  The sums leave out steps that were as far out of proportion, but those that halving has confirmed. A suspected step
+  is halved. What is suspected again after JUMP_HALVES halvings, in steps that end no later than the first one, and
+  moves by more than JUMP_SHRINK of what that did, does not shrink with the step: the run ends, and the last line says
+  what slides, how far, and where. Steps that shrink are accepted: they follow a path of equilibrium. Where the run
+  gives up, because no solution is found, it is told to slide if the last step was as far out of proportion.
 
-  A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do so, too.
+  A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do
+  so, too.
 
-  Order of calls: Begin() with a stage; Look() at a solution before it is accepted, Observe() after that; Explain() where a run gives up.
+  Order of calls: Begin() with a stage; Look() at a solution before it is accepted, Observe() after that; Explain()
+  where a run gives up.
 */
 #include "point/material.h"
 #include "grid/grid.h"
