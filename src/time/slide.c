@@ -13,6 +13,12 @@
   what slides, how far, and where. Steps that shrink are accepted: they follow a path of equilibrium. Where the run
   gives up, because no solution is found, it is told to slide if the last step was as far out of proportion.
 
+  Beyond a limit load ground may also slide in short steps, each in equilibrium with ground that has come to lie
+  before it: a cut whose toe is buried rises by a third of its limit load. Yielding makes ground softer by a factor of
+  ten or so, a mechanism by hundreds. So a slide begins with a step that is FAR_RATIO times out of proportion to those
+  that were in proportion, and lasts while steps are JUMP_RATIO times out. The run ends before it is longer than
+  JUMP_WAY cells.
+
   A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do
   so, too.
 
@@ -30,6 +36,7 @@
 
 #define JUMP_WAY    0.1
 #define JUMP_RATIO  10.
+#define FAR_RATIO   100.
 #define JUMP_SHRINK 0.25
 #define JUMP_HALVES 3
 
@@ -140,24 +147,52 @@ static void Describe(MpmModel model, const MpmFastest *fastest, const char forma
 }
 
 #define SLIDES "the ground slides: %.40s, %.3g m a step whatever the step, fastest at %s"
+#define MOVES  "the ground slides: %.40s, %.3g m in steps far out of proportion to their loads, fastest at %s"
 #define JUMPS  "body %.40s jumps by %.3g m at %s"
 
-PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable)
+/*
+  Is the solution at hand so many times out of proportion to the steps that were in proportion? Rounding, before a load
+  sets in, is no measure.
+*/
+static PetscBool Exceeds(const MpmSlide *slide, PetscReal ratio)
+{
+  const PetscReal way = slide->steady[0], force = slide->steady[1];
+
+  return (PetscBool)(way > 0. && FAR_RATIO * force > slide->force &&
+                     slide->now.way * force > ratio * slide->force * way);
+}
+
+/* Ends the run where short steps far out of proportion have added up. */
+static PetscErrorCode LookAtSum(MpmModel model, const char **why, PetscBool *retryable)
 {
   MpmSlide       *slide = &model->state.scheme.slide;
-  const PetscReal force = model->solver.cache.reference, cell = model->disc.grid->h[0];
-  const PetscReal span = next - model->state.time;
-  PetscReal       most;
+  const PetscReal most  = JUMP_WAY * model->disc.grid->h[0];
+  MpmFastest      sum;
 
   PetscFunctionBeginUser;
-  slide->now = (MpmFastest){.way = 0.};
-  if (!MustStand(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindLongest(model, &slide->now.way));
-  slide->force = force;
-  most         = JUMP_RATIO * force * slide->ways;
+  if (!(slide->slid > 0.) || !Exceeds(slide, JUMP_RATIO) || slide->slid + slide->now.way <= most)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindFastest(model, &slide->now));
+  if (!Exceeds(slide, JUMP_RATIO) || slide->slid + slide->now.way <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  sum = slide->now;
+  sum.way += slide->slid;
+  *retryable = PETSC_FALSE;
+  Describe(model, &sum, MOVES);
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Halves a step whose solution is suspected to be a jump, or ends the run. */
+static PetscErrorCode LookAtJump(MpmModel model, PetscReal next, const char **why, PetscBool *retryable)
+{
+  MpmSlide       *slide = &model->state.scheme.slide;
+  const PetscReal span = next - model->state.time, most = JUMP_RATIO * slide->force * slide->ways;
+
+  PetscFunctionBeginUser;
   if (!(slide->ways > 0.) || slide->now.way * slide->forces <= most) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindFastest(model, &slide->now));
-  if (slide->now.way <= JUMP_WAY * cell || slide->now.way * slide->forces <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (slide->now.way <= JUMP_WAY * model->disc.grid->h[0] || slide->now.way * slide->forces <= most)
+    PetscFunctionReturn(PETSC_SUCCESS);
   if (next > slide->end) {
     slide->end  = next;
     slide->span = span;
@@ -173,12 +208,31 @@ PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable)
+{
+  MpmSlide *slide = &model->state.scheme.slide;
+
+  PetscFunctionBeginUser;
+  slide->now = (MpmFastest){.way = 0.};
+  if (!MustStand(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindLongest(model, &slide->now.way));
+  slide->force = model->solver.cache.reference;
+  PetscCall(LookAtJump(model, next, why, retryable));
+  if (!*why) PetscCall(LookAtSum(model, why, retryable));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 void MpmSlideObserve(MpmModel model)
 {
   MpmSlide *slide = &model->state.scheme.slide;
 
   if (!(slide->now.way > 0.)) return;
   slide->last = slide->now;
+  slide->slid = Exceeds(slide, slide->slid > 0. ? JUMP_RATIO : FAR_RATIO) ? slide->slid + slide->now.way : 0.;
+  if (!Exceeds(slide, JUMP_RATIO)) {
+    slide->steady[0] += slide->now.way;
+    slide->steady[1] += slide->force;
+  }
   slide->ratio =
     slide->ways > 0. && slide->force > 0. ? slide->now.way / slide->ways * slide->forces / slide->force : 0.;
   if (slide->ratio > JUMP_RATIO && model->state.time > slide->end) return;
