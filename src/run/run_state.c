@@ -66,6 +66,7 @@ static const struct {
   MODEL("slide_ratio", REAL, state.scheme.slide.ratio),
   MODEL("slide_steady_ways", REAL, state.scheme.slide.steady[0]),
   MODEL("slide_steady_forces", REAL, state.scheme.slide.steady[1]),
+  MODEL("slide_steady_time", REAL, state.scheme.slide.steady[2]),
   MODEL("slide_slid", REAL, state.scheme.slide.slid),
   MODEL("slide_end", REAL, state.scheme.slide.end),
   MODEL("slide_span", REAL, state.scheme.slide.span),

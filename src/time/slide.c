@@ -16,8 +16,9 @@
   Beyond a limit load ground may also slide in short steps, each in equilibrium with ground that has come to lie
   before it: a cut whose toe is buried rises by a third of its limit load. Yielding makes ground softer by a factor of
   ten or so, a mechanism by hundreds. So a slide begins with a step that is FAR_RATIO times out of proportion to those
-  that were in proportion, and lasts while steps are JUMP_RATIO times out. The run ends before it is longer than
-  JUMP_WAY cells.
+  that were in proportion. It lasts while steps are JUMP_RATIO times out of proportion by their forces or by their
+  lengths: as points move over the grid a step starts out of balance, by much more than a short step's loads. The run
+  ends before the slide is longer than JUMP_WAY cells.
 
   A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do
   so, too.
@@ -162,6 +163,14 @@ static PetscBool Exceeds(const MpmSlide *slide, PetscReal ratio)
                      slide->now.way * force > ratio * slide->force * way);
 }
 
+/* Does a slide go on in the solution at hand? */
+static PetscBool GoesOn(const MpmSlide *slide)
+{
+  if (!(slide->slid > 0.)) return PETSC_FALSE;
+  return (PetscBool)(Exceeds(slide, JUMP_RATIO) ||
+                     slide->now.way * slide->steady[2] > JUMP_RATIO * slide->dt * slide->steady[0]);
+}
+
 /* Ends the run where short steps far out of proportion have added up. */
 static PetscErrorCode LookAtSum(MpmModel model, const char **why, PetscBool *retryable)
 {
@@ -170,10 +179,9 @@ static PetscErrorCode LookAtSum(MpmModel model, const char **why, PetscBool *ret
   MpmFastest      sum;
 
   PetscFunctionBeginUser;
-  if (!(slide->slid > 0.) || !Exceeds(slide, JUMP_RATIO) || slide->slid + slide->now.way <= most)
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!GoesOn(slide) || slide->slid + slide->now.way <= most) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindFastest(model, &slide->now));
-  if (!Exceeds(slide, JUMP_RATIO) || slide->slid + slide->now.way <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!GoesOn(slide) || slide->slid + slide->now.way <= most) PetscFunctionReturn(PETSC_SUCCESS);
   sum = slide->now;
   sum.way += slide->slid;
   *retryable = PETSC_FALSE;
@@ -217,6 +225,7 @@ PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, Pe
   if (!MustStand(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindLongest(model, &slide->now.way));
   slide->force = model->solver.cache.reference;
+  slide->dt    = next - model->state.time;
   PetscCall(LookAtJump(model, next, why, retryable));
   if (!*why) PetscCall(LookAtSum(model, why, retryable));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -228,10 +237,11 @@ void MpmSlideObserve(MpmModel model)
 
   if (!(slide->now.way > 0.)) return;
   slide->last = slide->now;
-  slide->slid = Exceeds(slide, slide->slid > 0. ? JUMP_RATIO : FAR_RATIO) ? slide->slid + slide->now.way : 0.;
-  if (!Exceeds(slide, JUMP_RATIO)) {
+  slide->slid = GoesOn(slide) || Exceeds(slide, FAR_RATIO) ? slide->slid + slide->now.way : 0.;
+  if (!(slide->slid > 0.) && !Exceeds(slide, JUMP_RATIO)) {
     slide->steady[0] += slide->now.way;
     slide->steady[1] += slide->force;
+    slide->steady[2] += slide->dt;
   }
   slide->ratio =
     slide->ways > 0. && slide->force > 0. ? slide->now.way / slide->ways * slide->forces / slide->force : 0.;

@@ -34,9 +34,9 @@ typedef struct {
 /* Whether steps without inertia follow a path of equilibrium (slide.c). */
 typedef struct {
   PetscReal  ways, forces;    /* sums over the stage's steps: longest displacements, m, and what drove them, N */
-  PetscReal  force;           /* N, that of the solution at hand */
+  PetscReal  force, dt;       /* N, s: those of the solution at hand */
   PetscReal  ratio;           /* of the last step: its way by force over that of the stage before */
-  PetscReal  steady[2];       /* of these sums, the parts of steps in proportion, m and N */
+  PetscReal  steady[3];       /* sums over steps in proportion: longest displacements, m, forces, N, and lengths, s */
   PetscReal  slid;            /* m, sum over the last steps in a row that were far out of proportion */
   PetscReal  end, span, way;  /* s, s, m: of the first suspected step, the run's time of its end; end < 0: none */
   MpmFastest now, seen, last; /* in the solution at hand, in the last one that was suspected, in the last step */
