@@ -157,7 +157,7 @@ typedef enum {
 /* Settings that a run may change by itself. */
 typedef enum {
   MPM_CHANGE_DILATION,
-  MPM_CHANGE_SMOOTHING,
+  MPM_CHANGE_SETTLING,
   MPM_CHANGE_KRYLOV,
   MPM_CHANGE_WORKSPACE,
   MPM_CHANGE_COUNT

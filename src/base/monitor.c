@@ -8,7 +8,7 @@
 
 const char *const MpmTimers[] = {"setup", "transfer", "residual", "jacobian", "solve", "migrate", "output", NULL};
 
-const char *const MpmChanges[] = {"F-bar averages dilation", "strains are not smoothed", "GMRES in place of CG",
+const char *const MpmChanges[] = {"F-bar averages dilation", "the ground settles, with inertia", "GMRES in place of CG",
                                   "workspace of MUMPS raised", NULL};
 
 static PetscErrorCode Tell(const MpmMonitor *monitor, PetscBool line, const char format[], va_list arguments)

@@ -490,10 +490,22 @@ static PetscErrorCode CountTotal(MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Copies points, `index` or all, into data that is made for them. */
+static PetscErrorCode Park(MpmParticles *particles, PetscInt count, const PetscInt index[], MpmParked *parked)
+{
+  size_t bytes = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
+  parked->count = count;
+  PetscCall(PetscMalloc1(((size_t)count * bytes), &parked->data));
+  PetscCall(CopyRows(particles, count, index, 0, parked->data, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked)
 {
   PetscInt *id, *index, count, found = 0;
-  size_t    bytes = 0;
 
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
@@ -502,12 +514,7 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
   for (PetscInt p = 0; p < count; p++)
     if (id[p] >= first && id[p] < end) index[found++] = p;
   PetscCall(MpmParticlesRestoreField(particles, &id));
-  if (parked) {
-    for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
-    parked->count = found;
-    PetscCall(PetscMalloc1(((size_t)found * bytes), &parked->data));
-    PetscCall(CopyRows(particles, found, index, 0, parked->data, PETSC_TRUE));
-  }
+  if (parked) PetscCall(Park(particles, found, index, parked));
   PetscCall(MpmParticlesRelease(particles));
   /* the last point takes the place of the one that goes, so from the end */
   while (found--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[found]));
@@ -592,6 +599,28 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
   PetscCall(PetscFree(parked->data));
   parked->count = 0;
   PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesKeep(MpmParticles *particles, MpmParked *kept)
+{
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(Park(particles, count, NULL, kept));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, MpmParked *kept)
+{
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRelease(particles));
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  while (count--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, count));
+  PetscCall(MpmParticlesReturn(particles, kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -72,6 +72,9 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
 PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here, PetscInt **outside,
                                        PetscInt *count);
 PetscErrorCode MpmParticlesRemoveAt(MpmParticles *particles, PetscInt count, const PetscInt place[]);
+/* All points of this rank as they are, copied; and puts them back in place of those that are there. `kept` is empty then. */
+PetscErrorCode MpmParticlesKeep(MpmParticles *particles, MpmParked *kept);
+PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, MpmParked *kept);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 /*

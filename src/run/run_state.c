@@ -61,6 +61,8 @@ static const struct {
   MODEL("reduction_start", REAL, state.safety.start),
   MODEL("reduction_rate", REAL, state.safety.rate),
   MODEL("reduction_failed", REAL, state.safety.failed),
+  MODEL("settles", BOOL, state.scheme.settling.needed),
+  MODEL("settling_time", REAL, state.scheme.settling.tau),
   MODEL("slide_ways", REAL, state.scheme.slide.ways),
   MODEL("slide_forces", REAL, state.scheme.slide.forces),
   MODEL("slide_ratio", REAL, state.scheme.slide.ratio),

@@ -14,10 +14,6 @@
   flows dilates. With linear basis functions, in plane strain, F-bar leaves to the points what shear makes `mohr_coulomb`
   dilate (physics/solid_fbar.c); where steps fail, as in long slides, it averages all from there on.
 
-  A slip line that crosses a row of cells wants points of the same cell to strain differently, which the cell can do by hourglass
-  modes alone; these store energy, or work against the strength, on top of what the slip takes. While a factor of safety is sought
-  strains are therefore mostly their means over the cell, where such modes have next to no part.
-
   Where material flows round something that stays in touch with it, points are drawn apart in its wake, and cells without any bear
   nothing: points are divided there (divide.c).
 
@@ -52,13 +48,10 @@ static PetscErrorCode ReadSmooth(MpmModel model, const MpmOptions *block)
   PetscCall(
     MpmOptionsText(block, "smooth",
                    "solid: share of the mean over cells (splines of even degree: the cells around nodes) in the "
-                   "strain of a point: auto (0.8 while a factor of safety is sought, else 0) or a number in "
-                   "[0, 0.9] (factor of safety of a slope, 20 cells a height, 1.377 to be expected: 1.385 "
-                   "with 0, 1.378 with 0.8)",
+                   "strain of a point: auto (0) or a number in [0, 0.9]",
                    "auto", MPM_OPTIONAL, &smooth));
-  model->state.rescue.smooth        = (PetscBool)(!smooth || !strcmp(smooth, "auto"));
   model->scene.stabilization.smooth = 0.;
-  if (!model->state.rescue.smooth)
+  if (smooth && strcmp(smooth, "auto"))
     MpmCheckInput(MpmParseReal(smooth, &model->scene.stabilization.smooth) && model->scene.stabilization.smooth >= 0. &&
                     model->scene.stabilization.smooth <= 0.9,
                   "-mpm_stabilization_smooth %s: must be auto or a share in [0, 0.9]", smooth);
@@ -257,7 +250,6 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
   MpmCheckInput(model->scene.stabilization.smooth == 0. || model->disc.layout->solid,
                 "-mpm_stabilization_smooth %g: not available for physics %s, must be auto or 0",
                 (double)model->scene.stabilization.smooth, model->scene.physics.name);
-  model->state.rescue.smooth = (PetscBool)(model->state.rescue.smooth && model->disc.layout->solid);
   PetscCall(SettleDivide(model));
   if (model->scene.stabilization.fbar_auto && physics.fbar) PetscCall(ChooseFbar(model));
   MpmCheckInput(physics.fbar || !model->scene.stabilization.fbar,
@@ -300,9 +292,6 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
   if (model->scene.stabilization.smooth > 0.)
     PetscCall(
       PetscSNPrintf(smooth, sizeof(smooth), "; strains smoothed by %g", (double)model->scene.stabilization.smooth));
-  else if (model->state.rescue.smooth && MpmStagesReduce(model))
-    PetscCall(PetscSNPrintf(smooth, sizeof(smooth), "; strains smoothed by %g while a factor of safety is sought",
-                            MPM_SMOOTH_SAFETY));
   if (model->scene.stabilization.divide > 0.)
     PetscCall(PetscSNPrintf(divide, sizeof(divide), "; points divided over %g cells%s",
                             (double)model->scene.stabilization.divide,

@@ -12,9 +12,6 @@
 /* Factor of the ghost penalty where points are sparse. */
 #define MPM_GHOST_SPARSE 1e-1
 
-/* Share of means over pieces in the strain while strength is reduced and no factor of safety found. */
-#define MPM_SMOOTH_SAFETY 0.8
-
 /* Cells over which domains are drawn before points are divided, beside bilateral boundaries. */
 #define MPM_DIVIDE 0.6
 

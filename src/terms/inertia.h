@@ -12,7 +12,8 @@
 */
 struct MpmInertia {
   PetscBool  dynamic;      /* does a stage of the scene have inertia? */
-  PetscBool  active;       /* does the step? */
+  PetscBool  settles;      /* may one settle? */
+  PetscBool  active;       /* does the step have it? */
   PetscBool  consistent;   /* is its mass? */
   PetscReal  factor;       /* 1/s2 */
   PetscInt   local, owned; /* nodes of the step's space */

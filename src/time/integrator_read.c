@@ -11,6 +11,7 @@
 #include "terms/inertia.h"
 #include "terms/potential.h"
 #include "terms/rigid.h"
+#include "time/settle.h"
 #include "time/dynamics.h"
 #include "time/model.h"
 #include "time/time.h"
@@ -325,6 +326,8 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
         MpmMonitorLine(&model->monitor, "body %s: velocities of %s are not used, no stage has inertia", name, file));
   }
   model->disc.inertia->dynamic = dynamic;
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->disc.layout->solid && MpmStageSettles(&model->scene.stages[k])) model->disc.inertia->settles = PETSC_TRUE;
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
   if (!MpmOptionsHelp()) PetscCall(CheckConditions(model));
   if (!dynamic || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);

@@ -17,6 +17,7 @@
 #include "time/energy.h"
 #include "time/integrator.h"
 #include "time/model.h"
+#include "time/settle.h"
 #include "time/step.h"
 #include "time/time.h"
 #include "time/water_state.h"
@@ -371,8 +372,16 @@ static PetscErrorCode RollBackStep(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepPrepare(model, time, dt, again, why));
+  if (!*why) PetscCall(MpmSettleSet(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 const MpmIntegrator MpmIntegratorQuasistatic = {.name      = "quasistatic",
-                                                .begin     = MpmStepPrepare,
+                                                .begin     = Begin,
                                                 .predict   = MpmStepPredict,
                                                 .solve     = MpmStepSolve,
                                                 .accept    = AcceptStep,

@@ -67,6 +67,13 @@ typedef struct {
   PetscInt  count;        /* of rescues that have come to rest */
 } MpmRescuing;
 
+/* Steps that begin at rest and end there (settle.c). */
+typedef struct {
+  PetscBool on, needed; /* in the step under way; in one of the stage so far */
+  PetscReal tau;        /* s, of the next such step; 0: as a wave crosses the material */
+  PetscInt  steps, newton; /* so far; iterations of the last one */
+} MpmSettling;
+
 /* How far the grid has moved with what it follows. */
 typedef struct {
   PetscBool known;              /* what it follows has been there; */
@@ -78,7 +85,6 @@ typedef struct {
 typedef struct {
   PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
   PetscInt  averaged; /* steps that did so alone */
-  PetscBool smooth;   /* strains are smoothed while a factor of safety is sought: they may be the points' own */
 } MpmRescue;
 
 typedef struct {
@@ -120,6 +126,7 @@ typedef struct {
   MpmSlide   slide;
   MpmFading *fading; /* per body: whether it is being taken away */
   MpmRescuing rescuing;
+  MpmSettling settling;
   PetscReal   order;   /* the power of a step's length that the estimate goes with */
   PetscReal   trial;   /* what `largest` will be, should the step be accepted */
   PetscReal   largest; /* what errors are relative to: the largest change since the stage's start */

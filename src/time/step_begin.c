@@ -20,12 +20,6 @@
 #include "time/time.h"
 #include "time/water_state.h"
 
-/* How much of the strain is its mean over pieces (docs/stabilization.md). */
-static PetscReal SmoothShare(const MpmModel model)
-{
-  return model->state.rescue.smooth && MpmReductionSeeks(model) ? MPM_SMOOTH_SAFETY : model->scene.stabilization.smooth;
-}
-
 /* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
 static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
@@ -58,7 +52,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
     .filled         = solves ? model->scene.stabilization.filled : 0.,
     .sparse         = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
     .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
-    .smooth   = SmoothShare(model),
+    .smooth   = model->scene.stabilization.smooth,
     .mean     = (PetscBool)(model->disc.layout->means > 0),
     .put_back = model->disc.put_back,
     .time_n   = model->state.time,

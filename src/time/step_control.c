@@ -4,10 +4,13 @@
 #include "point/material.h"
 #include "particles/particles.h"
 #include "space/rules.h"
+#include "terms/contact.h"
+#include "terms/inertia.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/relaxation.h"
 #include "time/rescue.h"
+#include "time/settle.h"
 #include "time/time.h"
 #include "time/water_state.h"
 
@@ -22,8 +25,8 @@
 #define CUTS_IN_REDUCTION  5
 /* Steps that do so alone, before all that follow do. */
 #define STEPS_WITH_AVERAGE 3
-/* And cuts before it goes without smoothed strains, for one step. */
-#define CUTS_WITH_SMOOTHING 2
+/* Cuts of one step before the ground settles, in steps from rest with inertia, while the factor of safety is sought. */
+#define CUTS_BEFORE_SETTLING 2
 
 /*
   Is the error in time of the step that has been solved for too large? Not where a shorter step has not made it smaller: it
@@ -153,17 +156,6 @@ static PetscErrorCode AverageDilation(MpmModel model, const char *why, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Goes on with the points' own strains, in this step: at the limit load Newton's method finds its way more easily with them. */
-static PetscErrorCode StopSmoothing(MpmModel model, const char *why, PetscReal dt)
-{
-  PetscFunctionBeginUser;
-  model->state.rescue.smooth = PETSC_FALSE;
-  model->state.dt_wanted     = dt;
-  PetscCall(
-    MpmMonitorChange(&model->monitor, MPM_CHANGE_SMOOTHING, "%s; this step with -mpm_stabilization_smooth 0", why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* A step that was cut, and took more than half of the iterations allowed even so, counts as one that failed. */
 static PetscErrorCode MindStruggle(MpmModel model)
 {
@@ -222,8 +214,7 @@ static PetscErrorCode DividePoints(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points' places and their ranks, for a step that begins there. */
-static PetscErrorCode Arrange(MpmModel model, const char **why)
+PetscErrorCode MpmStepArrange(MpmModel model, const char **why)
 {
   PetscLogDouble since;
 
@@ -273,16 +264,15 @@ PetscErrorCode MpmStageFinish(MpmModel model, const char **why)
   PetscFunctionBeginUser;
   *why = NULL;
   if (!MpmStageHasFinish(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Arrange(model, why));
+  PetscCall(MpmStepArrange(model, why));
   if (!*why) PetscCall((*model->state.scheme.integrator->finish)(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What may be tried where a step fails. */
 typedef struct {
-  PetscBool seeks, dilation,
-    smooth;      /* a factor of safety, with F-bar; F-bar may average dilation; strains are smoothed */
-  PetscInt most; /* cuts before F-bar does */
+  PetscBool seeks, dilation; /* a factor of safety, with F-bar; F-bar may average dilation */
+  PetscInt  most;            /* cuts before F-bar does */
 } Remedies;
 
 static Remedies FindRemedies(const MpmModel model)
@@ -291,8 +281,13 @@ static Remedies FindRemedies(const MpmModel model)
 
   return (Remedies){.seeks    = seeks,
                     .dilation = (PetscBool)(model->state.rescue.dilation && AveragesOnce(model)),
-                    .smooth   = (PetscBool)(model->state.rescue.smooth && MpmReductionSeeks(model)),
                     .most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION};
+}
+
+/* May a step of the reduction settle? Bodies whose motion is solved for have a placement that is not kept. */
+static PetscBool MaySettle(const MpmModel model)
+{
+  return (PetscBool)(model->disc.inertia->settles && !model->disc.contacts->bodies);
 }
 
 /*
@@ -313,21 +308,23 @@ static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscRea
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *again = brackets ? MpmReductionNarrows(model, next) : (PetscBool)(0.5 * dt >= model->state.dt_min);
+  if (brackets && MaySettle(model) && !model->state.scheme.settling.needed && !(model->state.safety.beyond > 0.) &&
+      (!*again || model->state.cuts >= CUTS_BEFORE_SETTLING)) {
+    model->state.scheme.settling.needed = PETSC_TRUE;
+    PetscCall(MpmMonitorChange(&model->monitor, MPM_CHANGE_SETTLING, "%s; from here on the ground settles", *why));
+    *again = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (brackets && *again) {
+    *again = (PetscBool)!model->state.scheme.settling.needed;
     PetscCall(Cut(model, *why, 0.5 * dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!(model->state.safety.beyond > 0.)) {
-    if (remedies->smooth && rescue->smooth && (!*again || model->state.cuts >= CUTS_WITH_SMOOTHING)) {
-      PetscCall(StopSmoothing(model, *why, brackets ? dt : model->state.dt_nominal));
-      *again = PETSC_FALSE;
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
-    if (rescue->dilation && (!*again || model->state.cuts >= remedies->most)) {
-      PetscCall(AverageDilation(model, *why, brackets ? dt : model->state.dt_nominal));
-      *again = PETSC_FALSE;
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
+  if (rescue->dilation && !(brackets && MaySettle(model)) && !(model->state.safety.beyond > 0.) &&
+      (!*again || model->state.cuts >= remedies->most)) {
+    PetscCall(AverageDilation(model, *why, brackets ? dt : model->state.dt_nominal));
+    *again = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (brackets) {
     PetscCall(MpmReductionClose(model, next, why));
@@ -350,7 +347,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   PetscBool      retryable, again = PETSC_FALSE, over;
 
   PetscFunctionBeginUser;
-  PetscCall(Arrange(model, why));
+  PetscCall(MpmStepArrange(model, why));
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->state.scheme.rescuing.on) {
     PetscCall(AdvanceRescue(model, dt, why));
@@ -363,7 +360,10 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   if (*why) PetscFunctionReturn(PETSC_SUCCESS);
   for (;;) {
     next = MpmNextTime(model, model->state.dt_wanted, dt);
-    PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
+    if (MpmReductionBrackets(model, next) && model->state.scheme.settling.needed) {
+      retryable = PETSC_TRUE;
+      PetscCall(MpmSettle(model, next, *dt, why));
+    } else PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
     if (!*why) break;
     if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(TryNext(model, &remedies, next, *dt, &again, &over, why));

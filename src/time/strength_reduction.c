@@ -286,6 +286,7 @@ static void SeekAnew(MpmModel model)
   MpmRampBounds(model->scene.stages[model->state.stage].reduction.ramp, &least, &most);
   if (least != most || safety->start != most) safety->factor = 0.;
   safety->rate = safety->failed = 0.;
+  model->state.scheme.settling = (MpmSettling){0};
 }
 
 PetscErrorCode MpmReductionBegin(MpmModel model)

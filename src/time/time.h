@@ -17,6 +17,8 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
 */
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *retryable);
+/* The points' places and their ranks, for a step that begins there. */
+PetscErrorCode MpmStepArrange(MpmModel model, const char **why);
 /* Stages (stage.c), whose lists have been read (stage_lists.h): when the scene is known, the rest (stage_read.c). */
 PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmStagesDestroy(MpmModel model);
