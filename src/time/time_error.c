@@ -6,10 +6,10 @@
 
     e = s_{n+1} - s_n - (s_1 - s_n)/gamma = c (omega dt)^2 ,
 
-  omega being the rate at which things change. It comes from the physics' own equations: with dt = 0 nothing flows, and with
-  1/gamma in place of theta they say, node by node, how much of e each has (in volumes, over the node's own volume). Nodes
-  whose value is prescribed, or where water passes a face at a pressure, do not count: what they store may jump. The
-  scheme's own error is of the next order, (omega dt)^3, so
+  omega being the rate of change. It comes from the physics' own equations: with dt = 0 nothing flows, and with
+  1/gamma in place of theta they give the part of e at each node (in volumes, over the node's own volume). Nodes
+  with a prescribed value, or where water passes a face at a pressure, do not count: the stored amount may jump there.
+  Followers (extension.c) count with their masters. The scheme's own error is of the next order, (omega dt)^3, so
 
     estimate = 1.2 (|e|/|S|)^(3/2)
 
@@ -63,13 +63,14 @@ PetscErrorCode MpmTimeErrorBegin(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Volumes of the points at the local nodes, those of ghosts at their owners. */
-static PetscErrorCode NodeVolumes(const MpmSum *sum, PetscInt shape, PetscReal volume[])
+/* Volumes of this rank's points at the local unknowns of component c; those of others become 0. */
+static PetscErrorCode NodeVolumes(const MpmSum *sum, PetscInt c, PetscReal volume[])
 {
-  MpmWorkspace work;
+  const PetscInt bs = sum->block, basis = sum->layout->shape_of[c] * MPM_BASES;
+  MpmWorkspace   work;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(volume, sum->space->local));
+  PetscCall(PetscArrayzero(volume, sum->space->local * bs));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
@@ -81,11 +82,23 @@ static PetscErrorCode NodeVolumes(const MpmSum *sum, PetscInt shape, PetscReal v
 
       MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work.basis);
       for (PetscInt i = 0; i < known.n; i++)
-        volume[nodes[i]] += work.basis.basis[shape * MPM_BASES][i] * sum->points->volume0[p];
+        volume[nodes[i] * bs + c] += work.basis.basis[basis][i] * sum->points->volume0[p];
     }
   }
   PetscCall(PetscFree(work.storage));
-  PetscCall(MpmSpaceAddToOwners(sum->space, 1, volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sums at the unknowns that are solved for, followers' included but for those of marked nodes, which do not count. */
+static PetscErrorCode Gather(const MpmDiscretization *disc, const PetscReal mark[], PetscReal values[])
+{
+  const PetscInt bs = disc->block;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < disc->space->local * bs; k++)
+    if (disc->constraints->condition[k] == MPM_FOLLOWS && mark[k / bs] != 0.) values[k] = 0.;
+  MpmConstraintsGather(disc->constraints, disc->space, values);
+  PetscCall(MpmSpaceAddToOwners(disc->space, bs, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,20 +112,23 @@ static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelSt
   PetscInt           failed = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc3((disc->space->local * bs), &residual, disc->space->local, &volume, disc->space->local, &mark));
+  PetscCall(
+    PetscMalloc3((disc->space->local * bs), &residual, (disc->space->local * bs), &volume, disc->space->local, &mark));
   PetscCall(PetscArrayzero(residual, disc->space->local * bs));
   disc->sum->first = first;
   disc->sum->trial = NULL;
   disc->sum->dt    = 0.;
   PetscCall(disc->terms->term[0]->residual(disc->terms->ctx[0], disc->sum, disc->u, residual, &failed));
   *disc->sum = sum;
-  PetscCall(MpmSpaceAddToOwners(disc->space, bs, residual));
-  PetscCall(NodeVolumes(disc->sum, disc->layout->shape_of[c], volume));
+  PetscCall(NodeVolumes(disc->sum, c, volume));
   PetscCall(MpmSurfaceFlowMark(disc->surfaces, disc->space, mark));
+  PetscCall(MpmSpaceToGhosts(disc->space, 1, mark));
+  PetscCall(Gather(disc, mark, residual));
+  PetscCall(Gather(disc, mark, volume));
   *square = 0.;
   for (PetscInt i = 0; i < disc->space->owned; i++)
-    if (MpmConstraintsFree(disc->constraints, i * bs + c) && volume[i] > 0. && mark[i] == 0.)
-      *square += PetscSqr(residual[i * bs + c]) / volume[i];
+    if (MpmConstraintsFree(disc->constraints, i * bs + c) && volume[i * bs + c] > 0. && mark[i] == 0.)
+      *square += PetscSqr(residual[i * bs + c]) / volume[i * bs + c];
   PetscCall(PetscFree3(residual, volume, mark));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, square, 1, MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
