@@ -181,11 +181,12 @@ def independent(test, build, drive, shape, cells, upper=COARSE):
 
 def matrix(test):
     """Cells a radius, a half width, a height; parts of a cell by which the edge is beyond nodes. Planes of conditions lie on grid lines."""
-    for build, drives, grids, parts in (
-            (cylinder, ("load", "way"), (5, 10), (0.01, 0.3, 0.5)), (strip, ("load",), (4, 8), (0.01, 0.3, 0.5)), (strip, ("way",), (4, 8), ()),
-            (strip, ("plate",), (8, 16), ()), (cut, ("load",), (20, 40), (0.01, 0.5)), (bar, ("load", "way"), (4, 8), (0.01, 0.3, 0.5)),
-            (trapdoor, ("load", "way"), (4, 8), (0.01, 0.3, 0.5)), (sphere, ("load", "way"), (4,), (0.3,))):
-        for drive, shape, cells in itertools.product(drives, SHAPES, grids):
+    for build, drives, grids, parts, shapes in (
+            (cylinder, ("load", "way"), (5, 10), (0.01, 0.3, 0.5), SHAPES), (strip, ("load",), (4, 8), (0.01, 0.3, 0.5), SHAPES),
+            (strip, ("way",), (4, 8), (), SHAPES), (strip, ("plate",), (8, 16), (0.3,), ("gimp",)),
+            (cut, ("load",), (20, 40), (0.01, 0.5), SHAPES), (bar, ("load", "way"), (4, 8), (0.01, 0.3, 0.5), SHAPES),
+            (trapdoor, ("load", "way"), (4, 8), (0.01, 0.3, 0.5), SHAPES), (sphere, ("load", "way"), (4,), (0.3,), SHAPES)):
+        for drive, shape, cells in itertools.product(drives, shapes, grids):
             upper = FINE if cells == max(grids) and len(grids) > 1 else COARSE
             independent(test, build, drive, shape, cells, upper)
             for part in parts:
