@@ -1,6 +1,9 @@
 /*
   Bodies that share nodes move as one there: nothing slides or opens between them. The run's header says which do.
 */
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "bc/body_motion.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -63,6 +66,33 @@ static PetscErrorCode FindWelded(MpmModel model, PetscBool welded[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  A motion holds nodes. The first free ones are a cell from the body's edge with linear functions, two cells with
+  splines, and what lies between goes along by half on average: limit loads are those of a body as much wider.
+*/
+static PetscErrorCode PrintWidths(MpmModel model, const PetscBool welded[])
+{
+  const MpmBodyMotions *motions = model->scene.motions;
+  const PetscInt        n = model->scene.bodies->count, dim = model->disc.dim;
+  const PetscReal       cells = MpmShapeDegree(model->scene.shape) > 1 ? 1.5 : 0.5;
+  PetscReal             h     = 0.;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < dim; a++) h = PetscMax(h, model->disc.grid->h[a]);
+  for (PetscInt m = 0; m < motions->count; m++) {
+    const PetscInt b = motions->at[m].body;
+    PetscBool      meets = PETSC_FALSE;
+
+    for (PetscInt c = 0; c < n; c++) meets = (PetscBool)(meets || welded[PetscMin(b, c) * n + PetscMax(b, c)]);
+    if (meets)
+      PetscCall(PetscPrintf(model->comm,
+                            "  motion %s holds nodes that body %s shares: it acts as if up to %g cells, %.3g m, "
+                            "wider on each side\n",
+                            motions->names[m], model->scene.bodies->names[b], (double)cells, (double)(cells * h)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmWeldsPrint(MpmModel model)
 {
   const PetscInt n     = model->scene.bodies->count;
@@ -84,6 +114,7 @@ PetscErrorCode MpmWeldsPrint(MpmModel model)
   }
   if (count > MOST_PAIRS) PetscCall(MpmTextAppend(&text, ", and %d more", (int)(count - MOST_PAIRS)));
   if (count) PetscCall(PetscPrintf(model->comm, "  bodies that share nodes are welded there: %s\n", text));
+  PetscCall(PrintWidths(model, welded));
   PetscCall(PetscFree(text));
   PetscCall(PetscFree(welded));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -16,12 +16,12 @@
 
   The bulk has the term grad p . S grad p at the very same point, so with
 
-    beta |a| = 2 dim a . (-S) a/V_n^2 + r^2 4 |a| h/(2 mu) ,   r = min(1, 12 c_v dt/h^2)
+    beta |a| = 2 dim a . (-S) a/V_n^2
 
-  the sum is definite however little of a cell is filled, and for all lengths of a step: the second part stands beside the
-  storage of the cell and holds the pressure. It fades with r, c_v = m (lambda + 2 mu), where dt is so short that hardly any water
-  moves within a cell: held at once, the pressure at the face would drain the whole row of cells beside it, of which in truth only
-  a skin drains, much thinner than a cell. What passes is then the mobility's part alone, a rate that does not depend on dt.
+  the sum is definite however little of a cell is filled, and for all lengths of a step. The pressure beside the face is
+  then that of water which flows in over the distance from the point to the face, over 2 dim: a part of a point's
+  spacing. A larger penalty holds the pressure at each face of a staircase, at the outer and the inner ones, and with it
+  the gradient between them: the body drains as a smaller one.
 */
 #include "grid/grid.h"
 #include "space/point_loop.h"
@@ -33,8 +33,6 @@
 #include "terms/terms.h"
 
 #define MOBILITY 2. /* of the least penalty, an axis */
-#define STORAGE  4.
-#define REACH    12. /* the storage acts in full from c_v dt = h^2/REACH on */
 
 /* A face's point, and what passes the face with its derivatives: by the kernel's inputs, and by the pressure at the face. */
 typedef struct {
@@ -137,28 +135,6 @@ static PetscReal Change(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
 
 /* ---- the step's start ---- */
 
-static PetscReal ShearModulus(const MpmKernelPoint *point)
-{
-  const MpmLawInfo *info = point->info;
-
-  if (info->shear_modulus) return info->shear_modulus(point->parameter, point->table, point->state_n, point->F_n);
-  return info->stiffness(point->parameter, point->table, point->state_n, point->F_n) / 3.;
-}
-
-/* r^2, from the water that passes the face for a gradient of one over the distance of its point: dt m |a|^2/V_n */
-static PetscReal StorageShare(const MpmKernelPoint *point, const MpmSurfaceFace *face, PetscInt dim, PetscReal across,
-                              PetscReal passes)
-{
-  PetscReal area = 0., per_area = 0.;
-
-  for (PetscInt b = 0; b < dim; b++) {
-    area += PetscSqr(face->area[b]);
-    per_area += PetscSqr(face->per_area[b]);
-  }
-  passes *= point->info->stiffness(point->parameter, point->table, point->state_n, point->F_n);
-  return PetscSqr(PetscMin(1., REACH * passes * area / (PetscSqr(across) * PetscSqrtReal(area * per_area))));
-}
-
 /* The face's adjoint weights and penalty, from the kernel at rest. */
 static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *sum, MpmSurfaceFace *face)
 {
@@ -167,7 +143,7 @@ static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *su
   MpmKernelPoint   point;
   PetscReal        input[MPM_MAX_INPUTS] = {0.}, flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
   const PetscReal  none[MPM_MAX_BLOCK]   = {0.};
-  PetscReal        across = 0., passes = 0.;
+  PetscReal        passes = 0.;
 
   PetscFunctionBeginUser;
   MpmSumPoint(sum, face->point, &point);
@@ -182,10 +158,8 @@ static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *su
     for (PetscInt a = 0; a < dim; a++)
       face->adjoint[b] += tangent[(first + b) * inputs + first + a] * face->per_area[a];
     passes -= face->adjoint[b] * face->per_area[b];
-    across += PetscAbsReal(face->area[b]) * sum->grid->h[b];
   }
-  face->penalty = MOBILITY * (PetscReal)dim * passes +
-                  StorageShare(&point, face, dim, across, passes) * STORAGE * across / (2. * ShearModulus(&point));
+  face->penalty = MOBILITY * (PetscReal)dim * passes;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
