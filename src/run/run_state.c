@@ -53,6 +53,7 @@ static const struct {
   MODEL("points_put_back", BOOL, disc.put_back),
   MODEL("reference_output", BOOL, state.reference_output),
   MODEL("reduction_height", REAL, state.safety.height),
+  MODEL("reduction_limit", REAL, state.safety.limit),
   MODEL("factor_of_safety", REAL, state.safety.factor),
   MODEL("reduction_moved", REAL, state.safety.moved),
   MODEL("reduction_last", REAL, state.safety.reduced),

@@ -80,7 +80,7 @@ static PetscErrorCode PrintWidths(MpmModel model, const PetscBool welded[])
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < dim; a++) h = PetscMax(h, model->disc.grid->h[a]);
   for (PetscInt m = 0; m < motions->count; m++) {
-    const PetscInt b = motions->at[m].body;
+    const PetscInt b     = motions->at[m].body;
     PetscBool      meets = PETSC_FALSE;
 
     for (PetscInt c = 0; c < n; c++) meets = (PetscBool)(meets || welded[PetscMin(b, c) * n + PetscMax(b, c)]);

@@ -202,7 +202,7 @@ static PetscReal Contact(const MpmSolver *solver)
   PetscReal                penalty = 0., modulus = 0.;
 
   for (PetscInt k = 0; contacts->newton.near && k < contacts->boundary_count; k++)
-    penalty = PetscMax(penalty, contacts->boundaries[k].penalty);
+    penalty = PetscMax(penalty, contacts->newton.raised * contacts->boundaries[k].penalty);
   for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum->materials[m].penalty);
   return penalty * modulus * PetscPowRealInt(solver->disc->h[0], solver->disc->dim - 2);
 }

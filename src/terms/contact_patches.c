@@ -621,7 +621,6 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
     contacts->most = PetscMax(contacts->most, patch->end - patch->begin);
   }
   for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].stiffness /= contacts->patch[k].area;
-  contacts->newton.raised = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -677,6 +676,7 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 
   PetscFunctionBeginUser;
   contacts->facet_count = contacts->patch_count = contacts->most = 0;
+  contacts->newton.raised                                        = 1.; /* on all ranks */
   if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->cell = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);

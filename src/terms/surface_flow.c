@@ -143,7 +143,7 @@ static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *su
   MpmKernelPoint   point;
   PetscReal        input[MPM_MAX_INPUTS] = {0.}, flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
   const PetscReal  none[MPM_MAX_BLOCK]   = {0.};
-  PetscReal        passes = 0.;
+  PetscReal        passes                = 0.;
 
   PetscFunctionBeginUser;
   MpmSumPoint(sum, face->point, &point);

@@ -327,7 +327,8 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   }
   model->disc.inertia->dynamic = dynamic;
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->disc.layout->solid && MpmStageSettles(&model->scene.stages[k])) model->disc.inertia->settles = PETSC_TRUE;
+    if (model->disc.layout->solid && MpmStageSettles(&model->scene.stages[k]))
+      model->disc.inertia->settles = PETSC_TRUE;
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
   if (!MpmOptionsHelp()) PetscCall(CheckConditions(model));
   if (!dynamic || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);

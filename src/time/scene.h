@@ -75,7 +75,7 @@ typedef struct {
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
 typedef struct {
   MpmRamp   ramp;
-  PetscReal limit;     /* way of a point, in heights of the slope, that tells the factor of safety */
+  PetscReal limit;     /* way of a point, in heights of the slope, that tells the factor of safety; 0: by elasticity */
   PetscReal tolerance; /* of the bracket of that factor, relative */
   PetscBool slide;     /* the stage goes on once the factor is found */
 } MpmReduction;

@@ -226,7 +226,6 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
   char     *text, number[MPM_NUMBER_TEXT];
 
   PetscFunctionBeginUser;
-  stage->reduction.limit     = 0.01;
   stage->reduction.tolerance = 1e-3;
   PetscCall(MpmOptionsHas(block, "reduction", &given));
   if (MpmOptionsHelp()) {
@@ -237,10 +236,12 @@ static PetscErrorCode ReadReduction(MpmModel model, const MpmOptions *block, Mpm
     PetscCall(PetscFree(text));
   } else if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   else PetscCall(MpmRampCreate(block, "reduction", NULL, &stage->reduction.ramp));
-  PetscCall(MpmOptionsReal(block, "reduction_limit", "-",
-                           "how far a point has moved in the stage, in heights of the slope, where the reduction is "
-                           "taken as the factor of safety",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &stage->reduction.limit, NULL));
+  PetscCall(
+    MpmOptionsReal(block, "reduction_limit", "-",
+                   "how far a point has moved in the stage, in heights of the slope, where the reduction is "
+                   "taken as the factor of safety; default: the strain by the weight of a layer of that height, "
+                   "from 0.001 to 0.01",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &stage->reduction.limit, NULL));
   PetscCall(MpmOptionsReal(block, "reduction_tolerance", "-",
                            "steps without inertia that fail are halved until the factor of safety is known to this "
                            "part",

@@ -8,6 +8,7 @@
 /* Where strength is reduced. */
 typedef struct {
   PetscReal height;  /* of the slope as the stage began, m */
+  PetscReal limit;   /* way of a point at which the slope has failed, m */
   PetscReal factor;  /* of safety; 0: not known yet */
   PetscReal moved;   /* the longest way of a point from the stage's beginning to the last step's end, m */
   PetscReal reduced; /* the reduction there */
@@ -69,8 +70,8 @@ typedef struct {
 
 /* Steps that begin at rest and end there (settle.c). */
 typedef struct {
-  PetscBool on, needed; /* in the step under way; in one of the stage so far */
-  PetscReal tau;        /* s, of the next such step; 0: as a wave crosses the material */
+  PetscBool on, needed;    /* in the step under way; in one of the stage so far */
+  PetscReal tau;           /* s, of the next such step; 0: as a wave crosses the material */
   PetscInt  steps, newton; /* so far; iterations of the last one */
 } MpmSettling;
 

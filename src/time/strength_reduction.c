@@ -12,7 +12,8 @@
 
   The factor of safety is F when the first point has moved `reduction_limit` times the slope's height since its stage
   began: between the ends of two steps, in proportion to the longest ways. Where the points stood as the stage began
-  travels with them and stands in checkpoints.
+  travels with them and stands in checkpoints. Elastic ground moves before it fails, and ground that slides stiffens as it changes
+  its shape: the limit is the strain that a layer of the slope's height has by its own weight, between bounds, unless the scene sets it.
 
   Steps without inertia bracket it. A step fails where Newton's method finds no equilibrium, or where a point would pass the limit: it
   is rolled back and halved, until its factors are as close as `reduction_tolerance`. What then fails beyond the last state that
@@ -203,6 +204,57 @@ PetscErrorCode MpmReductionCheck(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- the limit ---- */
+
+/* Bounds of the limit that elasticity sets, in heights of the slope. */
+#define LEAST_WAY 0.001
+#define MOST_WAY  0.01
+
+/* Mean weight of a volume over 3 G, E at nu = 1/2, of the softest point with a strength, 1/m. Laws without a shear modulus count by their
+   stiffness. */
+static PetscErrorCode FindSoftness(MpmModel model, const MpmPoints *points, PetscReal *softness)
+{
+  const PetscInt     dim = model->disc.dim, size = model->state.particles->state_size;
+  const MpmMaterial *materials            = model->scene.materials->at;
+  PetscReal          gravity[MPM_MAX_DIM] = {0., 0., 0.}, sum[2] = {0., 0.}; /* kg, m3 */
+
+  PetscFunctionBeginUser;
+  *softness = 0.; /* 1/Pa so far */
+  for (PetscInt l = 0; l < model->scene.loads->count; l++)
+    for (PetscInt a = 0; model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && a < dim; a++)
+      gravity[a] += model->scene.loads->at[l].value[a];
+  for (PetscInt p = 0; p < points->count; p++) {
+    const MpmMaterial *material = &materials[points->material[p]];
+    const double      *own      = MpmPointOwn(points, material, p);
+    const PetscReal   *state = size ? &points->state[p * size] : NULL, *F = &points->F[p * dim * dim];
+    PetscReal          modulus = 3. * MpmMaterialShearModulusAt(material, own, state, F);
+
+    if (!(modulus > 0.)) modulus = MpmMaterialStiffnessAt(material, own, state, F);
+    if (MpmMaterialHasStrength(material) && modulus > 0.) *softness = PetscMax(*softness, 1. / modulus);
+    sum[0] += MpmPointMass(points, materials, p);
+    sum[1] += points->volume0[p];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, softness, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  for (PetscInt a = 1; a < MPM_MAX_DIM; a++) gravity[0] = hypot(gravity[0], gravity[a]);
+  *softness *= sum[1] > 0. ? gravity[0] * sum[0] / sum[1] : 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FindLimit(MpmModel model, const MpmPoints *points)
+{
+  MpmSafety *safety = &model->state.safety;
+  PetscReal  share = model->scene.stages[model->state.stage].reduction.limit, softness = 0.;
+
+  PetscFunctionBeginUser;
+  if (!(share > 0.)) {
+    PetscCall(FindSoftness(model, points, &softness));
+    share = PetscMin(MOST_WAY, PetscMax(LEAST_WAY, softness * safety->height));
+  }
+  safety->limit = share * safety->height;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- the factor of safety ---- */
 
 /* The highest and the lowest place of the material against gravity, and its highest place in each column of cells. */
@@ -286,7 +338,7 @@ static void SeekAnew(MpmModel model)
   MpmRampBounds(model->scene.stages[model->state.stage].reduction.ramp, &least, &most);
   if (least != most || safety->start != most) safety->factor = 0.;
   safety->rate = safety->failed = 0.;
-  model->state.scheme.settling = (MpmSettling){0};
+  model->state.scheme.settling  = (MpmSettling){0};
 }
 
 PetscErrorCode MpmReductionBegin(MpmModel model)
@@ -299,6 +351,7 @@ PetscErrorCode MpmReductionBegin(MpmModel model)
   PetscCall(PrintUnreduced(model));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(FindHeight(model, &points, &model->state.safety.height));
+  PetscCall(FindLimit(model, &points));
   PetscCall(EachAxis(model, &points, NULL, NULL));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   model->state.safety.moved   = 0.;
@@ -337,7 +390,7 @@ PetscErrorCode MpmReductionObserve(MpmModel model)
   const MpmReduction *reduction = &model->scene.stages[model->state.stage].reduction;
   const MpmSafety     before    = model->state.safety;
   MpmSafety          *safety    = &model->state.safety;
-  const PetscReal     limit     = reduction->limit * before.height;
+  const PetscReal     limit     = before.limit;
 
   PetscFunctionBeginUser;
   if (!reduction->ramp || before.factor > 0.) PetscFunctionReturn(PETSC_SUCCESS);
@@ -348,8 +401,8 @@ PetscErrorCode MpmReductionObserve(MpmModel model)
   if (model->state.time >= safety->failed) safety->failed = 0.;
   if (safety->moved < limit) PetscFunctionReturn(PETSC_SUCCESS);
   safety->factor = FactorAtLimit(&before, limit, safety->moved, safety->reduced);
-  PetscCall(MpmMonitorNote(&model->monitor, "factor of safety %.4g: a point has moved %.3g m, %g of the height",
-                           (double)safety->factor, (double)limit, (double)reduction->limit));
+  PetscCall(MpmMonitorNote(&model->monitor, "factor of safety %.4g: a point has moved %.3g m, %.2g of the height",
+                           (double)safety->factor, (double)limit, (double)(limit / safety->height)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -365,7 +418,7 @@ PetscBool MpmReductionBrackets(const MpmModel model, PetscReal next)
 PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why)
 {
   MpmSafety      *safety = &model->state.safety;
-  const PetscReal limit  = model->scene.stages[model->state.stage].reduction.limit * safety->height;
+  const PetscReal limit  = safety->limit;
   PetscReal      *more, moved;
 
   PetscFunctionBeginUser;
@@ -404,15 +457,15 @@ PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **wh
 {
   const MpmReduction *reduction = &model->scene.stages[model->state.stage].reduction;
   MpmSafety          *safety    = &model->state.safety;
-  const PetscReal     limit = reduction->limit * safety->height, factor = MpmReductionFactor(model, next);
+  const PetscReal     limit = safety->limit, factor = MpmReductionFactor(model, next);
   const PetscReal     most = FactorByRate(safety, limit);
   char                text[sizeof(model->solver.lost)];
 
   PetscFunctionBeginUser;
   if (safety->beyond > 0.) {
     safety->factor = FactorAtLimit(safety, limit, safety->beyond, factor);
-    PetscCall(MpmMonitorNote(&model->monitor, "factor of safety %.4g: a point moves %.3g m, %g of the height",
-                             (double)safety->factor, (double)limit, (double)reduction->limit));
+    PetscCall(MpmMonitorNote(&model->monitor, "factor of safety %.4g: a point moves %.3g m, %.2g of the height",
+                             (double)safety->factor, (double)limit, (double)(limit / safety->height)));
   } else {
     safety->factor = safety->reduced;
     PetscCall(PetscSNPrintf(text, sizeof(text), "at %.5g %s", (double)factor, *why));
