@@ -305,6 +305,25 @@ int MpmInitialAcross(const MpmInitial *initial, const PetscReal F[], const Petsc
   return 0;
 }
 
+int MpmInitialReturn(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], PetscReal stress[])
+{
+  const PetscInt  dim = initial->dim, model_dim = initial->model_dim;
+  const PetscReal still[9] = {0.};
+  PetscReal       before[MPM_INITIAL_STATE], after[MPM_INITIAL_STATE], full[9], F_next[9], reached[SYM_MAX], flux[9];
+  MpmKernelPoint  point;
+
+  Identity(dim, full);
+  for (PetscInt k = 0; k < model_dim * model_dim; k++) full[k / model_dim * dim + k % model_dim] = F[k];
+  CopyState(initial->material, model_dim, dim, state, before);
+  point        = Point(initial, full, before);
+  point.state  = initial->material->state_size ? after : NULL;
+  point.F      = F_next;
+  point.stress = reached;
+  if (initial->kernel.residual(&point, still, flux)) return 1;
+  for (PetscInt s = 0; s < MpmSymSize(model_dim); s++) stress[s] = reached[s];
+  return 0;
+}
+
 int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
                    PetscReal state[], PetscReal *across)
 {

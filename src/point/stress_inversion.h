@@ -32,6 +32,11 @@ PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmIn
 */
 int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
                    PetscReal state[], PetscReal *across);
+/*
+  The Cauchy stress (xx, yy, zz, xy (, yz, xz)), Pa, that the law returns from this F and history without any motion; zz in plane strain
+  as F carries it. Non-zero, and no stress, where the law has no answer.
+*/
+int MpmInitialReturn(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], PetscReal stress[]);
 /* `across` of a point with this F and history, whose Cauchy stress is `stress`. Non-zero where the law has no answer. */
 int MpmInitialAcross(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], const PetscReal stress[],
                      PetscReal *across);

@@ -21,6 +21,7 @@
 #include "terms/rigid.h"
 #include "terms/rigid_body.h"
 #include "terms/water_table.h"
+#include "time/change_ramp.h"
 #include "time/dynamics.h"
 #include "time/integrator.h"
 #include "time/stage_lists.h"
@@ -558,6 +559,7 @@ static PetscErrorCode SelectPoints(MpmModel model)
 static void AddStageFields(const MpmModel model, const char *fields[], PetscInt *count)
 {
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
+  for (PetscInt f = 0; f < MpmChangeFieldCount(model); f++) fields[(*count)++] = MpmChangeFields[f];
   if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
   if (MpmStagesConsolidate(model)) fields[(*count)++] = MpmConsolidationField;
 }
@@ -602,7 +604,8 @@ static PetscErrorCode CreateParticles(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
                           model->scene.motions->count +
-                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 3) + 1),
+                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 3) + 1 +
+                          MPM_CHANGE_FIELDS),
                          &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);

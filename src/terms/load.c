@@ -440,3 +440,55 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
   PetscCall(PetscFree(storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* The two axes of a stress' fields. */
+static const PetscInt pair[6][2] = {{0, 0}, {1, 1}, {0, 1}, {2, 2}, {1, 2}, {0, 2}};
+
+/* One point, at the nodes of its group; `weight` in N, `volume` in m3. */
+static void AddPoint(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *group, const PetscReal weight[],
+                     const PetscReal stress[], PetscReal volume, PetscReal force[])
+{
+  const PetscInt  dim   = sum->space->dim;
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    PetscReal *at = &force[nodes[i] * sum->block];
+
+    for (PetscInt a = 0; a < dim; a++) at[a] += weight[a] * basis->basis[0][i];
+    for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
+      const PetscInt a = pair[c][0], b = pair[c][1];
+
+      at[a] -= volume * stress[c] * basis->basis[1 + b][i];
+      if (a != b) at[b] -= volume * stress[c] * basis->basis[1 + a][i];
+    }
+  }
+}
+
+PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const PetscReal mass[],
+                                  const PetscReal *const stress[], PetscReal force[])
+{
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, most = PetscPowInt(space->width, dim);
+  PetscReal       *storage, weight[MPM_MAX_DIM], value[6];
+  MpmBasis         basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      for (PetscInt a = 0; a < dim; a++) weight[a] = part * mass[p] * points->mass[p] * sum->gravity[a];
+      for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) value[c] = stress[c][p];
+      MpmSpaceEvaluate(space, group, p, &basis);
+      AddPoint(sum, &basis, group, weight, value,
+               part * points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]), force);
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -49,6 +49,12 @@ void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, Pe
 /* Adds `factor` times the load to the external force at the local nodes. */
 PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
                             MpmParticles *particles, PetscReal force[]);
+/*
+  Adds to the external force `part` times that of `mass`, a share of each point's mass that gravity pulls, less that of a Cauchy stress of the
+  points: fields xx, yy, xy (, zz, yz, xz), Pa.
+*/
+PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const PetscReal mass[],
+                                  const PetscReal *const stress[], PetscReal force[]);
 /* Adds a body force that is a function of the initial position. */
 PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum,
                                  PetscReal force[]);

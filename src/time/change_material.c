@@ -15,6 +15,7 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "terms/load.h"
+#include "time/change_ramp.h"
 #include "time/model.h"
 #include "time/time.h"
 
@@ -71,6 +72,33 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
   return answer;
 }
 
+/* One point; what MpmInitialFind says, and what is left to a ramp into `rest` (MpmChangeNote). */
+static int ChangeOne(MpmModel model, const MpmMaterial *old, const double before[], const MpmInitial *initial,
+                     MpmPoints *points, PetscInt p, PetscReal rest[7])
+{
+  const MpmMaterial *material = initial->material;
+  const PetscInt     dim = model->disc.dim, size = model->state.particles->stress_size;
+  const PetscInt     states  = model->state.particles->state_size;
+  const PetscReal    density = MpmMaterialDensity(old, before), mass = points->mass[p];
+  PetscReal         *stress = &points->stress[p * size], now[6] = {0.};
+  int                answer = 0;
+
+  for (PetscInt c = 0; c < size; c++) rest[1 + c] = now[c] = stress[c];
+  if (density > 0.) points->mass[p] *= MpmMaterialDensity(material, initial->own) / density;
+  else
+    points->mass[p] =
+      MpmMaterialDensity(material, initial->own) * points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  rest[0] = points->mass[p] > 0. ? mass / points->mass[p] - 1. : 0.;
+  if (SameElasticity(old, before, material, initial->own))
+    (void)MpmInitialReturn(initial, &points->F[p * dim * dim], states ? &points->state[p * states] : NULL, now);
+  else {
+    answer = ChangePoint(model, old, initial, points, p);
+    for (PetscInt c = 0; c < size; c++) now[c] = stress[c];
+  }
+  for (PetscInt c = 0; c < size; c++) rest[1 + c] -= now[c];
+  return answer;
+}
+
 /* One body; counts points that the new law's yield surface moved, and those without an answer. */
 static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, PetscInt64 count[2])
 {
@@ -79,6 +107,7 @@ static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, Pet
   MpmInitial         initial;
   MpmPoints          points;
   double            *row; /* own parameters before */
+  PetscReal         *field[MPM_CHANGE_FIELDS];
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
@@ -88,10 +117,12 @@ static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, Pet
   PetscCall(MpmInitialCreate(material, model->disc.dim, &initial));
   MpmBodyGetIds(model->scene.bodies->at[body], &first, &end);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(MpmChangeGet(model, field));
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *old;
-    const double      *own, *before;
-    PetscReal          density;
+    const double      *before;
+    PetscReal          left[7] = {0.};
+    int                answer;
 
     if (points.id[p] < first || points.id[p] >= end) continue;
     old    = &model->scene.materials->at[points.material[p]];
@@ -100,20 +131,29 @@ static PetscErrorCode ChangeBody(MpmModel model, PetscInt body, PetscInt to, Pet
     before             = before ? row : NULL;
     points.material[p] = to;
     MpmPointsSetOwn(model->scene.materials->at, vertical, model->disc.dim, p, p + 1, &points);
-    initial.own = own = MpmPointOwn(&points, material, p);
-    density           = MpmMaterialDensity(old, before);
-    if (density > 0.) points.mass[p] *= MpmMaterialDensity(material, own) / density;
-    else
-      points.mass[p] = MpmMaterialDensity(material, own) * points.volume0[p] *
-                       MpmDeterminant(model->disc.dim, &points.F[p * model->disc.dim * model->disc.dim]);
-    if (!SameElasticity(old, before, material, own)) {
-      const int answer = ChangePoint(model, old, &initial, &points, p);
-
-      if (answer) count[answer - 1]++;
-    }
+    initial.own = MpmPointOwn(&points, material, p);
+    answer      = ChangeOne(model, old, before, &initial, &points, p, left);
+    if (answer) count[answer - 1]++;
+    MpmChangeNote(model, field, p, left[0], &left[1]);
   }
   PetscCall(PetscFree(row));
+  PetscCall(MpmChangeRestore(model, field));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* No point has anything left of an earlier change. */
+static PetscErrorCode ForgetRests(MpmModel model)
+{
+  const PetscReal none[6] = {0.};
+  PetscReal      *field[MPM_CHANGE_FIELDS];
+  PetscInt        count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  PetscCall(MpmChangeGet(model, field));
+  for (PetscInt p = 0; p < count; p++) MpmChangeNote(model, field, p, 0., none);
+  PetscCall(MpmChangeRestore(model, field));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -123,6 +163,7 @@ PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage)
   PetscBool  any      = PETSC_FALSE;
 
   PetscFunctionBeginUser;
+  PetscCall(ForgetRests(model));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     if (stage->material[b] < 0) continue;
     PetscCall(ChangeBody(model, b, stage->material[b], count));

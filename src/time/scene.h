@@ -91,6 +91,7 @@ typedef struct MpmStage {
   PetscBool     *removed, *adds;                   /* by the model's bodies */
   MpmRamp        removal;                          /* of what is removed, over the stage's time; NULL: at once */
   PetscInt      *material;                         /* by the model's bodies: of its points from here on, or -1 */
+  MpmRamp        change;                           /* of these, over the stage's time; NULL: at once */
   PetscBool      reset;                            /* displacements start at zero again */
   PetscBool      drained;                          /* the water's pressure is that of a steady flow */
   PetscReal      consolidation;                    /* degree at which the stage ends; 0: none */

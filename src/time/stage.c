@@ -49,6 +49,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(stage->material));
     PetscCall(PetscFree(stage->geostatic.k0));
     PetscCall(MpmRampDestroy(&stage->removal));
+    PetscCall(MpmRampDestroy(&stage->change));
     PetscCall(MpmRampDestroy(&stage->reduction.ramp));
   }
   for (PetscInt b = 0; model->state.parked && b < model->scene.bodies->count; b++)

@@ -11,12 +11,13 @@
 #include "bc/body_motion.h"
 #include "terms/load.h"
 #include "terms/rigid.h"
+#include "time/change_ramp.h"
 #include "time/dynamics.h"
 #include "time/model.h"
 #include "time/relaxation.h"
 #include "time/stage_lists.h"
-#include "time/time_read.h"
 #include "time/time.h"
+#include "time/time_read.h"
 
 /* "body:material" pairs. */
 static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, MpmStage *stage)
@@ -28,6 +29,7 @@ static PetscErrorCode ReadMaterials(MpmModel model, const MpmOptions *block, Mpm
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) stage->material[b] = -1;
   PetscCall(MpmOptionsText(block, "materials", "body:material pairs: what bodies are made of from here on", NULL,
                            MPM_OPTIONAL, &text));
+  PetscCall(MpmChangeRead(block, (PetscBool)(text != NULL), stage));
   if (!text || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextSplit(text, &count, &pair));
   MpmCheckInput(count > 0, "-%smaterials: the list is empty; body:material pairs are wanted", block->prefix);

@@ -14,6 +14,7 @@
 #include "terms/damping.h"
 #include "terms/load.h"
 #include "terms/terms.h"
+#include "time/change_ramp.h"
 #include "time/integrator.h"
 #include "time/model.h"
 #include "time/step.h"
@@ -259,6 +260,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
       PetscCall(MpmLoadApply(load, StepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
                              model->disc.force));
   }
+  PetscCall(MpmChangeAdd(model, time, model->disc.force));
   PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
                         model->disc.force));
   if (model->scene.body_force) {
