@@ -4,9 +4,9 @@
   Two pairs at one time make a jump; at that very time the later pair counts. So "0:0,1:0,1:1" is 0 until just before 1,
   and 1 at 1.
 */
-#include "geometry/geometry.h"
-#include "io/csv_table.h"
 #include "options/options.h"
+#include "io/csv_table.h"
+#include "geometry/geometry.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -14,8 +14,8 @@
   A place within the tolerance of the edge counts as inside. The tolerance is one length per axis; at an angle it is
   what the ellipsoid with these semi-axes reaches.
 */
-#include "geometry/geometry.h"
 #include "options/options.h"
+#include "geometry/geometry.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-#include "io/io.h"
 #include "base/base.h"
+#include "io/io.h"
 
 struct _p_MpmHistory {
   MPI_Comm comm;

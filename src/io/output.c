@@ -4,8 +4,8 @@
   Create, Write once a state, Destroy.
 */
 #include <string.h>
-#include "io/io.h"
 #include "base/base.h"
+#include "io/io.h"
 #include "io/xdmf.h"
 
 struct _p_MpmOutput {

@@ -3,8 +3,8 @@
 */
 #include <math.h>
 #include <sys/resource.h>
-#include "io/io.h"
 #include "base/base.h"
+#include "io/io.h"
 
 /* Largest resident size of this process so far, bytes. */
 static PetscReal ProcessMemory(void)

@@ -3,8 +3,8 @@
   The XDMF index of states: temporal collections of points (Polyvertex) and of grids (quadrilaterals or hexahedra),
   numbers by reference into an HDF5 file.
 */
-#include "io/io.h"
 #include "base/base.h"
+#include "io/io.h"
 
 /*
   Where symmetric tensors stand with all nine components, under the path of the group that holds them. XDMF's Tensor6 is

@@ -9,9 +9,9 @@
 */
 #include <math.h>
 #include <stdlib.h>
-#include "io/csv_table.h"
 #include "options/database.h"
 #include "options/options.h"
+#include "io/csv_table.h"
 #include "point/variation.h"
 
 /* ---- reading ---- */

@@ -5,9 +5,9 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
-#include "terms/load.h"
-#include "terms/body_contact.h"
-#include "terms/contact.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "loads/load.h"
 #include "time/model.h"
 
 /* ---- loads and reactions ---- */

@@ -5,7 +5,7 @@
 #include "options/options.h"
 #include "point/material.h"
 #include "particles/body.h"
-#include "terms/body_contact.h"
+#include "contact/body_contact.h"
 #include "time/time.h"
 #include "run/run.h"
 

@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/selection.h"
-#include "terms/section.h"
+#include "problem/section.h"
 #include "run/lines.h"
 #include "run/run.h"
 

@@ -2,7 +2,7 @@
   Forces in cuts and stresses along lines: which columns and files they have.
 */
 #include "grid/grid.h"
-#include "terms/section.h"
+#include "problem/section.h"
 #include "run/lines.h"
 #include "run/run.h"
 

@@ -3,7 +3,7 @@
 */
 #include <stddef.h>
 #include "particles/particles.h"
-#include "terms/inertia.h"
+#include "volume/inertia.h"
 #include "time/energy.h"
 #include "run/motion_columns.h"
 

@@ -8,7 +8,7 @@
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
-#include "terms/inertia.h"
+#include "volume/inertia.h"
 #include "run/run.h"
 
 /* One field: what the functions below need to make it. */

@@ -7,9 +7,9 @@
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
-#include "terms/rigid.h"
-#include "run/laboratory.h"
+#include "rigid/rigid.h"
 #include "time/dynamics.h"
+#include "run/laboratory.h"
 #include "run/run.h"
 
 #define COARSE        3.   /* cells: a boundary with a smaller radius meets too few of them (docs/scene.md) */

@@ -5,11 +5,11 @@
 #include "base/types.h"
 #include "options/database.h"
 #include "io/io.h"
+#include "time/model.h"
 #include "run/lines.h"
 #include "run/manual.h"
 #include "run/signals.h"
 #include "run/tracks.h"
-#include "time/model.h"
 
 /* ---- checkpoint.c, restart.c, run_state.c ---- */
 

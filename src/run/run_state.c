@@ -6,9 +6,9 @@
 */
 #include <stddef.h>
 #include "bc/bc.h"
-#include "terms/body_surface.h"
-#include "terms/load.h"
-#include "terms/rigid_body.h"
+#include "contact/rigid_body.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
 #include "run/run.h"
 
 typedef enum { KIND_REAL, KIND_INT, KIND_INT64, KIND_BOOL } Kind;

@@ -5,9 +5,9 @@
 #include "point/registry.h"
 #include "particles/body.h"
 #include "bc/bc.h"
-#include "terms/body_surface.h"
-#include "terms/load.h"
-#include "terms/rigid.h"
+#include "rigid/rigid.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
 #include "time/time.h"
 #include "run/run.h"
 

@@ -2,7 +2,7 @@
   Is a scene's Jacobian symmetric, as far as its physics knows? Laws and contacts say so for themselves.
 */
 #include "point/material.h"
-#include "terms/load.h"
+#include "loads/load.h"
 #include "time/model.h"
 #include "time/scene.h"
 #include "run/run.h"

@@ -11,9 +11,9 @@
 #include "space/space.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
-#include "terms/load.h"
-#include "terms/rigid.h"
-#include "terms/terms.h"
+#include "assembly/terms.h"
+#include "rigid/rigid.h"
+#include "loads/load.h"
 #include "time/integrator.h"
 #include "run/run.h"
 

@@ -3,11 +3,11 @@
 */
 #include "grid/grid.h"
 #include "grid/shape.h"
-#include "bc/body_motion.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/space.h"
+#include "bc/body_motion.h"
 #include "time/time.h"
 #include "run/run.h"
 

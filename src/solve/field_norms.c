@@ -13,7 +13,7 @@
 */
 #include "point/layout.h"
 #include "bc/bc.h"
-#include "terms/discretization.h"
+#include "problem/discretization.h"
 #include "solve/solve.h"
 
 PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[])

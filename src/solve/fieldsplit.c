@@ -17,7 +17,7 @@
 #include "particles/point_mass.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"
-#include "terms/discretization.h"
+#include "problem/discretization.h"
 #include "solve/solve.h"
 
 PetscBool MpmFieldsplitServes(const MpmLayout *layout)

@@ -12,10 +12,10 @@
 #include "grid/grid.h"
 #include "space/unit.h"
 #include "bc/bc.h"
-#include "terms/action.h"
-#include "terms/sparsity.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
+#include "points/action.h"
 #include "solve/solve.h"
-#include "terms/terms.h"
 
 typedef struct {
   const MpmSum         *sum;

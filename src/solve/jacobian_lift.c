@@ -6,10 +6,10 @@
   Nodes that the corner of a single domain touches have more unknowns than the point has strains. And a body at rest that nothing
   but contact holds may slide where nothing rubs, or hang above what it will rest on.
 */
-#include "terms/body_contact.h"
-#include "terms/contact.h"
-#include "terms/discretization.h"
-#include "terms/inertia.h"
+#include "volume/inertia.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "problem/discretization.h"
 #include "solve/solve.h"
 
 /*

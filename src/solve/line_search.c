@@ -2,11 +2,11 @@
   The line search of Newton's method: by the work, with care for contact, or by the norms of several fields.
 */
 #include "point/layout.h"
-#include "terms/body_contact.h"
-#include "terms/contact.h"
-#include "terms/discretization.h"
-#include "terms/rigid_body.h"
-#include "terms/terms.h"
+#include "assembly/terms.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
+#include "problem/discretization.h"
 #include "solve/line_search.h"
 
 /* a step is too long when it raises both the residual and, this much, the slope's size; less patience in later iterations */

@@ -11,7 +11,7 @@
 #include "options/database.h"
 #include "point/layout.h"
 #include "bc/bc.h"
-#include "terms/discretization.h"
+#include "problem/discretization.h"
 #include "solve/solve.h"
 
 #define DIFFERENCE 1e-6 /* cells: largest motion in the difference; supports that move less need no such start */

@@ -3,10 +3,10 @@
   simple preconditioners ask for. Constrained unknowns keep the row `diagonal` times identity.
 */
 #include "bc/bc.h"
-#include "terms/action.h"
-#include "terms/discretization.h"
+#include "assembly/terms.h"
+#include "points/action.h"
+#include "problem/discretization.h"
 #include "solve/solve.h"
-#include "terms/terms.h"
 
 typedef struct {
   MpmSolver *solver;

@@ -8,7 +8,7 @@
   Sources: Armijo (1966), Pacific J. Math. 16, 1-3, doi:10.2140/pjm.1966.16.1; Nocedal, Wright (2006), Numerical Optimization, 2nd edition,
   Springer, chapter 3 (backtracking by interpolation).
 */
-#include "terms/potential.h"
+#include "problem/potential.h"
 #include "solve/line_search.h"
 
 #define SURE      0.5   /* of the slope at the start: no more at the end leaves no doubt */

@@ -18,7 +18,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
-#include "terms/discretization.h"
+#include "problem/discretization.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
 

@@ -10,8 +10,8 @@
   itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
 */
 #include "point/layout.h"
-#include "particles/point_mass.h"
 #include "point/material.h"
+#include "particles/point_mass.h"
 #include "space/momentum.h"
 #include "space/motion.h"
 #include "space/stencil.h"

@@ -4,10 +4,10 @@
   physics are constants where it pays: a point of a solid touches 4 to 9 nodes in 2D and 8 to 27 in 3D, and loops that
   short must be unrolled.
 */
-#include "particles/point_mass.h"
-#include "particles/points.h"
 #include "point/layout.h"
 #include "point/material.h"
+#include "particles/point_mass.h"
+#include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "talus/point/flow.h"

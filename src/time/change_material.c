@@ -14,7 +14,7 @@
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
-#include "terms/load.h"
+#include "loads/load.h"
 #include "time/change_ramp.h"
 #include "time/model.h"
 #include "time/time.h"

@@ -15,10 +15,10 @@
 
   Order of calls: Note() for each point as its material changes; Add() as a step's loads are made.
 */
-#include "geometry/geometry.h"
 #include "options/options.h"
+#include "geometry/geometry.h"
 #include "particles/particles.h"
-#include "terms/load.h"
+#include "loads/load.h"
 #include "time/change_ramp.h"
 #include "time/model.h"
 

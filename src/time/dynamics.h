@@ -34,7 +34,7 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options);
 /* Does any stage of the scene solve equations; has any inertia in them? */
 PetscBool MpmStagesSolve(const MpmModel model);
 PetscBool MpmStagesAreImplicit(const MpmModel model);
-/* Are the steps that are solved for minimisations (terms/potential.h)? Once the discretization is set up. */
+/* Are the steps that are solved for minimisations (problem/potential.h)? Once the discretization is set up. */
 PetscBool MpmStagesMinimise(const MpmModel model);
 /* Does any stage of the scene have inertia, and do its points carry affine velocities? */
 PetscBool MpmStagesAreDynamic(const MpmModel model);

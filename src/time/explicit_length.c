@@ -4,15 +4,15 @@
   A step may take the part `cfl` of the time in which a wave crosses a cell, the shortest h_a/(c + |v_a|) of all points and axes,
   with c the speed of waves at the point's state and stress; the viscosity of a law shortens it.
 */
-#include "particles/particles.h"
-#include "particles/point_mass.h"
-#include "particles/points.h"
 #include "point/material.h"
 #include "point/wave_speed.h"
 #include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/point_mass.h"
+#include "particles/points.h"
 #include "space/sum.h"
-#include "terms/body_contact.h"
-#include "terms/rigid.h"
+#include "rigid/rigid.h"
+#include "contact/body_contact.h"
 #include "time/dynamics.h"
 #include "time/model.h"
 #include "time/relaxation.h"

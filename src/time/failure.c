@@ -4,14 +4,14 @@
 
   A point flows where a history variable of its plastic flow has changed: an equivalent or volume strain, the size of the yield surface.
 */
+#include "point/material.h"
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "point/material.h"
-#include "bc/bc.h"
 #include "space/sum.h"
-#include "terms/discretization.h"
+#include "bc/bc.h"
+#include "problem/discretization.h"
 #include "time/model.h"
 #include "time/step.h"
 

@@ -14,7 +14,7 @@
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "terms/load.h"
+#include "loads/load.h"
 #include "time/model.h"
 #include "time/time.h"
 

@@ -18,7 +18,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
-#include "terms/body_contact.h"
+#include "contact/body_contact.h"
 #include "time/energy.h"
 #include "time/model.h"
 #include "time/time.h"

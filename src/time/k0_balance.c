@@ -20,9 +20,9 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/sum.h"
-#include "terms/body_surface.h"
-#include "terms/load.h"
-#include "terms/water_table.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "loads/water_table.h"
 #include "time/model.h"
 #include "time/time.h"
 

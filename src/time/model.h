@@ -4,9 +4,9 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "solve/solve.h"
+#include "problem/discretization.h"
 #include "talus/talus.h"
-#include "terms/discretization.h"
+#include "solve/solve.h"
 #include "time/scene.h"
 #include "time/state.h"
 

@@ -15,13 +15,13 @@
 
   Order of calls: Begin() as the stage takes its bodies; then for each step Set(), and Commit() once it is accepted.
 */
-#include "geometry/geometry.h"
 #include "options/options.h"
+#include "geometry/geometry.h"
 #include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "terms/load.h"
+#include "loads/load.h"
 #include "time/energy.h"
 #include "time/model.h"
 #include "time/time.h"

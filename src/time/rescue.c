@@ -13,8 +13,8 @@
 
   Order of calls: Begin(); then for each step of the motion the integrator's, to NextTime(), and Over().
 */
-#include "particles/particles.h"
 #include "grid/grid.h"
+#include "particles/particles.h"
 #include "space/sum.h"
 #include "time/dynamics.h"
 #include "time/integrator.h"

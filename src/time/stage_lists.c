@@ -5,8 +5,8 @@
 #include "options/options.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
-#include "terms/body_surface.h"
-#include "terms/load.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
 #include "time/stage_lists.h"
 
 PetscInt MpmStageFindName(PetscInt count, char *const names[], const char *name)

@@ -28,14 +28,14 @@
   step that failed Narrows(), and Close() once that is false.
 */
 #include "geometry/geometry.h"
-#include "grid/grid.h"
 #include "point/material.h"
+#include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/sum.h"
-#include "terms/load.h"
+#include "loads/load.h"
 #include "time/model.h"
 #include "time/time.h"
 

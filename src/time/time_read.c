@@ -3,7 +3,7 @@
 */
 #include "options/options.h"
 #include "point/material.h"
-#include "terms/rigid.h"
+#include "rigid/rigid.h"
 #include "time/dynamics.h"
 #include "time/model.h"
 #include "time/time_read.h"

@@ -29,9 +29,9 @@
 #include "particles/points.h"
 #include "space/sum.h"
 #include "bc/bc.h"
-#include "terms/body_surface.h"
-#include "terms/discretization.h"
-#include "terms/water_table.h"
+#include "loads/body_surface.h"
+#include "loads/water_table.h"
+#include "problem/discretization.h"
 #include "time/model.h"
 #include "time/water_state.h"
 

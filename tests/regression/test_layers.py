@@ -18,7 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
-LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "space", "bc", "terms", "solve", "time",
+LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "space", "bc", "assembly", "points", "volume", "rigid", "contact", "loads", "problem", "solve", "time",
           "run")
 KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
@@ -209,7 +209,7 @@ def plant(folder, objects):
         if path.parent.name == "run":
             add(path.relative_to(folder), '#include "solve/pc_band.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
-        if path.parent.name in ("run", "time", "solve", "terms"):
+        if path.parent.name in ("run", "time", "solve", "contact"):
             add(path.relative_to(folder), '#include "run/planted.h"\n')
     (folder / "src/run/planted.h").write_text("#pragma once\n", encoding="utf-8")
     arguments = ", ".join(f"int a{k}" for k in range(FUNCTION_ARGUMENTS + 1))

@@ -6,7 +6,7 @@
 */
 #include "scene.h"
 #include "space/extension.h"
-#include "terms/terms.h"
+#include "assembly/terms.h"
 
 static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2"};
 

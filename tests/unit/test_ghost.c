@@ -4,8 +4,9 @@
 
   Ranks: 1 2
 */
+#include "volume/volume.h"
 #include "scene.h"
-#include "terms/terms.h"
+#include "assembly/terms.h"
 
 static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2"};
 

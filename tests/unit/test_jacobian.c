@@ -4,10 +4,10 @@
 
   Ranks: 1 2
 */
-#include "terms/contact.h"
-#include "terms/terms.h"
+#include "contact/contact.h"
+#include "assembly/terms.h"
 #include "scene.h"
-#include "terms/sparsity.h"
+#include "assembly/sparsity.h"
 
 /* Any others will do: of steps of 0.03 to 0.05 cells and eight seeds, all 40 pairs tried have passed. */
 #define SEED  0

@@ -6,9 +6,9 @@
 */
 #include <petsc/private/matimpl.h>
 #include "scene.h"
-#include "terms/discretization.h"
-#include "terms/sparsity.h"
-#include "terms/terms.h"
+#include "problem/discretization.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
 
 static const char *const scenes[] = {
   "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_region box -mpm_body_b_lower "

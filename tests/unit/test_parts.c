@@ -5,9 +5,9 @@
   Ranks: 1 2 3
 */
 #include "space/rules.h"
-#include "terms/discretization.h"
-#include "terms/sparsity.h"
-#include "terms/terms.h"
+#include "problem/discretization.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
 #include "scene.h"
 
 static const char *const scene_2d =

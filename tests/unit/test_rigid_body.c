@@ -4,9 +4,9 @@
 
   Ranks: 1 2 3
 */
-#include "terms/rigid_body.h"
-#include "terms/sparsity.h"
-#include "terms/terms.h"
+#include "contact/rigid_body.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
 #include "scene.h"
 
 static const char *const scene_2d =

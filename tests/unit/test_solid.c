@@ -5,7 +5,7 @@
 #include "geometry/motion.h"
 #include "geometry/solid.h"
 #include "options/options.h"
-#include "terms/rigid.h"
+#include "rigid/rigid.h"
 #include "unit.h"
 
 #include <math.h>

@@ -1,0 +1,19 @@
+#pragma once
+/*
+  Parts of the sparsity that sparsity.c, far_entries.c and followers.c share.
+*/
+#include "assembly/sparsity.h"
+
+/* The slot of a local node in the window of another, or NULL where it has none. */
+PetscInt *MpmPatternSlot(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column);
+/* Where a local node stands in the row of another one that it is coupled with. */
+PetscInt MpmPatternPosition(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column);
+/* Lists the entries of extra nodes, of coupled boxes and of masters, by row; `neighbour`: as in MpmPattern. */
+PetscErrorCode MpmPatternMarkFar(MpmPattern *pattern, const MpmSpace *space, const PetscInt neighbour[]);
+/* How many of them a row has. */
+static inline PetscInt MpmPatternFarCount(const MpmPattern *pattern, PetscInt row)
+{
+  return pattern->far_start ? pattern->far_start[row + 1] - pattern->far_start[row] : 0;
+}
+/* Brings rows and columns of followers to those that they follow (followers.c): E^T K E of this rank's part. */
+void MpmPatternEliminate(MpmPattern *pattern, const MpmSpace *space);

@@ -1,0 +1,122 @@
+/*
+  The list of terms that a problem's residual consists of, and sums over it.
+*/
+#include "space/extension.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "assembly/terms.h"
+
+PetscErrorCode MpmTermsAdd(MpmTerms **handle, const MpmTerm *term, void *ctx)
+{
+  MpmTerms *terms;
+
+  PetscFunctionBeginUser;
+  if (!*handle) PetscCall(PetscNew(handle));
+  terms = *handle;
+  PetscCall(PetscRealloc((size_t)(terms->count + 1) * sizeof(*terms->term), &terms->term));
+  PetscCall(PetscRealloc((size_t)(terms->count + 1) * sizeof(*terms->ctx), &terms->ctx));
+  terms->term[terms->count]  = term;
+  terms->ctx[terms->count++] = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsDestroy(MpmTerms **terms)
+{
+  PetscFunctionBeginUser;
+  if (!*terms) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*terms)->term));
+  PetscCall(PetscFree((*terms)->ctx));
+  PetscCall(PetscFree(*terms));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
+                                  const MpmPoints *points, const char **why)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmSpaceBegin(space, rules, points, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->boxes) PetscCall(terms->term[k]->boxes(terms->ctx[k], rules, points, space));
+  PetscCall(MpmExtensionBoxes(rules, points, space));
+  PetscCall(MpmSpaceEnd(space, rules));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->prepare) PetscCall(terms->term[k]->prepare(terms->ctx[k], step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space)
+{
+  PetscFunctionBeginUser;
+  space->extra.link_count = space->parts.couple_count = 0;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->link) PetscCall(terms->term[k]->link(terms->ctx[k], space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->stage) PetscCall(terms->term[k]->stage(terms->ctx[k], sum, u, theta));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->commit) PetscCall(terms->term[k]->commit(terms->ctx[k], sum, u, particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k)
+{
+  return (PetscBool)(terms->term[k]->idle && terms->term[k]->idle(terms->ctx[k]));
+}
+
+PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                               PetscReal residual[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                                   PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 1; k < terms->count; k++)
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                                PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  PetscCall(PetscArrayzero(blocks, sum->space->local * sum->block * sum->block));
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->diagonal(terms->ctx[k], sum, u, blocks, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

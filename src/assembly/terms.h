@@ -1,0 +1,75 @@
+#pragma once
+/*
+  What adds to the residual and to its Jacobian: the table of terms, and the sums over it.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/* A step, as terms prepare for it; the particles' arrays are lent to the sum. */
+struct MpmTermStep {
+  const MpmRules *rules;
+  const MpmSum   *sum;
+  MpmParticles   *particles;
+};
+
+/*
+  A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
+  later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then has no such part.
+
+  idle      has it nothing to add in this step, on this rank? Then residual, tangent, apply and diagonal need not be asked
+  boxes     boxes of nodes that the term couples, and extra nodes, added to a space that is not numbered yet
+  prepare   what the term needs of the step, once the space is there
+  residual  residual += term(u)
+  tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL it also does what residual() does
+  apply     y += (d term / d u) du; NULL for the points, whose action keeps data of its own (MpmAction)
+  diagonal  its diagonal blocks, block^2 values a node
+  link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
+  stage     what the term keeps of the first of two stages (sdirk.c), which counts `theta` times in what has flowed
+  commit    what the term keeps of the converged step
+*/
+struct MpmTerm {
+  const char *name;
+  PetscBool (*idle)(const void *ctx);
+  PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+  PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
+  PetscErrorCode (*link)(void *ctx, MpmSpace *space);
+  PetscErrorCode (*residual)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                             PetscInt *failed);
+  PetscErrorCode (*tangent)(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                            PetscReal residual[], PetscInt *failed);
+  PetscErrorCode (*apply)(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[], PetscReal y[]);
+  PetscErrorCode (*diagonal)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                             PetscInt *failed);
+  PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
+  PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+};
+
+/* The terms of a problem; the first one is that of the points. */
+typedef struct MpmTerms {
+  PetscInt        count;
+  const MpmTerm **term;
+  void          **ctx;
+} MpmTerms;
+
+/* Makes the list with its first term. */
+PetscErrorCode MpmTermsAdd(MpmTerms **terms, const MpmTerm *term, void *ctx);
+PetscErrorCode MpmTermsDestroy(MpmTerms **terms);
+/* The space of the points with the boxes of all terms; `why` as for MpmSpaceBegin(). */
+PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
+                                  const MpmPoints *points, const char **why);
+PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
+PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space);
+PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta);
+PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+/* Has term k nothing to add on this rank? */
+PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k);
+/* Sums over all terms; `blocks` starts from zero. */
+PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                PetscInt *failed);
+PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                               PetscReal residual[], PetscInt *failed);
+PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                                PetscInt *failed);
+/* The tangents of all but the points, for forms of the Jacobian that take the points in a way of their own. */
+PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                                   PetscInt *failed);

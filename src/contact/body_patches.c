@@ -1,0 +1,619 @@
+/*
+  Facets and patches of bodies in contact with one another: where they may touch in a step.
+
+  Facets of the first body in one cell make a patch; each facet of the second body goes to the patch of the facet of the first
+  that lies across from it: the nearest one that looks the other way and before which its middle stands. The patch belongs to
+  the rank of the first body's points, which appends the nodes of both sides to its own.
+
+    n = (sum A_1 n_1 - sum A_2 n_2)/|...| ,   gap = n . (y_2 - y_1) ,   y the means of the facets' places, by their areas along n
+
+  with the sums over facets near the patch, n_i their normals, A_i the areas seen along them (body_facets.c). What overlaps when
+  the run starts touches from there on, as at rigid surfaces. So do small gaps where a lattice was cut at an angle by a surface
+  that is not known: of points from a file.
+*/
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "assembly/terms.h"
+#include "contact/body_facets.h"
+#include "contact/contact.h"
+#include "contact/contact_search.h"
+
+#define TOUCH   1e-12 /* of a cell: rounding */
+#define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */
+#define SMOOTH  2.5   /* cells: facets so near make the normal of a patch */
+#define LOOKS   0.2   /* cosine: facets of the first body that look farther away are not part of a patch */
+#define UNKNOWN 1e30  /* m: a gap; so large that means with others are so, too */
+#define FACING  0.5   /* cosine: facets that look at one another less do not lie across */
+#define FIRM    500.  /* penalties, unless one is given: as at rigid surfaces on materials that do not flow, */
+#define RUBS    100.  /* on these with Coulomb's friction, */
+#define SOFT    10.   /* and on those that flow */
+#define PASSES  100.  /* where water passes: conductance over that of a cell, by the less permeable body */
+#define CLOSED  1e-3  /* of a cell: bodies that are no farther apart touch, for water */
+
+/* ---- reading ---- */
+
+PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool water, MpmPair *pair)
+{
+  static const char *const methods[] = {"penalty", "barrier", "augmented", NULL}, *const waters[] = {"sealed", "open",
+                                                                                                     NULL};
+  char     field[256];
+  PetscInt method = 0, open = 0;
+
+  PetscFunctionBeginUser;
+  pair->penalty = FIRM;
+  PetscCall(MpmFrictionRead(block, &pair->friction, &pair->adhesion, &pair->stick));
+  pair->tangential = (PetscBool)(pair->stick || pair->friction > 0. || pair->adhesion > 0.);
+  PetscCall(MpmOptionsWord(
+    block, "method", "penalty: bodies push where they overlap; barrier: before they meet; augmented: without overlap",
+    methods, MPM_OPTIONAL, &method, NULL));
+  pair->barrier     = (PetscBool)(method == 1);
+  pair->augmented   = (PetscBool)(method == 2);
+  pair->penetration = 1e-8;
+  PetscCall(MpmOptionsReal(block, "penetration", "h", "augmented: mean depth in a cell that may remain, by its size",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penetration, NULL));
+  PetscCall(
+    MpmOptionsReal(block, "penalty", "E/h",
+                   "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
+                   "10 where one of them flows, 100 with a coefficient of friction",
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
+  if (!pair->firm && pair->friction > 0.) pair->penalty = RUBS;
+  if (water)
+    PetscCall(MpmOptionsWord(block, "water", "physics with water: none passes, or all does where the bodies touch",
+                             waters, MPM_OPTIONAL, &open, NULL));
+  pair->open = (PetscBool)(open == 1);
+  PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
+  PetscCall(PetscStrallocpy(field, &pair->gap_field));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", pair->name));
+  if (pair->augmented) PetscCall(PetscStrallocpy(field, &pair->pressure_field));
+  for (PetscInt a = 0; pair->tangential && a < dim; a++) {
+    PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", pair->name, "xyz"[a]));
+    PetscCall(PetscStrallocpy(field, &pair->slip_field[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < pairs->count; k++) {
+    PetscCall(PetscFree(pairs->at[k].name));
+    PetscCall(PetscFree(pairs->at[k].gap_field));
+    PetscCall(PetscFree(pairs->at[k].pressure_field));
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(pairs->at[k].slip_field[a]));
+  }
+  PetscCall(MpmNamesDestroy(pairs->count, &pairs->names));
+  PetscCall(PetscFree(pairs->at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const MpmBodies *bodies, PetscInt state_size,
+                                     PetscInt water, MpmPairContacts *contacts)
+{
+  PetscFunctionBeginUser;
+  contacts->bodies     = bodies;
+  contacts->pairs      = pairs;
+  contacts->comm       = comm;
+  contacts->state_size = state_size;
+  contacts->water      = water;
+  PetscCall(PetscCalloc1(pairs->count, &contacts->force));
+  if (pairs->count) PetscCall(MpmContactSearchRegister(&contacts->search));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(contacts->force));
+  PetscCall(PetscFree(contacts->facet));
+  PetscCall(PetscFree(contacts->list));
+  PetscCall(PetscFree(contacts->patch));
+  PetscCall(PetscFree(contacts->weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- who lies across from whom ---- */
+
+/* How far the middle of a facet of the second body is from one of the first; infinite where it does not lie before it. */
+static PetscReal Across(PetscInt dim, const MpmPairFacet *one, const MpmPairFacet *other, PetscReal reach)
+{
+  PetscReal dot = 0., along = 0., square = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal d = other->place[a] - one->place[a];
+
+    dot += one->look[a] * other->look[a];
+    along += d * one->look[a];
+    square += d * d;
+  }
+  if (dot > -FACING || square > reach * reach) return PETSC_INFINITY;
+  if (PetscSqrtReal(PetscMax(square - along * along, 0.)) >
+      (one->size + other->size) * PetscSqrtReal((PetscReal)dim - 1.))
+    return PETSC_INFINITY;
+  return square;
+}
+
+/* The facet of the first body that lies across from facet k of the second, or -1. */
+static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair, PetscInt k)
+{
+  const MpmPairFacet *other = &contacts->facet[k];
+  PetscInt            lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM], found = -1;
+  PetscReal           best = PETSC_INFINITY;
+
+  MpmPairFacetCells(grid, other, MPM_PAIR_SEARCH, lower, upper);
+  for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
+    for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
+      for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
+        PetscInt begin, end;
+
+        MpmPairFacetsOfCell(contacts, cell, &begin, &end);
+        for (PetscInt f = begin; f < end; f++) {
+          const MpmPairFacet *one = &contacts->facet[f];
+          PetscReal           distance;
+
+          if (one->part != pair->part[0]) continue;
+          distance = Across(grid->dim, one, other, MPM_PAIR_SEARCH * contacts->cell);
+          if (distance < best * (1. - 1e-9) || (distance < PETSC_INFINITY && found < 0)) {
+            best  = distance;
+            found = f;
+          }
+        }
+      }
+    }
+  }
+  return found;
+}
+
+/* ---- patches ---- */
+
+/* Each facet of either side with its side's number. */
+#define FOR_SIDES(patch, f, s) \
+  for (PetscInt s = 0; s < 2; s++) \
+    for (PetscInt f = (patch)->side[s].begin; f < (patch)->side[s].end; f++)
+
+/* Does the facet look along the direction, of length 1, rather than across it? */
+static PetscBool Looks(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
+{
+  PetscReal dot = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) dot += facet->look[a] * direction[a];
+  return (PetscBool)(dot > LOOKS);
+}
+
+/*
+  The outward normal of the first body about a place: the mean of both bodies' normals there by area, the nearest first, over the
+  facets that have one of the other body across. Those of the patch alone would tell of the steps of the lattices, not of the
+  surface that cut them, where that is not known. Steps count where there is nothing else (`all`).
+*/
+static PetscBool SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair,
+                              const MpmPairFacet *about, PetscBool all, PetscReal normal[])
+{
+  const PetscInt dim  = grid->dim;
+  PetscReal      size = 0.;
+  PetscInt       lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM];
+
+  MpmPairFacetCells(grid, about, SMOOTH, lower, upper);
+  for (PetscInt a = 0; a < dim; a++) normal[a] = 0.;
+  for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
+    for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++) {
+      for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++) {
+        PetscInt begin, end;
+
+        MpmPairFacetsOfCell(contacts, cell, &begin, &end);
+        for (PetscInt f = begin; f < end; f++) {
+          const MpmPairFacet *facet = &contacts->facet[f];
+          PetscReal           near = 0., sign = 0.;
+
+          if (!facet->across) continue;
+          if (facet->part == pair->part[0]) sign = 1.;
+          if (facet->part == pair->part[1]) sign = -1.;
+          for (PetscInt a = 0; a < dim; a++) near += PetscSqr(facet->place[a] - about->place[a]);
+          near = PetscMax(0., 1. - PetscSqrtReal(near) / (SMOOTH * contacts->cell));
+          for (PetscInt a = 0; a < dim; a++)
+            normal[a] += sign * near * near * (all ? facet->area[a] : facet->seen * facet->look[a]);
+        }
+      }
+    }
+  }
+  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(normal[a]);
+  for (PetscInt a = 0; size > 0. && a < dim; a++) normal[a] /= PetscSqrtReal(size);
+  return (PetscBool)(size > 0.);
+}
+
+/* Means and stiffness from the facets. */
+static void Describe(const MpmPairContacts *contacts, PetscInt dim, MpmPairPatch *patch)
+{
+  const MpmPair *pair    = &contacts->pairs->at[patch->pair];
+  PetscReal      modulus = PETSC_INFINITY, flows = 0.;
+
+  patch->strength = PETSC_INFINITY;
+  FOR_SIDES(patch, f, s)
+  {
+    const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+    PetscReal           area  = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
+    area = PetscAbsReal(area);
+    for (PetscInt a = 0; a < dim; a++) patch->side[s].place[a] += area * facet->place[a];
+    patch->side[s].area += area;
+    modulus         = PetscMin(modulus, facet->modulus);
+    flows           = PetscMax(flows, facet->plastic);
+    patch->strength = PetscMin(patch->strength, facet->strength);
+  }
+  patch->gap = 0.;
+  for (PetscInt a = 0; a < dim; a++)
+    patch->gap += patch->normal[a] *
+                  (patch->side[1].place[a] / patch->side[1].area - patch->side[0].place[a] / patch->side[0].area);
+  patch->stiffness = (flows > 0. && !pair->firm ? SOFT : pair->penalty) * modulus / contacts->cell;
+}
+
+/* Widens a box of nodes to hold a facet's; an empty box has no nodes. */
+static void IncludeNodes(MpmGroup *box, const MpmPairFacet *facet)
+{
+  const PetscBool empty = (PetscBool)!box->node_count;
+
+  box->node_count = 1;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscInt first = empty ? facet->first[a] : PetscMin(box->first[a], facet->first[a]);
+    const PetscInt end   = PetscMax(empty ? 0 : box->first[a] + box->count[a], facet->first[a] + facet->count[a]);
+
+    box->first[a] = first;
+    box->count[a] = end - first;
+    box->node_count *= box->count[a];
+  }
+  box->holes = PETSC_TRUE;
+}
+
+/* The mean's weights at the nodes of a box: those of a facet, times its share of the area. */
+static void AddWeights(PetscInt dim, const MpmPairFacet *facet, const MpmGroup *box, PetscReal share,
+                       PetscReal weight[])
+{
+  for (PetscInt i = 0; i < box->node_count; i++) {
+    const PetscInt row             = i / box->count[0];
+    const PetscInt at[MPM_MAX_DIM] = {i % box->count[0], row % box->count[1], row / box->count[1]};
+    PetscReal      w               = share;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscInt k = at[a] + box->first[a] - facet->first[a];
+
+      w *= k >= 0 && k < facet->count[a] ? facet->line[a][k] : 0.;
+    }
+    weight[i] += w;
+  }
+}
+
+/* Nodes of other ranks' facets become ghosts here: a box each, beside the sides' own, which have holes. */
+static PetscErrorCode AppendForeign(const MpmPairContacts *contacts, MpmSpace *space)
+{
+  PetscInt  count = 0;
+  MpmGroup *boxes;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->list_count; k++) count += contacts->facet[contacts->list[k]].point < 0;
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceAppendBoxes(space, count, &boxes));
+  for (PetscInt k = 0, box = 0; k < contacts->list_count; k++) {
+    const MpmPairFacet *facet = &contacts->facet[contacts->list[k]];
+
+    if (facet->point >= 0) continue;
+    IncludeNodes(&boxes[box], facet);
+    boxes[box++].holes = PETSC_FALSE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Boxes of both sides of all patches. */
+static PetscErrorCode MakeSides(MpmPairContacts *contacts, MpmSpace *space)
+{
+  const PetscInt begin = space->box_count;
+  MpmGroup      *boxes;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmSpaceAppendBoxes(space, 2 * contacts->patch_count, &boxes));
+  contacts->most = contacts->weight_count = 0;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPairPatch *patch = &contacts->patch[k];
+
+    FOR_SIDES(patch, f, s) IncludeNodes(&boxes[2 * k + s], &contacts->facet[contacts->list[f]]);
+    for (PetscInt s = 0; s < 2; s++) {
+      patch->side[s].box    = begin + 2 * k + s;
+      patch->side[s].weight = contacts->weight_count;
+      contacts->weight_count += boxes[2 * k + s].node_count;
+    }
+    contacts->most = PetscMax(contacts->most, boxes[2 * k].node_count + boxes[2 * k + 1].node_count);
+  }
+  PetscCall(AppendForeign(contacts, space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The weights of the means at the nodes of both sides. */
+static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *space)
+{
+  const PetscInt dim = space->dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(contacts->weight));
+  PetscCall(PetscCalloc1(contacts->weight_count, &contacts->weight));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPairPatch *patch = &contacts->patch[k];
+
+    FOR_SIDES(patch, f, s)
+    {
+      const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+      PetscReal           area  = 0.;
+
+      for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
+      AddWeights(dim, facet, &space->groups[patch->side[s].box], PetscAbsReal(area) / patch->side[s].area,
+                 &contacts->weight[patch->side[s].weight]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Do the two have the same cell? */
+static PetscBool SameCell(const MpmPairFacet *one, const MpmPairFacet *other)
+{
+  return (PetscBool)(one->cell[0] == other->cell[0] && one->cell[1] == other->cell[1] &&
+                     one->cell[2] == other->cell[2]);
+}
+
+/* One patch: `count` facets of the second body, across from facets of the first in the cell of facet `seed`. */
+static PetscErrorCode AddPatch(MpmPairContacts *contacts, const MpmGrid *grid, PetscInt pair, PetscInt seed,
+                               PetscInt count, const PetscInt others[])
+{
+  const MpmPair *bodies = &contacts->pairs->at[pair];
+  MpmPairPatch   patch  = {.pair = pair};
+  MpmPairFacet   about  = contacts->facet[seed];
+  PetscInt       f      = seed;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    about.place[a] = 0.;
+    for (PetscInt k = 0; k < count; k++) about.place[a] += contacts->facet[others[k]].place[a] / (PetscReal)count;
+  }
+  if (!SmoothNormal(contacts, grid, bodies, &about, PETSC_FALSE, patch.normal))
+    (void)SmoothNormal(contacts, grid, bodies, &about, PETSC_TRUE, patch.normal);
+  while (f > 0 && SameCell(&contacts->facet[f - 1], &contacts->facet[seed])) f--;
+  patch.side[0].begin = contacts->list_count;
+  for (; f < contacts->facet_count && SameCell(&contacts->facet[f], &contacts->facet[seed]); f++)
+    if (contacts->facet[f].part == bodies->part[0] && Looks(grid->dim, &contacts->facet[f], patch.normal))
+      contacts->list[contacts->list_count++] = f;
+  patch.side[0].end = patch.side[1].begin = contacts->list_count;
+  for (PetscInt k = 0; k < count; k++) contacts->list[contacts->list_count++] = others[k];
+  patch.side[1].end = contacts->list_count;
+  if (patch.side[0].begin == patch.side[0].end) PetscFunctionReturn(PETSC_SUCCESS);
+  Describe(contacts, grid->dim, &patch);
+  if (!(patch.side[0].area > 0. && patch.side[1].area > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRealloc((size_t)(contacts->patch_count + 1) * sizeof(MpmPairPatch), &contacts->patch));
+  contacts->patch[contacts->patch_count++] = patch;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The patches of one pair: facets of the second body that lie across from own ones of the first in one cell. */
+static PetscErrorCode PatchesOfPair(MpmPairContacts *contacts, const MpmGrid *grid, PetscInt pair)
+{
+  const MpmPair *bodies = &contacts->pairs->at[pair];
+  PetscInt      *opposite, *other, count = 0, end;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(contacts->facet_count, &opposite, contacts->facet_count, &other));
+  for (PetscInt k = 0; k < contacts->facet_count; k++) contacts->facet[k].across = 0;
+  for (PetscInt k = 0; k < contacts->facet_count; k++) {
+    const PetscInt found = contacts->facet[k].part == bodies->part[1] ? Opposite(contacts, grid, bodies, k) : -1;
+
+    if (found < 0) continue;
+    contacts->facet[k].across = contacts->facet[found].across = 1;
+    if (contacts->facet[found].point < 0) continue; /* another rank's */
+    opposite[count] = found;
+    other[count++]  = k;
+  }
+  PetscCall(PetscSortIntWithArray(count, opposite, other));
+  for (PetscInt begin = 0; begin < count; begin = end) {
+    const MpmPairFacet *seed = &contacts->facet[opposite[begin]];
+
+    for (end = begin; end < count && SameCell(&contacts->facet[opposite[end]], seed); end++) continue;
+    PetscCall(PetscSortInt(end - begin, &other[begin]));
+    PetscCall(AddPatch(contacts, grid, pair, opposite[begin], end - begin, &other[begin]));
+  }
+  PetscCall(PetscFree2(opposite, other));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
+{
+  MpmPairContacts *contacts = (MpmPairContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  contacts->patch_count = contacts->list_count = 0;
+  if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->cell = PETSC_INFINITY;
+  for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
+  contacts->touch   = TOUCH * contacts->cell;
+  contacts->starts  = (PetscBool)(rules->time_n == 0. && !rules->put_back);
+  contacts->dynamic = rules->dynamic;
+  PetscCall(MpmPairFacetsFind(contacts, rules, points, space));
+  if (!contacts->facet_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(contacts->list));
+  PetscCall(PetscMalloc1((2 * contacts->facet_count * contacts->pairs->count), &contacts->list));
+  for (PetscInt k = 0; k < contacts->pairs->count; k++) PetscCall(PatchesOfPair(contacts, rules->grid, k));
+  if (contacts->patch_count) PetscCall(MakeSides(contacts, space));
+  if (contacts->patch_count) PetscCall(WeighSides(contacts, space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space)
+{
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    PetscCall(MpmSpaceCouple(space, contacts->patch[k].side[0].box, contacts->patch[k].side[1].box));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the points keep ---- */
+
+/* The mean of a field over the first body's facets of each patch of a pair. */
+static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, const char *name, PetscInt dim,
+                                MpmParticles *particles, PetscReal mean[])
+{
+  PetscReal *value;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetField(particles, name, &value));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPairPatch *patch = &contacts->patch[k];
+
+    if (patch->pair != pair) continue;
+    mean[k] = 0.;
+    for (PetscInt f = patch->side[0].begin; f < patch->side[0].end; f++) {
+      const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+      PetscReal           area  = 0.;
+
+      for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
+      mean[k] += PetscAbsReal(area) / patch->side[0].area * value[facet->point];
+    }
+  }
+  PetscCall(MpmParticlesRestoreField(particles, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The gap at which a patch touches when the run starts: that of an overlap, or of rounding; and, where an unknown surface cut the
+  lattice, any one that is less than a facet's size.
+*/
+static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, const MpmPairPatch *patch)
+{
+  const PetscReal size = contacts->facet[contacts->list[patch->side[0].begin]].size;
+  PetscReal       within;
+  PetscBool       cut = PETSC_TRUE;
+
+  if (contacts->pairs->at[patch->pair]
+        .barrier) /* needs a gap: half of its reach, where it bears, or all, where its energy would be set free */
+    return PetscMin(patch->gap - (contacts->dynamic ? 1. : 0.5) * MPM_BARRIER * contacts->cell, 0.);
+  for (PetscInt a = 0; a < dim; a++)
+    if (PetscAbsReal(patch->normal[a]) > 1. - ALIGNED) cut = PETSC_FALSE;
+  FOR_SIDES(patch, f, s) if (contacts->facet[contacts->list[f]].placed) cut = PETSC_FALSE;
+  within = cut ? size : MPM_TOLERANCE * contacts->cell;
+  return patch->gap < within ? patch->gap : 0.;
+}
+
+/* What lets water through as the step starts, of the pair's contacts that do. */
+static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPairPatch *patch)
+{
+  const MpmPair  *pair     = &contacts->pairs->at[patch->pair];
+  const PetscReal reach    = pair->barrier ? MPM_BARRIER : CLOSED;
+  PetscReal       mobility = PETSC_INFINITY;
+
+  patch->through = 0.;
+  if (!pair->open || patch->gap - patch->touches > reach * contacts->cell) return;
+  FOR_SIDES(patch, f, s)
+  {
+    const MpmMaterial       *material = &sum->materials[contacts->facet[contacts->list[f]].material];
+    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
+
+    /* over a length of nothing: what a step of a second lets through */
+    mobility =
+      PetscMin(mobility, PetscAbsReal(sum->layout->ghost(&of, material->physics_parameter, 1., 1e-9 * contacts->cell)));
+  }
+  patch->through = PASSES * mobility / contacts->cell;
+}
+
+PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
+{
+  MpmPairContacts *contacts = (MpmPairContacts *)ctx;
+  const PetscInt   dim      = step->sum->space->dim;
+  PetscReal       *mean;
+
+  PetscFunctionBeginUser;
+  contacts->give = 1.;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(contacts->patch_count, &mean));
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    const MpmPair *pair = &contacts->pairs->at[p];
+
+    PetscCall(LoadField(contacts, p, pair->gap_field, dim, step->particles, mean));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmPairPatch *patch = &contacts->patch[k];
+
+      if (patch->pair != p) continue;
+      patch->touches = contacts->starts ? TouchesAtStart(dim, contacts, patch) : mean[k];
+      if (step->rules->put_back) patch->touches = mean[k] < 0.5 * UNKNOWN ? patch->gap - mean[k] : 0.;
+    }
+    if (pair->augmented) PetscCall(LoadField(contacts, p, pair->pressure_field, dim, step->particles, mean));
+    for (PetscInt k = 0; pair->augmented && k < contacts->patch_count; k++)
+      if (contacts->patch[k].pair == p) contacts->patch[k].shift = mean[k] / contacts->patch[k].stiffness;
+    for (PetscInt a = 0; pair->tangential && a < dim; a++) {
+      PetscCall(LoadField(contacts, p, pair->slip_field[a], dim, step->particles, mean));
+      for (PetscInt k = 0; k < contacts->patch_count; k++)
+        if (contacts->patch[k].pair == p) contacts->patch[k].slip[a] = mean[k];
+    }
+  }
+  PetscCall(PetscFree(mean));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPairPatch *patch = &contacts->patch[k];
+    PetscReal     dot   = 0.;
+
+    OpenPatch(contacts, step->sum, patch);
+    for (PetscInt a = 0; a < dim; a++) dot += patch->slip[a] * patch->normal[a];
+    for (PetscInt a = 0; a < dim; a++) patch->slip[a] -= dot * patch->normal[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM],
+                                  MpmParticles          *particles)
+{
+  PetscInt points;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &points));
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    const MpmPair *pair = &contacts->pairs->at[p];
+
+    for (PetscInt a = 0; a < MPM_MAX_DIM + 2; a++) { /* the slip, the gap, the pressure */
+      const char *const names[] = {pair->slip_field[0], pair->slip_field[1], pair->slip_field[2], pair->gap_field,
+                                   pair->pressure_field};
+      const char *const name    = names[a];
+      PetscReal        *value;
+
+      if (!name) continue;
+      PetscCall(MpmParticlesGetField(particles, name, &value));
+      if (a != MPM_MAX_DIM) PetscCall(MpmPointsClear(points, value));
+      for (PetscInt k = 0; k < contacts->patch_count; k++) {
+        const MpmPairPatch *patch = &contacts->patch[k];
+        const PetscReal kept[] = {slip[k][0], slip[k][1], slip[k][2], patch->touches, patch->shift * patch->stiffness};
+
+        for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
+          value[contacts->facet[contacts->list[f]].point] = kept[a];
+      }
+      PetscCall(MpmParticlesRestoreField(particles, &value));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
+    PetscReal *value;
+
+    PetscCall(MpmParticlesGetField(particles, contacts->pairs->at[p].gap_field, &value));
+    for (PetscInt k = 0; k < points; k++) value[k] = UNKNOWN;
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPairPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
+        value[contacts->facet[contacts->list[f]].point] = patch->gap - patch->touches - patch->closed;
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &value));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

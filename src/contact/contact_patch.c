@@ -1,0 +1,301 @@
+/*
+  One patch at a rigid surface: its gap and slip, and its tractions (contact_law.c), as rigid_contact.c has them.
+*/
+#include "space/space.h"
+#include "space/sum.h"
+#include "contact/contact.h"
+#include "contact/contact_law.h"
+#include "contact/rigid_body.h"
+
+PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(contacts->most, &work->value, contacts->most, &work->surface, contacts->most, &work->beyond));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree3(work->value, work->surface, work->beyond));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmFacetValue(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], const PetscReal u[],
+                   PetscReal value[])
+{
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) value[a] = 0.;
+  for (PetscInt i = 0; i < box->node_count; i++)
+    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+      value[a] += weight[i] * u[nodes[i] * sum->block + a];
+}
+
+void MpmPatchValue(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch, PetscInt facet,
+                   const PetscReal u[], PetscReal value[])
+{
+  MpmFacetValue(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, facet), u, value);
+}
+
+void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal weight[], PetscReal factor,
+                      const PetscReal force[], PetscReal y[])
+{
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
+
+  for (PetscInt i = 0; i < box->node_count; i++)
+    for (PetscInt a = 0; weight[i] != 0. && a < sum->space->dim; a++)
+      y[nodes[i] * sum->block + a] += factor * weight[i] * force[a];
+}
+
+/*
+  k'/k of what may slide; less than 1 for the sake of Newton's method. What rolls leaves its slip behind with the places that part: it
+  creeps by as much as they give.
+*/
+#define SLIDING 0.1
+#define EQUAL   1.
+
+PetscReal MpmPatchAlong(const MpmContacts *contacts, const MpmPatch *patch)
+{
+  return (patch->round || patch->direct ? EQUAL : SLIDING) / MpmContactsGiving(contacts, patch->boundary);
+}
+
+/* The traction of a patch that is held and glides: no more than its pressure changes it. */
+static void Glide(const MpmBoundary *boundary, const MpmPatch *patch, PetscReal pressure, MpmPatchAnswer *answer)
+{
+  answer->slides = PETSC_TRUE;
+  for (PetscInt a = 0; a < boundary->dim; a++) {
+    answer->traction[a] = (boundary->friction * pressure + boundary->adhesion) * patch->way[a];
+    answer->by_gap[a]   = -patch->stiffness * boundary->friction * patch->way[a];
+  }
+}
+
+/* The traction along the surface that goes with the mean slip, and its derivatives. */
+static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
+{
+  const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
+  const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
+  const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
+  const MpmContactLaw law      = {.stiffness = patch->stiffness,
+                                  .along     = MpmPatchAlong(contacts, patch),
+                                  .friction  = boundary->friction,
+                                  .adhesion  = adhesion,
+                                  .strength  = strength,
+                                  .stick     = boundary->stick,
+                                  .parts     = (PetscBool)((!boundary->bilateral || patch->broken) && !patch->held),
+                                  .secant    = contacts->newton.secant,
+                                  .least     = contacts->newton.least};
+  const PetscReal     pressure = -patch->stiffness * answer->gap;
+  MpmContactFriction  friction;
+
+  if (patch->held && patch->glides) {
+    Glide(boundary, patch, pressure, answer);
+    return;
+  }
+  answer->slides = MpmContactSlide(&law, boundary->dim, pressure, answer->slip, &friction);
+  for (PetscInt a = 0; a < boundary->dim; a++) {
+    answer->traction[a] = friction.traction[a];
+    answer->by_gap[a]   = -patch->stiffness * friction.by_pressure[a];
+    for (PetscInt c = 0; c < boundary->dim; c++) answer->by_slip[a][c] = friction.by_slip[a][c];
+  }
+}
+
+/* Takes the displacement of a boundary's own place off that of the material there. */
+static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, const PetscReal place[],
+                     const PetscReal value[], PetscReal relative[])
+{
+  PetscReal carried[MPM_MAX_DIM];
+
+  if (before->turned || after->turned) {
+    MpmPoseCarry(dim, before, after, place, carried);
+    for (PetscInt a = 0; a < dim; a++) relative[a] = value[a] - (carried[a] - place[a]);
+  } else {
+    for (PetscInt a = 0; a < dim; a++) relative[a] = value[a] - (after->translation[a] - before->translation[a]);
+  }
+}
+
+/* How far a facet is beyond what a patch may tilt. */
+static PetscReal Beyond(const MpmContacts *contacts, PetscBool holds, PetscReal gap)
+{
+  if (gap < -contacts->tilt) return gap + contacts->tilt;
+  return holds && gap > contacts->tilt ? gap - contacts->tilt : 0.;
+}
+
+/*
+  Distances at the step's end. A flat face stays the one that a facet met at the step's start, as a plane that moves with the
+  boundary: another one may be nearer to Newton's iterates, which fall deep into it, and to what is squeezed out under an edge.
+*/
+static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
+  const PetscInt     dim = boundary->dim;
+
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet           = &contacts->facet[f];
+    MpmSurface     *surface         = &work->surface[f - patch->begin];
+    PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, foot[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
+    if (!facet->side) {
+      MpmBoundaryDistance(boundary, after, at, surface);
+      continue;
+    }
+    *surface = (MpmSurface){.distance = 0.};
+    for (PetscInt a = 0; a < dim; a++) foot[a] = facet->place[a] - facet->distance * facet->normal[a];
+    MpmPoseCarry(dim, before, after, foot, foot);
+    MpmPoseTurn(dim, before, after, facet->normal, surface->normal);
+    for (PetscInt a = 0; a < dim; a++) surface->distance += (at[a] - foot[a]) * surface->normal[a];
+  }
+}
+
+/* The slip at work->value: the mean of the facets. */
+static void Slip(const MpmContacts *contacts, const MpmPatch *patch, PetscInt dim, const MpmPatchWork *work,
+                 PetscReal slip[])
+{
+  for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet = &contacts->facet[f];
+    PetscReal       way[MPM_MAX_DIM];
+
+    Relative(&contacts->before[patch->boundary], &contacts->after[patch->boundary], dim, facet->place,
+             work->value[f - patch->begin], way);
+    MpmContactAcross(dim, facet->normal, way);
+    for (PetscInt a = 0; a < dim; a++) slip[a] += facet->area / patch->area * (facet->slip[a] + way[a]);
+  }
+}
+
+void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const PetscInt     dim      = boundary->dim;
+
+  const PetscBool holds = (PetscBool)(boundary->bilateral && !patch->broken);
+
+  *answer = (MpmPatchAnswer){.active = holds};
+  Distances(contacts, patch, work);
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet   = &contacts->facet[f];
+    MpmSurface     *surface = &work->surface[f - patch->begin];
+    const PetscReal share   = facet->area / patch->area;
+    PetscReal      *value   = work->value[f - patch->begin], at[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
+    /* what rounding took from the place counts where a body's balance depends on its depth */
+    for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
+      surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
+    work->beyond[f - patch->begin] = Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
+    if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
+    answer->gap += share * (surface->distance - facet->touches - facet->turn);
+  }
+  answer->gap -= patch->shift;
+  if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
+  if (!answer->active) {
+    answer->gap = 0.;
+    return;
+  }
+  answer->any       = PETSC_TRUE;
+  answer->stiffness = patch->stiffness;
+  if (!boundary->tangential) return;
+  Slip(contacts, patch, dim, work, answer->slip);
+  Friction(contacts, patch, answer);
+}
+
+/* The facets' displacements. */
+static void Values(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                   MpmPatchWork *work)
+{
+  for (PetscInt f = patch->begin; f < patch->end; f++)
+    MpmPatchValue(contacts, sum, patch, f, u, work->value[f - patch->begin]);
+}
+
+void MpmPatchEvaluateAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                        MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  Values(contacts, patch, sum, u, work);
+  MpmPatchEvaluate(contacts, patch, work, answer);
+}
+
+void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                      MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  const PetscInt dim    = sum->space->dim;
+  PetscReal      square = 0., most = 0.;
+
+  if (!answer->active || !contacts->boundaries[patch->boundary].tangential) return;
+  for (PetscInt a = 0; a < dim; a++) most += PetscSqr(answer->slip[a]);
+  Values(contacts, patch, sum, u, work);
+  Slip(contacts, patch, dim, work, answer->slip);
+  for (PetscInt a = 0; a < dim; a++) square += PetscSqr(answer->slip[a]);
+  if (!answer->slides || square <= most) return;
+  for (PetscInt a = 0; a < dim; a++) answer->slip[a] *= PetscSqrtReal(most / square);
+}
+
+void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                   const MpmPatchAnswer *answer, PetscReal force[])
+{
+  const MpmFacet *facet  = &contacts->facet[f];
+  const PetscReal normal = answer->stiffness * answer->gap + patch->stiffness * work->beyond[f - patch->begin];
+  const PetscInt  dim    = contacts->boundaries[patch->boundary].dim;
+
+  for (PetscInt a = 0; a < dim; a++) force[a] = answer->traction[a];
+  MpmContactAcross(dim, facet->normal, force);
+  for (PetscInt a = 0; a < dim; a++)
+    force[a] = -facet->area * (force[a] + normal * work->surface[f - patch->begin].normal[a]);
+}
+
+PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
+                            const MpmPatchAnswer *answer, PetscInt c, PetscInt d)
+{
+  const MpmSurface *surface = &work->surface[f - patch->begin];
+  const PetscReal   beyond  = work->beyond[f - patch->begin];
+  PetscReal         value   = (answer->stiffness * answer->gap + patch->stiffness * beyond) * surface->second[c][d];
+
+  if (beyond != 0.) value += patch->stiffness * surface->normal[c] * surface->normal[d];
+  return contacts->facet[f].area * value;
+}
+
+/*
+  Contact in explicit steps: a penalty stays stable only while it cannot throw back what it stops.
+
+  A patch sees the mean displacement of its facets, sum_i w_i u_i, behind which is the mass 1/sum_i w_i^2/m_i. With the force k A g at
+  the gap g that the step would end with, k A <= m/dt^2 brings it to zero at most. Each node of a surface is shared by 2^(dim - 1)
+  patches, whose forces add up: each gets its part. Facets on round surfaces are patches by themselves, many in a cell, with a cell's area
+  together.
+*/
+
+/* The inverse of the mass that the patch moves, 1/kg; nodes without mass do not count. */
+static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch,
+                             const PetscReal mass[])
+{
+  const MpmGroup *box   = &sum->space->groups[patch->box];
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
+  PetscReal       total = 0.;
+
+  for (PetscInt i = 0; i < box->node_count; i++) {
+    PetscReal w = 0.;
+
+    if (nodes[i] < 0) continue;
+    for (PetscInt f = patch->begin; f < patch->end; f++)
+      w += contacts->facet[f].area / patch->area * MpmFacetWeights(contacts, f)[i];
+    if (w != 0. && mass[nodes[i]] > 0.) total += w * w / mass[nodes[i]];
+  }
+  return total;
+}
+
+void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
+{
+  const PetscReal share = sum->space->dim == 2 ? 0.5 : 0.25;
+
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPatch       *patch   = &contacts->patch[k];
+    const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
+    const PetscReal area    = patch->round || contacts->facet[patch->begin].single
+                                ? PetscPowRealInt(contacts->cell, sum->space->dim - 1)
+                                : patch->area;
+
+    if (!(area > 0.) || !(inverse > 0.)) continue;
+    patch->direct    = PETSC_TRUE;
+    patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
+  }
+}

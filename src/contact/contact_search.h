@@ -1,0 +1,46 @@
+#pragma once
+/*
+  Boxes around the points whose faces bound the material: asked before any facet is made, whether contact may be near at all
+  (contact_search.c).
+*/
+#include "contact/contact.h"
+
+/*
+  Around points with an outer face, at least: where they are, m, and a square, m2, which that of no half edge |F e_a| l_a of a domain is
+  above: the largest l_a^2 times |F|^2 = sum_ab F_ab^2. None: lower is above upper.
+*/
+typedef struct {
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], square;
+} MpmFaceBox;
+
+/* Boxes of points that stand side by side in storage, once one of them is asked for, and the one around them all. */
+struct MpmFaceBoxes {
+  PetscBool     made;
+  PetscInt      count, capacity;
+  MpmFaceBox   *box, all;
+  PetscBool    *far; /* of the boundary that was asked for last */
+  PetscLogEvent search;
+};
+
+/* Boxes by part that hold all points with outer faces. */
+void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[]);
+
+PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes);
+/* A step's points are these; nothing is done where all boundaries are bilateral. */
+PetscErrorCode MpmFaceBoxesBegin(MpmContacts *contacts, const MpmPoints *points);
+PetscErrorCode MpmFaceBoxesDestroy(MpmFaceBoxes **boxes);
+/* Are all points too far from a boundary that is not bilateral? If not, MpmFaceBoxIsFar() tells of which this is known. */
+PetscErrorCode MpmFaceBoxesFind(const MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid,
+                                const MpmPoints *points, PetscBool *far);
+PetscBool      MpmFaceBoxIsFar(const MpmContacts *contacts, PetscInt boundary, PetscInt p);
+
+/*
+  How far from a place a boundary is looked for, m: what the material and the surface may come nearer in the step. And is all of a
+  point's domain farther from it than this margin, and what of a round region lies before its faces, less than a length of the domain?
+*/
+PetscReal MpmContactsMargin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt boundary, const PetscReal x[]);
+PetscBool MpmContactsIsFar(const MpmContacts *contacts, PetscInt boundary, PetscReal margin, const MpmPoints *points,
+                           PetscInt p);
+
+/* Counted in -log_view as MpmContactSearch: a look at faces, which boxes could not spare. */
+PetscErrorCode MpmContactSearchRegister(PetscLogEvent *event);

@@ -1,0 +1,153 @@
+/*
+  What patches do from one of Newton's iterates to the next.
+
+  The first iterate is extrapolated from the last step. It leaves the surface by more than the depth of a stiff contact, where facets have
+  come into other patches, and where a die that came down starts to go sideways, or a roller to turn: Newton's method would start with
+  a part of the contact only, and what is free springs back, deep into the surface. So what touched at the step's start, and does not at
+  the first iterate, is held for the first iteration, and is pulled back where it has gone. It goes on to slide where this
+  step's slip is far beyond what its pressure at the start can hold, and sticks elsewhere.
+
+  With care, while patches go on to touch, part, stick, slide or turn round from one iterate to the next, the derivative of what slides is its secant
+  (contact_law.c). When nothing has changed in an iteration, it is the exact one.
+*/
+#include "grid/grid.h"
+#include "space/sum.h"
+#include "contact/contact.h"
+#include "contact/contact_law.h"
+#include "contact/rigid_body.h"
+
+#define TURNED 0.5 /* cosine of the angle by which what slides has turned */
+#define RESTED 0.5 /* of the slip that slides now: what was less did not slide */
+#define FAR    2.  /* times what friction holds at the step's start: a slip that is far beyond it */
+
+/* What a patch does at u. */
+static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                             MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
+  else MpmPatchEvaluateAt(contacts, patch, sum, u, work, answer);
+  if (!answer->active) return MPM_PATCH_OPEN;
+  return answer->slides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
+}
+
+/* Its gap at the step's start, by where its facets stand there. */
+static PetscReal StartGap(const MpmContacts *contacts, const MpmPatch *patch)
+{
+  PetscReal gap = -patch->shift;
+
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet = &contacts->facet[f];
+    MpmSurface      surface;
+
+    MpmContactsDistance(contacts, patch->boundary, facet->place, &surface);
+    gap += facet->area / patch->area * ((facet->side ? facet->distance : surface.distance) - facet->touches);
+  }
+  return gap;
+}
+
+/* Does it slide another way than the slip that is kept of the last step, or from rest? */
+static PetscBool Turned(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer)
+{
+  PetscReal slip[MPM_MAX_DIM] = {0., 0., 0.}, along = 0., square = 0., before = 0.;
+
+  for (PetscInt f = patch->begin; f < patch->end; f++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+      slip[a] += contacts->facet[f].area / patch->area * contacts->facet[f].slip[a];
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    along += slip[a] * answer->slip[a];
+    square += PetscSqr(answer->slip[a]);
+    before += PetscSqr(slip[a]);
+  }
+  return (PetscBool)(along < TURNED * PetscSqrtReal(square * before) || before < PetscSqr(RESTED) * square);
+}
+
+/* Is a patch that is open at u to be held, and does it glide? */
+static void Hold(const MpmContacts *contacts, MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                 MpmPatchWork *work)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const PetscReal    gap      = StartGap(contacts, patch);
+  const PetscReal    limit    = patch->stiffness * boundary->friction * PetscMax(-gap, 0.) + boundary->adhesion;
+  PetscReal          size     = 0.;
+  MpmPatchAnswer     answer;
+
+  if (MpmContactsBody(contacts, patch->boundary) || gap > contacts->touch) return;
+  patch->held = PETSC_TRUE;
+  if (!boundary->tangential || boundary->stick) return;
+  (void)StateOf(contacts, patch, sum, u, work, &answer); /* sticks: the whole slip */
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) size += PetscSqr(answer.slip[a]);
+  size          = PetscSqrtReal(size);
+  patch->glides = (PetscBool)(MpmPatchAlong(contacts, patch) * patch->stiffness * size > FAR * limit);
+  for (PetscInt a = 0; patch->glides && a < MPM_MAX_DIM; a++) patch->way[a] = answer.slip[a] / size;
+}
+
+PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool careful)
+{
+  MpmPatchWork work;
+
+  PetscFunctionBeginUser;
+  MpmContactsEnd(contacts);
+  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->newton.careful = careful;
+  contacts->newton.least   = MPM_CONTACT_LEAST;
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPatch      *patch = &contacts->patch[k];
+    MpmPatchAnswer answer;
+
+    patch->state = StateOf(contacts, patch, sum, u, &work, &answer);
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
+    if (patch->state == MPM_PATCH_OPEN) Hold(contacts, patch, sum, u, &work);
+    if (patch->held) contacts->newton.holds = PETSC_TRUE;
+    if (careful && (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer))))
+      contacts->newton.secant = PETSC_TRUE;
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->newton.holds, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->newton.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[])
+{
+  PetscBool    changed = PETSC_FALSE;
+  MpmPatchWork work;
+
+  PetscFunctionBeginUser;
+  if (!contacts->newton.careful && !contacts->newton.holds) PetscFunctionReturn(PETSC_SUCCESS);
+  contacts->newton.holds = PETSC_FALSE;
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPatch           *patch = &contacts->patch[k];
+    const MpmPatchState held  = patch->glides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
+    const MpmPatchState last  = patch->held ? held : patch->state;
+    PetscReal           along = 0.;
+    MpmPatchAnswer      answer;
+
+    patch->held = patch->glides = PETSC_FALSE;
+    patch->state                = StateOf(contacts, patch, sum, u, &work, &answer);
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along += answer.traction[a] * patch->traction[a];
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
+    if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) changed = PETSC_TRUE;
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  changed = (PetscBool)(changed && contacts->newton.careful);
+  PetscCall(MPIU_Allreduce(&changed, &contacts->newton.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmContactsGive(MpmContacts *contacts, PetscReal give)
+{
+  for (PetscInt k = 0; k < contacts->facet_count; k++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->boundaries[contacts->facet[k].boundary].stick; a++)
+      contacts->facet[k].slip[a] *= give / contacts->newton.give;
+  contacts->newton.give = give;
+}
+
+void MpmContactsEnd(MpmContacts *contacts)
+{
+  contacts->newton.careful = contacts->newton.secant = contacts->newton.holds = PETSC_FALSE;
+  contacts->newton.least                                                      = 0.;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    contacts->patch[k].held = contacts->patch[k].glides = PETSC_FALSE;
+}

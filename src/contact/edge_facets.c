@@ -1,0 +1,88 @@
+/*
+  Faces of the material near edges of boundaries with flat faces.
+
+  Under the edge of a footing pressure is singular; there contact ends, or goes on at the footing's side over a part of a cell. Both are too
+  much for a mean gap over a cell: under n cells it leaves one of the n + 1 nodes free, which then enters the footing, and at the
+  side it touches as a whole or not at all, as half of the cell's faces are far off. So a facet with an edge no farther than a
+  cell is a patch by itself.
+
+  As a whole a face would go from the base to the side when its middle passes the edge, with a jump in force, and the width that
+  bears would be known to half a face only. So a face that meets an edge is cut into slices, a facet each.
+
+  Not so where a boundary is bilateral, which holds the faces that touched at the start, or cut the lattice of points, whose faces are steps.
+*/
+#include "geometry/geometry.h"
+#include "contact/contact.h"
+
+#define SHARP 0.9  /* cosine between the normals on both sides of an edge, at most */
+#define OFF   1e-6 /* of a cell: so far from the surface, a place on a face's plane is beyond its edge */
+#define BENT \
+  0.1 /* of the way from a face's middle to its corner: so far off a plane's the distance there shows an edge */
+
+/* Does the surface end, or bend, no farther than a cell of sizes h from a facet, along its plane? */
+static PetscBool EdgeIsNear(const MpmContacts *contacts, const PetscReal h[], const MpmFacet *facet,
+                            const MpmSurface *surface)
+{
+  const PetscInt dim = contacts->boundaries[facet->boundary].dim;
+
+  for (PetscInt k = 0; k < 2 * dim; k++) {
+    const PetscReal way             = k % 2 ? h[k / 2] : -h[k / 2];
+    const PetscReal off             = surface->distance + way * surface->normal[k / 2];
+    PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, cosine = 0.;
+    MpmSurface      there;
+
+    for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + (a == k / 2 ? way : 0.) - off * surface->normal[a];
+    MpmContactsDistance(contacts, facet->boundary, at, &there);
+    for (PetscInt a = 0; a < dim; a++) cosine += there.normal[a] * surface->normal[a];
+    if (PetscAbsReal(there.distance) > OFF * contacts->cell && cosine < SHARP) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* From the face's middle to its place with coordinates s and t from -1 to 1 along its sides. */
+static void AlongFace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], PetscReal s, PetscReal t, PetscReal way[])
+{
+  for (PetscInt a = 0; a < dim; a++) way[a] = s * sides[0][a] + (dim > 2 ? t * sides[1][a] : 0.);
+}
+
+/* Are the distances at the face's corners not those from a plane? */
+static PetscBool MeetsEdge(const MpmContacts *contacts, PetscReal (*sides)[MPM_MAX_DIM], const MpmFacet *facet)
+{
+  const PetscInt dim = contacts->boundaries[facet->boundary].dim;
+  MpmSurface     middle, corner;
+
+  MpmContactsDistance(contacts, facet->boundary, facet->place, &middle);
+  for (PetscInt k = 0; k < PetscPowInt(2, dim - 1); k++) {
+    PetscReal at[MPM_MAX_DIM] = {0., 0., 0.}, flat = middle.distance, square = 0.;
+
+    AlongFace(dim, sides, k % 2 ? 1. : -1., k / 2 ? 1. : -1., at);
+    for (PetscInt a = 0; a < dim; a++) {
+      flat += middle.normal[a] * at[a];
+      square += PetscSqr(at[a]);
+      at[a] += facet->place[a];
+    }
+    MpmContactsDistance(contacts, facet->boundary, at, &corner);
+    if (PetscAbsReal(corner.distance - flat) > BENT * PetscSqrtReal(square)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],
+                           const MpmSurface *surface, MpmFacet *facet)
+{
+  const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
+
+  if (!MpmSolidHasFaces(&boundary->solid) || boundary->bilateral || contacts->cut[facet->boundary]) return 0;
+  facet->single = EdgeIsNear(contacts, h, facet, surface);
+  return facet->single && MeetsEdge(contacts, sides, facet) ? PetscPowInt(MPM_SLICES, boundary->dim - 1) : 0;
+}
+
+void MpmContactsSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice)
+{
+  const PetscInt k = slice->slice - 1;
+  PetscReal      way[MPM_MAX_DIM];
+
+  AlongFace(dim, sides, (PetscReal)(2 * (k % MPM_SLICES) + 1) / MPM_SLICES - 1.,
+            (PetscReal)(2 * (k / MPM_SLICES) + 1) / MPM_SLICES - 1., way);
+  for (PetscInt a = 0; a < dim; a++) slice->place[a] += way[a];
+}

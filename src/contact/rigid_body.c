@@ -1,0 +1,743 @@
+/*
+  Rigid bodies that are pushed: boundaries with unknowns of their own, solved for with the grid's.
+
+  A free body appends two extra nodes to the step's space: its translation, and its rotation times its size, so that all
+  unknowns are lengths and all residuals forces. What its contacts do to nodes and body, and the derivatives, is in
+  rigid_motion.c; here it is summed. A patch of its contacts is that of rigid_contact.c, seen from the body. Its equations say that the forces of the contacts and what pushes the body are in
+  balance. Components that nothing resists (the rotation of a smooth disc) have no stiffness: the matrix, not the
+  residual, has LIFT times that of a node on the bodies' diagonal, which keeps them where they are.
+*/
+#include "geometry/geometry.h"
+#include "point/material.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
+
+#include <math.h>
+
+#define LIFT 1e-6 /* of a node's stiffness */
+
+PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements)
+{
+  PetscBool any = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || contacts->boundaries[b].freedom);
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(contacts->boundary_count, &contacts->bodies));
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    contacts->bodies[b].freedom   = contacts->boundaries[b].freedom;
+    contacts->bodies[b].placement = &placements[b];
+    contacts->bodies[b].dim       = contacts->boundaries[b].dim;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- before the step ---- */
+
+/* Two nodes a body. */
+static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
+{
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  (void)rules;
+  (void)points;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++)
+    if (contacts->bodies[b].freedom)
+      PetscCall(MpmSpaceAppendNodes(space, 2, contacts->bodies[b].freedom->free, &contacts->bodies[b].extra));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[])
+{
+  contacts->adrift = -1;
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    MpmRigidBody      *body     = &contacts->bodies[b];
+    const MpmBoundary *boundary = &contacts->boundaries[b];
+
+    if (!body->freedom) continue;
+    const PetscReal factor = MpmRampEvaluate(body->freedom->ramp, time);
+
+    MpmRigidRotation(body->placement->turn, body->Q);
+    MpmBoundaryReference(boundary, &contacts->before[b], body->pivot);
+    MpmBoundaryReference(boundary, &contacts->after[b], body->travel);
+    for (PetscInt a = 0; a < 3; a++) {
+      body->travel[a] -= body->pivot[a];
+      body->load[a]   = factor * body->freedom->load[a] + body->freedom->mass * gravity[a];
+      body->moment[a] = factor * body->freedom->moment[a];
+    }
+    body->spins = 0;
+    body->dt    = body->freedom->mass > 0. ? dt : 0.;
+    for (PetscInt k = 0; k < 6; k++)
+      body->guess[k] = body->dt * (body->placement->velocity[k] + 0.5 * body->dt * body->placement->acceleration[k]);
+  }
+}
+
+/* ---- inertia ---- */
+
+void MpmRigidToNodes(const MpmContacts *contacts, PetscReal mass[], PetscReal velocity[], PetscReal acceleration[])
+{
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+    const PetscInt      dim  = body->dim;
+
+    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
+    mass[body->node]     = body->freedom->mass;
+    mass[body->node + 1] = body->freedom->inertia / PetscSqr(body->freedom->size);
+    for (PetscInt n = 0; n < 2; n++) {
+      for (PetscInt a = 0; a < dim; a++) {
+        velocity[(body->node + n) * dim + a]     = body->placement->velocity[3 * n + a];
+        acceleration[(body->node + n) * dim + a] = body->placement->acceleration[3 * n + a];
+      }
+    }
+  }
+}
+
+/* Six numbers of a body from its two nodes; what is not free stays 0. */
+static void FromNodes(const MpmRigidBody *body, const PetscReal nodal[], PetscReal values[])
+{
+  for (PetscInt n = 0; n < 2; n++)
+    for (PetscInt a = 0; a < body->dim; a++)
+      values[3 * n + a] = body->freedom->free[n] >> a & 1 ? nodal[(body->node + n) * body->dim + a] : 0.;
+}
+
+void MpmRigidFromNodes(MpmContacts *contacts, const PetscReal velocity[], const PetscReal acceleration[])
+{
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+
+    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
+    if (velocity) FromNodes(body, velocity, body->placement->velocity);
+    if (acceleration) FromNodes(body, acceleration, body->placement->acceleration);
+  }
+}
+
+void MpmRigidRest(MpmContacts *contacts)
+{
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    MpmPlacement *placement = contacts->bodies[b].placement;
+
+    if (!placement) continue;
+    for (PetscInt k = 0; k < 6; k++) placement->velocity[k] = placement->acceleration[k] = 0.;
+  }
+}
+
+void MpmRigidStart(PetscInt count, const MpmBoundary boundaries[], MpmPlacement placements[])
+{
+  for (PetscInt b = 0; b < count; b++) {
+    placements[b].turn[0] = 1.;
+    for (PetscInt a = 0; boundaries[b].freedom && a < boundaries[b].dim; a++)
+      placements[b].velocity[a] = boundaries[b].freedom->velocity[a];
+  }
+}
+
+PetscReal MpmRigidKinetic(PetscInt count, const MpmBoundary boundaries[], const MpmPlacement placements[])
+{
+  PetscReal kinetic = 0.;
+
+  for (PetscInt b = 0; b < count; b++) {
+    const MpmFreedom *freedom = boundaries[b].freedom;
+
+    if (!freedom || !(freedom->mass > 0.)) continue;
+    for (PetscInt k = 0; k < 6; k++)
+      kinetic += 0.5 * (k < 3 ? freedom->mass : freedom->inertia / PetscSqr(freedom->size)) *
+                 PetscSqr(placements[b].velocity[k]);
+  }
+  return kinetic;
+}
+
+const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt b)
+{
+  return contacts->bodies && contacts->bodies[b].freedom ? &contacts->bodies[b] : NULL;
+}
+
+/* The body's equations meet those of the nodes that its contacts touch. */
+static PetscErrorCode Link(void *ctx, MpmSpace *space)
+{
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    contacts->bodies[b].node = space->extra.begin + contacts->bodies[b].extra;
+    if (contacts->bodies[b].freedom) PetscCall(MpmSpaceLink(space, -1, contacts->bodies[b].extra, 2));
+  }
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch     *patch = &contacts->patch[k];
+    const MpmRigidBody *body  = MpmContactsBody(contacts, patch->boundary);
+
+    if (body) PetscCall(MpmSpaceLink(space, patch->box, body->extra, 2));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- sums ---- */
+
+/* The unknowns' number of a body at its second node. */
+static PetscInt Components(const MpmRigidBody *body, PetscInt node)
+{
+  return node && body->dim == 2 ? 1 : body->dim;
+}
+
+/* N/m: what a body's component without any other stiffness gets. */
+static PetscReal Lift(const MpmContacts *contacts, const MpmSum *sum)
+{
+  PetscReal modulus = 0.;
+
+  for (PetscInt m = 0; m < contacts->material_count; m++) modulus = PetscMax(modulus, sum->materials[m].penalty);
+  return LIFT * modulus * PetscPowRealInt(contacts->cell, sum->space->dim - 2);
+}
+
+/* Does this rank own the bodies' nodes? */
+static PetscBool Owns(const MpmSpace *space)
+{
+  return (PetscBool)(space->extra.begin < space->owned);
+}
+
+PetscErrorCode MpmRigidWorkCreate(const MpmContacts *contacts, const MpmSum *sum, MpmRigidWork *work)
+{
+  PetscInt most = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; sum && k < contacts->patch_count; k++)
+    most = PetscMax(most, sum->space->groups[contacts->patch[k].box].node_count);
+  PetscCall(MpmPatchWorkCreate(contacts, &work->law));
+  PetscCall(PetscMalloc3(contacts->most, &work->u, (12 * (most + 2)), &work->left, (12 * (most + 2)), &work->right));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRigidWorkDestroy(MpmRigidWork *work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmPatchWorkDestroy(&work->law));
+  PetscCall(PetscFree3(work->u, work->left, work->right));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmRigidPatch(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, MpmRigidWork *work)
+{
+  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+
+  for (PetscInt f = patch->begin; f < patch->end; f++)
+    MpmRigidSee(body, &contacts->facet[f], q, work->u[f - patch->begin], work->law.value[f - patch->begin]);
+  MpmPatchEvaluate(contacts, patch, &work->law, &work->answer);
+}
+
+void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmRigidIncrement *q,
+                   const MpmRigidWork *work, PetscBool derivative, MpmRigidAnswer *coupled)
+{
+  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+  MpmFacetLaw         law  = {.force = {0.}};
+
+  MpmFacetForce(contacts, patch, f, &work->law, &work->answer, law.force);
+  for (PetscInt c = 0; derivative && c < body->dim; c++)
+    for (PetscInt d = 0; d < body->dim; d++)
+      law.stiffness[c][d] = MpmFacetStiffness(contacts, patch, f, &work->law, &work->answer, c, d);
+  MpmRigidTurn(body, q, &law);
+  MpmRigidCouple(body, &contacts->facet[f], q, work->u[f - patch->begin], &law, derivative, coupled);
+}
+
+/* A body at an increment, and its axes. */
+typedef struct {
+  const MpmRigidBody      *body;
+  const MpmRigidIncrement *q;
+  PetscReal                A[3][3];
+  PetscBool                rows; /* as what is balanced */
+} Frame;
+
+/* Adds `share` of a covector, in the body's frame, of a facet at the arm y: to its nodes and to the body. */
+static void AddCovector(const Frame *frame, const PetscReal y[3], const PetscReal covector[3], PetscReal share,
+                        const PetscReal weight[], PetscInt n, PetscReal vector[])
+{
+  PetscReal c[3], by[2][3];
+
+  for (PetscInt a = 0; a < 3; a++)
+    c[a] = frame->A[a][0] * covector[0] + frame->A[a][1] * covector[1] + frame->A[a][2] * covector[2];
+  MpmRigidCovector(frame->body, frame->q, y, c, frame->rows, by);
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt a = 0; weight[i] != 0. && a < frame->body->dim; a++) vector[3 * i + a] += share * weight[i] * c[a];
+  for (PetscInt k = 0; k < 6; k++) vector[3 * n + k] += share * by[k / 3][k % 3];
+}
+
+/* The covectors of a patch's mean gap and of its mean slips, each of 3 (n + 2) numbers. */
+static void FillCovectors(const MpmContacts *contacts, const MpmPatch *patch, const Frame *frame, PetscInt n,
+                          const MpmRigidWork *work, PetscReal vector[])
+{
+  const PetscInt dim = frame->body->dim, size = 3 * (n + 2);
+  const PetscInt slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
+
+  for (PetscInt k = 0; k < 4 * size; k++) vector[k] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet  *facet  = &contacts->facet[f];
+    const PetscReal *weight = n ? MpmFacetWeights(contacts, f) : NULL, share = facet->area / patch->area;
+    PetscReal        y[3];
+
+    MpmRigidArmAfter(frame->body, facet, frame->q, work->u[f - patch->begin], y);
+    AddCovector(frame, y, work->law.surface[f - patch->begin].normal, share, weight, n, vector);
+    for (PetscInt e = 0; e < slips; e++) {
+      PetscReal along[3] = {0., 0., 0.};
+
+      for (PetscInt a = 0; a < dim; a++) along[a] = (e == a ? 1. : 0.) - facet->normal[e] * facet->normal[a];
+      AddCovector(frame, y, along, share, weight, n, &vector[(1 + e) * size]);
+    }
+  }
+}
+
+void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
+                  MpmRigidWork *work)
+{
+  const MpmRigidBody   *body   = &contacts->bodies[patch->boundary];
+  const MpmPatchAnswer *answer = &work->answer;
+  const PetscInt        dim = body->dim, size = 3 * (n + 2);
+  const PetscInt        slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
+  Frame                 frame = {.body = body, .q = q};
+
+  MpmRigidAxes(body, q, frame.A);
+  FillCovectors(contacts, patch, &frame, n, work, work->left);
+  for (PetscInt k = 0; k < 4 * size; k++) work->right[k] = 0.;
+  for (PetscInt k = 0; k < size; k++) {
+    work->right[k] = patch->area * answer->stiffness * work->left[k];
+    for (PetscInt e = 0; e < slips; e++) {
+      PetscReal value = answer->by_gap[e] * work->left[k];
+
+      for (PetscInt c = 0; c < dim; c++) value += answer->by_slip[e][c] * work->left[(1 + c) * size + k];
+      work->right[(1 + e) * size + k] = patch->area * value;
+    }
+  }
+  if (!MpmFreedomTurnsInPart(body->freedom)) return;
+  frame.rows = PETSC_TRUE;
+  FillCovectors(contacts, patch, &frame, n, work, work->left);
+}
+
+/* The patch at the local unknowns; PETSC_FALSE where it does nothing. */
+static PetscBool PatchAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                         MpmRigidIncrement *q, MpmRigidWork *work)
+{
+  MpmRigidIncrementAt(&contacts->bodies[patch->boundary], sum->block, u, q);
+  for (PetscInt f = patch->begin; f < patch->end; f++)
+    MpmPatchValue(contacts, sum, patch, f, u, work->u[f - patch->begin]);
+  MpmRigidPatch(contacts, patch, q, work);
+  return work->answer.any;
+}
+
+void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                      MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+  MpmRigidIncrement   q;
+
+  MpmRigidIncrementAt(body, sum->block, u, &q);
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    PetscReal value[MPM_MAX_DIM];
+
+    MpmPatchValue(contacts, sum, patch, f, u, value);
+    MpmRigidSee(body, &contacts->facet[f], &q, value, work->value[f - patch->begin]);
+  }
+  MpmPatchEvaluate(contacts, patch, work, answer);
+}
+
+/* v = A v */
+static void TurnVector(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal v[])
+{
+  PetscReal A[3][3], from[3] = {0., 0., 0.};
+
+  MpmRigidAxes(body, q, A);
+  for (PetscInt a = 0; a < body->dim; a++) from[a] = v[a];
+  for (PetscInt a = 0; a < body->dim; a++) v[a] = A[a][0] * from[0] + A[a][1] * from[1] + A[a][2] * from[2];
+}
+
+void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
+                   const PetscReal u[], PetscReal force[], PetscReal arm[])
+{
+  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+  PetscReal           value[MPM_MAX_DIM];
+  MpmRigidIncrement   q;
+
+  MpmRigidIncrementAt(body, sum->block, u, &q);
+  MpmPatchValue(contacts, sum, patch, f, u, value);
+  MpmRigidArmAfter(body, &contacts->facet[f], &q, value, arm);
+  TurnVector(body, &q, force);
+}
+
+void MpmRigidSlip(const MpmRigidBody *body, PetscInt block, const PetscReal u[], PetscReal slip[])
+{
+  MpmRigidIncrement q;
+
+  MpmRigidIncrementAt(body, block, u, &q);
+  TurnVector(body, &q, slip);
+}
+
+void MpmRigidGuess(const MpmContacts *contacts, const MpmSpace *space, PetscInt block, PetscReal factor,
+                   PetscScalar x[])
+{
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && Owns(space); b++) {
+    const MpmRigidBody *body    = &contacts->bodies[b];
+    PetscBool           settled = PETSC_FALSE;
+
+    if (!body->freedom) continue;
+    for (PetscInt k = 0; k < 6; k++) settled = (PetscBool)(settled || body->guess[k] != 0.);
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < Components(body, n); a++)
+        x[(body->node + n) * block + a] = settled ? body->guess[3 * n + a] : factor * body->placement->last[3 * n + a];
+  }
+}
+
+static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                               PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     bs       = sum->block;
+  MpmRigidIncrement  q;
+  MpmRigidWork       work;
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  PetscCall(MpmRigidWorkCreate(contacts, sum, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch     *patch = &contacts->patch[k];
+    const MpmRigidBody *body  = MpmContactsBody(contacts, patch->boundary);
+
+    if (!body || !PatchAt(contacts, patch, sum, u, &q, &work)) continue;
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      MpmRigidAnswer coupled;
+
+      MpmRigidFacet(contacts, patch, f, &q, &work, PETSC_FALSE, &coupled);
+      MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), 1., coupled.residual[0],
+                       residual);
+      for (PetscInt n = 0; n < 2; n++)
+        for (PetscInt a = 0; a < Components(body, n); a++)
+          residual[(body->node + n) * bs + a] += coupled.residual[1 + n][a];
+    }
+  }
+  PetscCall(MpmRigidWorkDestroy(&work));
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = MpmContactsBody(contacts, b);
+    PetscReal           load[2][3], unused[3][3];
+
+    if (!body) continue;
+    MpmRigidIncrementAt(body, bs, u, &q);
+    MpmRigidLoad(body, &q, load, unused);
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < Components(body, n); a++) residual[(body->node + n) * bs + a] += load[n][a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmRigidPushWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[])
+{
+  PetscReal work = 0.;
+
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = MpmContactsBody(contacts, b);
+    MpmRigidIncrement   q;
+    PetscReal           load[2][3], unused[3][3];
+
+    if (!body) continue;
+    MpmRigidIncrementAt(body, sum->block, u, &q);
+    MpmRigidLoad(body, &q, load, unused);
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < Components(body, n); a++) work -= load[n][a] * u[(body->node + n) * sum->block + a];
+  }
+  return work;
+}
+
+/* The matrix of a body's own: what its load does, and the lift. */
+static void OwnBlock(const MpmContacts *contacts, const MpmSum *sum, const MpmRigidBody *body, const PetscReal u[],
+                     PetscReal block[2][3][3])
+{
+  const PetscReal   lift = Lift(contacts, sum);
+  MpmRigidIncrement q;
+  PetscReal         load[2][3];
+
+  MpmRigidIncrementAt(body, sum->block, u, &q);
+  for (PetscInt k = 0; k < 9; k++) block[0][k / 3][k % 3] = block[1][k / 3][k % 3] = 0.;
+  MpmRigidLoad(body, &q, load, block[1]);
+  for (PetscInt a = 0; a < 3; a++) block[0][a][a] += lift;
+  for (PetscInt a = 0; a < 3; a++) block[1][a][a] += lift;
+}
+
+/* The tangent of a patch's own nodes and its body's, element[i][a][c][j] of 3 components each; the body's are the last two. */
+static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
+                    MpmRigidWork *work, PetscReal element[])
+{
+  const PetscInt N = n + 2, size = 3 * N, means = contacts->boundaries[patch->boundary].tangential ? 4 : 1;
+
+  MpmRigidMean(contacts, patch, q, n, work);
+  for (PetscInt k = 0; k < size * size; k++) element[k] = 0.;
+  for (PetscInt m = 0; m < means; m++)
+    for (PetscInt i = 0; i < size; i++)
+      for (PetscInt j = 0; work->left[m * size + i] != 0. && j < size; j++)
+        element[(i * 3 + j % 3) * N + j / 3] += work->left[m * size + i] * work->right[m * size + j];
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const PetscReal *weight = MpmFacetWeights(contacts, f);
+    MpmRigidAnswer   coupled;
+
+    memset(&coupled, 0, sizeof(coupled));
+    MpmRigidFacet(contacts, patch, f, q, work, PETSC_TRUE, &coupled);
+    for (PetscInt i = 0; i < N; i++) {
+      const PetscInt  g    = i < n ? 0 : i - n + 1;
+      const PetscReal left = g ? 1. : weight[i];
+
+      for (PetscInt j = 0; left != 0. && j < N; j++) {
+        const PetscInt  h    = j < n ? 0 : j - n + 1;
+        const PetscReal both = left * (h ? 1. : weight[j]);
+
+        for (PetscInt ac = 0; both != 0. && ac < 9; ac++)
+          element[((i * 3 + ac / 3) * 3 + ac % 3) * N + j] += both * coupled.derivative[g][ac / 3][h][ac % 3];
+      }
+    }
+  }
+}
+
+/* The tangents of patches, one after the other, with the nodes that they are of. */
+typedef struct {
+  MpmRigidWork work;
+  PetscReal   *element, *block; /* the same with the components of the nodes' blocks */
+  PetscInt    *nodes, count;
+} Elements;
+
+static PetscErrorCode ElementsCreate(const MpmContacts *contacts, const MpmSum *sum, Elements *elements)
+{
+  const PetscInt bs   = sum->block;
+  PetscInt       most = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    most = PetscMax(most, sum->space->groups[contacts->patch[k].box].node_count + 2);
+  PetscCall(MpmRigidWorkCreate(contacts, sum, &elements->work));
+  PetscCall(PetscMalloc3((most * most * 9), &elements->element, (most * most * bs * bs), &elements->block, most,
+                         &elements->nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ElementsDestroy(Elements *elements)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree3(elements->element, elements->block, elements->nodes));
+  PetscCall(MpmRigidWorkDestroy(&elements->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes that of a patch at the local unknowns u; its count is 0 where it does nothing. */
+static PetscErrorCode PatchElement(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum,
+                                   const PetscReal u[], Elements *of)
+{
+  const MpmRigidBody *body = MpmContactsBody(contacts, patch->boundary);
+  const MpmGroup     *box  = &sum->space->groups[patch->box];
+  MpmRigidIncrement   q;
+
+  PetscFunctionBeginUser;
+  of->count = 0;
+  if (!body || !PatchAt(contacts, patch, sum, u, &q, &of->work)) PetscFunctionReturn(PETSC_SUCCESS);
+  of->count = box->node_count + 2;
+  Element(contacts, patch, &q, box->node_count, &of->work, of->element);
+  PetscCall(PetscArraycpy(of->nodes, &sum->space->group_nodes[box->node_offset], box->node_count));
+  of->nodes[of->count - 2] = body->node;
+  of->nodes[of->count - 1] = body->node + 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The value of (i, a) by (j, c) */
+static PetscReal ElementAt(const Elements *of, PetscInt i, PetscInt a, PetscInt c, PetscInt j)
+{
+  return of->element[((i * 3 + a) * 3 + c) * of->count + j];
+}
+
+/* Adds what the bodies have without contacts to the blocks of their nodes, or, where these are NULL, times du to y. */
+static void AddOwn(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
+                   PetscReal y[], PetscReal blocks[])
+{
+  const PetscInt bs = sum->block;
+
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = MpmContactsBody(contacts, b);
+    PetscReal           block[2][3][3];
+
+    if (!body) continue;
+    OwnBlock(contacts, sum, body, u, block);
+    for (PetscInt n = 0; n < 2; n++) {
+      const PetscInt node = body->node + n;
+
+      for (PetscInt a = 0; a < Components(body, n); a++) {
+        for (PetscInt c = 0; c < Components(body, n); c++) {
+          if (blocks) blocks[(node * bs + a) * bs + c] += block[n][a][c];
+          else y[node * bs + a] += block[n][a][c] * du[node * bs + c];
+        }
+      }
+    }
+  }
+}
+
+static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
+                            PetscReal y[])
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     bs = sum->block, dim = sum->space->dim;
+  Elements           of;
+
+  PetscFunctionBeginUser;
+  PetscCall(ElementsCreate(contacts, sum, &of));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
+    for (PetscInt i = 0; i < of.count; i++)
+      for (PetscInt j = 0; of.nodes[i] >= 0 && j < of.count; j++)
+        for (PetscInt a = 0; of.nodes[j] >= 0 && a < dim; a++)
+          for (PetscInt c = 0; c < dim; c++)
+            y[of.nodes[i] * bs + a] += ElementAt(&of, i, a, c, j) * du[of.nodes[j] * bs + c];
+  }
+  PetscCall(ElementsDestroy(&of));
+  AddOwn(contacts, sum, u, du, y, NULL);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                               PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     bs = sum->block, dim = sum->space->dim;
+  Elements           of;
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  PetscCall(ElementsCreate(contacts, sum, &of));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
+    for (PetscInt i = 0; i < of.count; i++)
+      for (PetscInt a = 0; of.nodes[i] >= 0 && a < dim; a++)
+        for (PetscInt c = 0; c < dim; c++) blocks[(of.nodes[i] * bs + a) * bs + c] += ElementAt(&of, i, a, c, i);
+  }
+  PetscCall(ElementsDestroy(&of));
+  AddOwn(contacts, sum, u, NULL, NULL, blocks);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the bodies have without contacts. */
+static PetscErrorCode OwnTangent(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                 MpmPattern *pattern)
+{
+  const PetscInt bs = sum->block;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+    PetscReal           block[2][3][3], element[MPM_MAX_BLOCK * MPM_MAX_BLOCK] = {0.};
+
+    if (!body->freedom) continue;
+    OwnBlock(contacts, sum, body, u, block);
+    for (PetscInt n = 0; n < 2; n++) {
+      const PetscInt node = body->node + n;
+
+      for (PetscInt a = 0; a < Components(body, n); a++)
+        for (PetscInt c = 0; c < Components(body, n); c++) element[a * bs + c] = block[n][a][c];
+      MpmPatternAddNodes(pattern, sum->space, 1, &node, element);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                              PetscReal residual[], PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     bs = sum->block, dim = sum->space->dim;
+  Elements           of;
+
+  PetscFunctionBeginUser;
+  if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
+  PetscCall(ElementsCreate(contacts, sum, &of));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
+    const PetscInt n = of.count;
+
+    for (PetscInt i = 0; i < n * n * bs * bs; i++) of.block[i] = 0.;
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt ac = 0; ac < dim * dim; ac++)
+        for (PetscInt j = 0; j < n; j++)
+          of.block[((i * bs + ac / dim) * bs + ac % dim) * n + j] = ElementAt(&of, i, ac / dim, ac % dim, j);
+    if (n) MpmPatternAddNodes(pattern, sum->space, n, of.nodes, of.block);
+  }
+  PetscCall(ElementsDestroy(&of));
+  PetscCall(OwnTangent(contacts, sum, u, pattern));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the converged step ---- */
+
+/* The bodies' increments become their places. */
+static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  (void)particles;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    MpmRigidBody     *body = &contacts->bodies[b];
+    MpmRigidIncrement q;
+
+    if (!body->freedom) continue;
+    MpmRigidIncrementAt(body, sum->block, u, &q);
+    MpmRigidMove(&q, body->placement);
+    for (PetscInt k = 0; k < 6; k++) body->placement->last[k] = 0.;
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < Components(body, n); a++)
+        body->placement->last[3 * n + a] = u[(body->node + n) * sum->block + a] - body->guess[3 * n + a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmRigidReport(const MpmContacts *contacts, PetscInt b, PetscReal values[])
+{
+  const MpmBoundary *boundary = &contacts->boundaries[b];
+  PetscInt           count    = 0;
+  PetscReal          reference[MPM_MAX_DIM];
+
+  if (!boundary->freedom) return 0;
+  const MpmPlacement *placement = contacts->bodies[b].placement;
+  const PetscReal    *turn      = placement->turn;
+  const PetscReal     sine      = hypot(hypot(turn[1], turn[2]), turn[3]);
+  const PetscReal     angle     = 2. * atan2(sine, turn[0]) * 180. / PETSC_PI;
+
+  MpmBoundaryReference(boundary, &contacts->after[b], reference);
+  for (PetscInt a = 0; a < boundary->dim; a++) values[count++] = reference[a] + placement->shift[a];
+  for (PetscInt a = boundary->dim == 2 ? 2 : 0; a < 3; a++)
+    values[count++] = sine > 0. ? angle * turn[1 + a] / sine : 0.;
+  return count;
+}
+
+PetscErrorCode MpmRigidImbalance(const MpmContacts *contacts, const MpmSpace *space, PetscInt block,
+                                 const PetscScalar residual[], MPI_Comm comm, PetscReal *imbalance)
+{
+  PetscFunctionBeginUser;
+  *imbalance = 0.;
+  if (!contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(space); b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+    PetscReal           load = 0., rest = 0.;
+
+    if (!body->freedom) continue;
+    for (PetscInt a = 0; a < body->dim; a++) load = PetscMax(load, PetscAbsReal(body->load[a]));
+    for (PetscInt a = 0; a < 3; a++) load = PetscMax(load, PetscAbsReal(body->moment[a]) / body->freedom->size);
+    for (PetscInt k = 0; k < 2 * block; k++) rest = PetscMax(rest, PetscAbsScalar(residual[body->node * block + k]));
+    if (load > 0.) *imbalance = PetscMax(*imbalance, rest / load);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, imbalance, 1, MPIU_REAL, MPIU_MAX, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmContacts *)ctx)->bodies;
+}
+
+const MpmTerm MpmTermRigidBodies = {.name     = "rigid bodies",
+                                    .idle     = Idle,
+                                    .boxes    = Boxes,
+                                    .link     = Link,
+                                    .residual = Residual,
+                                    .tangent  = Tangent,
+                                    .apply    = Apply,
+                                    .diagonal = Diagonal,
+                                    .commit   = Commit};

@@ -1,0 +1,610 @@
+/*
+  Contact of the material with rigid surfaces that do not follow the grid, by a penalty on patches (contact_patches.c).
+
+  With d_q the distance of facet q from the surface at the step's end, less the distance at which it touches, s_q its slip
+  along the surface since it touched, and A_q its area, a patch of area A = sum A_q has
+
+    g = sum_q A_q d_q / A ,   s = sum_q A_q s_q / A ,   pressure p = -k g ,   traction t = k' s ,   k = penalty E/h
+
+  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral; or pieces of the surface, surface_shares.c,
+  for which g is what it was at the end of the last step, plus the change of d). Coulomb friction bounds the
+  traction: where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k'. So a patch that sticks
+  gives by t/k', which is all the regularisation there is; k' = k where nothing may slide and on round bodies, and k/10
+  elsewhere. L is no more than what the material itself bears in shear where its law says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
+  surface, in a layer that no cell can resolve, and a pipe would carry half a cell of clay along. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
+  the step's start; the reaction is the sum of these forces.
+
+  Without slip the force has the potential A (k/2) (g^2 + s^2), and the tangent is symmetric:
+
+    A (k B_g B_g^T + B_s^T dt/ds B_s + B_s^T dt/dg B_g^T) + sum_q A_q k g w_q w_q^T grad n_q
+
+  with B_g = dg/du, B_s = ds/du. A pressure p makes a depth of p h/(penalty E), while forces balance as well as Newton's method has
+  converged. All forms of the Jacobian take the derivative from here.
+*/
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
+#include "contact/contact.h"
+#include "contact/contact_law.h"
+#include "contact/rigid_body.h"
+
+/* ---- sums ---- */
+
+/* The forces of this rank's facets: at boundaries whose motion is prescribed into the residual or, without one, the squares of all. */
+static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                PetscReal residual[], PetscReal *squares)
+{
+  MpmPatchWork work;
+
+  PetscFunctionBeginUser;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    MpmPatchAnswer  answer;
+
+    if (!MpmContactsBody(contacts, patch->boundary)) MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    else if (residual) continue;
+    else MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer); /* forces as the body sees them */
+    for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
+      PetscReal force[MPM_MAX_DIM];
+
+      if (contacts->facet[f].point < 0) continue; /* its rank adds it */
+      MpmFacetForce(contacts, patch, f, &work, &answer, force);
+      if (residual)
+        MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), -1., force, residual);
+      for (PetscInt a = 0; !residual && a < sum->space->dim; a++) *squares += PetscSqr(force[a]);
+    }
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                               PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  (void)failed;
+  PetscCall(AddForces((const MpmContacts *)ctx, sum, u, residual, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
+                                     PetscReal *squares)
+{
+  PetscFunctionBeginUser;
+  PetscCall(AddForces(contacts, sum, u, NULL, squares));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal at[],
+                               const PetscReal u[], PetscReal *material, PetscReal *boundary)
+{
+  const PetscInt dim = sum->space->dim;
+  MpmPatchWork   work;
+
+  PetscFunctionBeginUser;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch  = &contacts->patch[k];
+    const MpmPose  *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
+    MpmPatchAnswer  answer;
+
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    MpmPatchEvaluateAt(contacts, patch, sum, at, &work, &answer);
+    for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
+      const MpmFacet *facet = &contacts->facet[f];
+      PetscReal       force[MPM_MAX_DIM], moved[MPM_MAX_DIM], value[MPM_MAX_DIM];
+
+      MpmFacetForce(contacts, patch, f, &work, &answer, force);
+      MpmPatchValue(contacts, sum, patch, f, u, value);
+      MpmPoseCarry(dim, before, after, facet->place, moved);
+      for (PetscInt a = 0; a < dim; a++) {
+        *material += force[a] * value[a];
+        *boundary += force[a] * (moved[a] - facet->place[a]);
+      }
+    }
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How gap and slip change with du. */
+static void Change(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal du[],
+                   const MpmPatchWork *work, PetscReal *gap, PetscReal slip[])
+{
+  const PetscInt dim = sum->space->dim;
+
+  *gap = 0.;
+  for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet *facet = &contacts->facet[f];
+    const PetscReal share = facet->area / patch->area;
+    PetscReal       value[MPM_MAX_DIM];
+
+    MpmPatchValue(contacts, sum, patch, f, du, value);
+    for (PetscInt a = 0; a < dim; a++) *gap += share * work->surface[f - patch->begin].normal[a] * value[a];
+    MpmContactAcross(dim, facet->normal, value);
+    for (PetscInt a = 0; a < dim; a++) slip[a] += share * value[a];
+  }
+}
+
+static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
+                            PetscReal y[])
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     dim      = sum->space->dim;
+  MpmPatchWork       work;
+
+  PetscFunctionBeginUser;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    const MpmGroup *box   = &sum->space->groups[patch->box];
+    PetscReal       gap, slip[MPM_MAX_DIM], traction[MPM_MAX_DIM] = {0., 0., 0.};
+    MpmPatchAnswer  answer;
+
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    if (!answer.any) continue;
+    Change(contacts, patch, sum, du, &work, &gap, slip);
+    for (PetscInt a = 0; a < dim; a++) {
+      traction[a] = answer.by_gap[a] * gap;
+      for (PetscInt c = 0; c < dim; c++) traction[a] += answer.by_slip[a][c] * slip[c];
+    }
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      const MpmSurface *surface = &work.surface[f - patch->begin];
+      const PetscReal   beyond = work.beyond[f - patch->begin], own = beyond != 0. ? patch->stiffness : 0.;
+      const PetscReal   normal = answer.stiffness * answer.gap + patch->stiffness * beyond;
+      PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM], along = 0.;
+
+      if (contacts->facet[f].point < 0) continue;
+      MpmFacetValue(sum, box, MpmFacetWeights(contacts, f), du, value);
+      for (PetscInt a = 0; a < dim; a++) along += surface->normal[a] * value[a];
+      for (PetscInt a = 0; a < dim; a++) force[a] = traction[a];
+      MpmContactAcross(dim, contacts->facet[f].normal, force);
+      for (PetscInt a = 0; a < dim; a++) {
+        force[a] += (answer.stiffness * gap + own * along) * surface->normal[a];
+        for (PetscInt c = 0; c < dim; c++) force[a] += normal * surface->second[a][c] * value[c];
+      }
+      MpmFacetAddForce(sum, box, MpmFacetWeights(contacts, f), contacts->facet[f].area, force, y);
+    }
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. `own`: by this rank's facets only. */
+static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
+                        PetscBool own, PetscReal gap[], PetscReal slip[])
+{
+  const PetscInt  dim = sum->space->dim, n = sum->space->groups[patch->box].node_count;
+  const PetscBool tangential = contacts->boundaries[patch->boundary].tangential;
+
+  for (PetscInt i = 0; i < n * dim; i++) gap[i] = 0.;
+  for (PetscInt i = 0; i < n * dim * dim; i++) slip[i] = 0.;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const MpmFacet  *facet  = &contacts->facet[f];
+    const PetscReal *weight = MpmFacetWeights(contacts, f), *normal = work->surface[f - patch->begin].normal;
+
+    if (own && facet->point < 0) continue;
+    for (PetscInt i = 0; i < n; i++) {
+      const PetscReal w = weight[i] * facet->area / patch->area;
+
+      for (PetscInt c = 0; w != 0. && c < dim; c++) {
+        gap[i * dim + c] += w * normal[c];
+        for (PetscInt e = 0; tangential && e < dim; e++)
+          slip[(e * n + i) * dim + c] += w * ((e == c ? 1. : 0.) - facet->normal[e] * facet->normal[c]);
+      }
+    }
+  }
+}
+
+/* What the tangent of a patch consists of: sum_m left_m right_m^T, of vectors with n dim numbers, and facets' curvature. */
+typedef struct {
+  PetscReal *left, *right;
+} Factors;
+
+/* With left_{1+e} = B_s,e, right_{1+e} = A sum_f dt_e/ds_f B_s,f + A dt_e/dg B_g; left_0 = B_g, right_0 = A k B_g. */
+static void FactorsOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
+                      const MpmPatchAnswer *answer, const Factors *factors)
+{
+  const PetscInt dim = sum->space->dim, size = sum->space->groups[patch->box].node_count * dim;
+  PetscReal     *gap = factors->left, *slip = factors->left + size;
+
+  Derivatives(contacts, patch, sum, work, PETSC_FALSE, gap, slip);
+  for (PetscInt i = 0; i < size; i++) {
+    factors->right[i] = patch->area * answer->stiffness * gap[i];
+    for (PetscInt e = 0; e < dim; e++) {
+      PetscReal value = answer->by_gap[e] * gap[i];
+
+      for (PetscInt c = 0; c < dim; c++) value += answer->by_slip[e][c] * slip[c * size + i];
+      factors->right[(1 + e) * size + i] = patch->area * value;
+    }
+  }
+  if (patch->foreign) Derivatives(contacts, patch, sum, work, PETSC_TRUE, gap, slip); /* forces act on own facets */
+}
+
+static PetscErrorCode FactorsCreate(const MpmContacts *contacts, const MpmSum *sum, Factors *factors, PetscInt *nodes)
+{
+  const PetscInt dim = sum->space->dim;
+
+  PetscFunctionBeginUser;
+  *nodes = 0;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    *nodes = PetscMax(*nodes, sum->space->groups[contacts->patch[k].box].node_count);
+  PetscCall(PetscMalloc2(((dim + 1) * *nodes * dim), &factors->left, ((dim + 1) * *nodes * dim), &factors->right));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                               PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     dim = sum->space->dim, bs = sum->block;
+  MpmPatchWork       work;
+  Factors            factors;
+  PetscInt           most;
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  PetscCall(FactorsCreate(contacts, sum, &factors, &most));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    const MpmGroup *box   = &sum->space->groups[patch->box];
+    const PetscInt *nodes = &sum->space->group_nodes[box->node_offset], n = box->node_count;
+    MpmPatchAnswer  answer;
+
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    if (!answer.any) continue;
+    FactorsOf(contacts, patch, sum, &work, &answer, &factors);
+    for (PetscInt i = 0; i < n; i++) {
+      for (PetscInt cd = 0; nodes[i] >= 0 && cd < dim * dim; cd++) {
+        const PetscInt c = cd / dim, d = cd % dim;
+        PetscReal      value = 0.;
+
+        for (PetscInt m = 0; m <= dim; m++)
+          value += factors.left[(m * n + i) * dim + c] * factors.right[(m * n + i) * dim + d];
+        for (PetscInt f = patch->begin; f < patch->end; f++)
+          if (contacts->facet[f].point >= 0)
+            value +=
+              PetscSqr(MpmFacetWeights(contacts, f)[i]) * MpmFacetStiffness(contacts, patch, f, &work, &answer, c, d);
+        blocks[(nodes[i] * bs + c) * bs + d] += value;
+      }
+    }
+  }
+  PetscCall(PetscFree2(factors.left, factors.right));
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* element[i][c][d][j], of n^2 block^2 numbers, becomes the patch's tangent. */
+static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
+                    const MpmPatchAnswer *answer, const Factors *factors, PetscReal element[])
+{
+  const PetscInt dim = sum->space->dim, bs = sum->block, n = sum->space->groups[patch->box].node_count;
+  const PetscInt terms = contacts->boundaries[patch->boundary].tangential ? dim + 1 : 1;
+
+  for (PetscInt k = 0; k < n * n * bs * bs; k++) element[k] = 0.;
+  for (PetscInt m = 0; m < terms; m++) {
+    for (PetscInt ic = 0; ic < n * dim; ic++) {
+      const PetscReal left = factors->left[m * n * dim + ic];
+
+      for (PetscInt jd = 0; left != 0. && jd < n * dim; jd++)
+        element[((ic / dim * bs + ic % dim) * bs + jd % dim) * n + jd / dim] += left * factors->right[m * n * dim + jd];
+    }
+  }
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    const PetscReal *weight = MpmFacetWeights(contacts, f);
+
+    if (contacts->facet[f].point < 0) continue;
+    for (PetscInt cd = 0; cd < dim * dim; cd++) {
+      const PetscReal own = MpmFacetStiffness(contacts, patch, f, work, answer, cd / dim, cd % dim);
+
+      for (PetscInt i = 0; own != 0. && i < n; i++)
+        for (PetscInt j = 0; weight[i] != 0. && j < n; j++)
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] += own * weight[i] * weight[j];
+    }
+  }
+}
+
+static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                              PetscReal residual[], PetscInt *failed)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  PetscReal         *element;
+  MpmPatchWork       work;
+  Factors            factors;
+  PetscInt           most;
+
+  PetscFunctionBeginUser;
+  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  PetscCall(FactorsCreate(contacts, sum, &factors, &most));
+  PetscCall(PetscMalloc1((most * most * sum->block * sum->block), &element));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    MpmPatchAnswer  answer;
+
+    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    if (!answer.any) continue;
+    FactorsOf(contacts, patch, sum, &work, &answer, &factors);
+    Element(contacts, patch, sum, &work, &answer, &factors, element);
+    MpmPatternAddBlock(pattern, sum->space, &sum->space->groups[patch->box], element);
+  }
+  PetscCall(PetscFree(element));
+  PetscCall(PetscFree2(factors.left, factors.right));
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the converged step ---- */
+
+/* A facet's point keeps a number of its patch: where it belongs to several, the mean over them. */
+static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
+{
+  if (facet->point < 0) return;
+  if (facet->piece || facet->round || facet->single) kept[facet->point] += facet->portion * value;
+  else kept[facet->point] = value;
+}
+
+/* Portions by area of a boundary's round and single facets that touch, among those of the same point. */
+static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
+                                 const MpmPatchAnswer answers[])
+{
+  const PetscBool keeps = (PetscBool)(contacts->boundaries[b].tangential || contacts->boundaries[b].augmented);
+  PetscBool       any   = PETSC_FALSE;
+  PetscReal      *area;
+
+  PetscFunctionBeginUser;
+  for (PetscInt f = 0; keeps && f < contacts->facet_count && !any; f++)
+    any = (PetscBool)(contacts->facet[f].boundary == b && (contacts->facet[f].round || contacts->facet[f].single));
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(sum->points->count, &area));
+  for (PetscInt k = 0; k < 2 * contacts->patch_count; k++) {
+    const PetscInt  at    = k % contacts->patch_count;
+    const MpmPatch *patch = &contacts->patch[at];
+
+    for (PetscInt f = patch->begin; patch->boundary == b && answers[at].active && f < patch->end; f++) {
+      MpmFacet *facet = &contacts->facet[f];
+
+      if (!facet->round && !facet->single) continue;
+      if (k < contacts->patch_count) area[facet->point] += facet->area;
+      else facet->portion = facet->area / area[facet->point];
+    }
+  }
+  PetscCall(PetscFree(area));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points of a patch keep its slip while it touches. */
+static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                                MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    for (PetscInt a = 0; contacts->boundaries[b].tangential && a < sum->space->dim; a++) {
+      PetscReal *slip;
+
+      PetscCall(MpmParticlesGetField(particles, contacts->boundaries[b].slip_field[a], &slip));
+      PetscCall(MpmPointsClear(sum->points->count, slip));
+      for (PetscInt k = 0; k < contacts->patch_count; k++)
+        for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
+          if (answers[k].active)
+            Keep(&contacts->facet[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
+                 slip); /* a corner may not touch as its faces do */
+      PetscCall(MpmParticlesRestoreField(particles, &slip));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Is a patch's depth to be taken away? Not where a facet by itself looks past the boundary: no pressure can by an area as small as its own. */
+static PetscBool IsCorrected(const MpmContacts *contacts, const MpmPatch *patch)
+{
+  const MpmFacet *facet = &contacts->facet[patch->begin];
+
+  return (PetscBool)(contacts->boundaries[patch->boundary].augmented && !(facet->single && facet->askew));
+}
+
+/* What a patch says of the converged step; adds to its boundary's reaction, moment and depth. */
+static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                        MpmPatchWork *work, MpmPatchAnswer *answer)
+{
+  const PetscInt      b = patch->boundary, dim = sum->space->dim;
+  const MpmRigidBody *body  = MpmContactsBody(contacts, b);
+  PetscReal          *depth = &contacts->depth[b];
+
+  if (body) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
+  else MpmPatchEvaluateAt(contacts, patch, sum, u, work, answer);
+  if (!answer->any) return;
+  for (PetscInt f = patch->begin; f < patch->end; f++) {
+    PetscReal force[3] = {0., 0., 0.}, arm[3] = {0., 0., 0.}, about[MPM_MAX_DIM];
+
+    if (contacts->facet[f].point < 0) continue;
+    MpmFacetForce(contacts, patch, f, work, answer, force);
+    if (body) MpmRigidForce(contacts, patch, f, sum, u, force, arm);
+    else {
+      MpmBoundaryReference(&contacts->boundaries[b], &contacts->after[b], about);
+      for (PetscInt a = 0; a < dim; a++)
+        arm[a] = contacts->facet[f].place[a] + work->value[f - patch->begin][a] - about[a];
+    }
+    for (PetscInt a = 0; a < 3; a++) {
+      const PetscInt p = (a + 1) % 3, q = (a + 2) % 3;
+
+      contacts->reaction[b][a] += force[a];
+      contacts->moment[b][a] += arm[p] * force[q] - arm[q] * force[p];
+    }
+    if (work->beyond[f - patch->begin] != 0.)
+      *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
+  }
+  if (IsCorrected(contacts, patch) || !contacts->boundaries[b].augmented)
+    *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
+  if (contacts->moved) MpmPatchKeepSlip(contacts, patch, sum, contacts->moved, work, answer);
+  MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
+  if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
+}
+
+#define SLOW  0.1  /* of the depth that a correction leaves at most, or the penalty is raised */
+#define RAISE 10.  /* by this, and */
+#define MOST  100. /* by no more than this in all: multigrid gives up beyond 1000 */
+
+/* Depths over what is wanted, the worst of all, and the shifts that would make up for them. */
+static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal shift[],
+                                 PetscReal *worst)
+{
+  MpmPatchWork work;
+
+  PetscFunctionBeginUser;
+  *worst = 0.;
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch    *patch    = &contacts->patch[k];
+    const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+    MpmPatchAnswer     answer;
+
+    shift[k] = 0.;
+    if (!IsCorrected(contacts, patch)) continue;
+    if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer);
+    else MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    if (!answer.active) continue;
+    shift[k] = -answer.gap;
+    *worst   = PetscMax(*worst, PetscAbsReal(answer.gap + patch->shift) / boundary->penetration);
+  }
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, sum->grid->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst)
+{
+  const PetscReal last = *worst;
+  PetscReal      *shift;
+  PetscBool       any = PETSC_FALSE, raise;
+
+  PetscFunctionBeginUser;
+  *worst = 0.;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || contacts->boundaries[b].augmented);
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(contacts->patch_count, &shift));
+  PetscCall(FindShifts(contacts, sum, u, shift, worst));
+  raise = (PetscBool)(*worst > 1. && *worst >= SLOW * last && contacts->newton.raised < MOST);
+  if (raise) contacts->newton.raised *= RAISE;
+  for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) {
+    MpmPatch          *patch    = &contacts->patch[k];
+    const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+
+    patch->shift = shift[k];
+    if (!raise || !boundary->augmented || boundary->tangential) continue; /* slips are measured by it */
+    patch->stiffness *= RAISE;
+    patch->shift /= RAISE;
+  }
+  PetscCall(PetscFree(shift));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points of a patch keep its pressure. */
+static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                                    MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const char *field = contacts->boundaries[b].pressure_field;
+    PetscReal  *pressure;
+
+    if (!contacts->boundaries[b].augmented) continue;
+    PetscCall(MpmParticlesGetField(particles, field, &pressure));
+    PetscCall(MpmPointsClear(sum->points->count, pressure));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
+        Keep(&contacts->facet[f], -patch->stiffness * answers[k].gap, pressure);
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &pressure));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points of a bilateral patch keep its gap. */
+static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                               MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const char *field = contacts->boundaries[b].gap_field;
+    PetscReal  *gap;
+
+    if (!contacts->boundaries[b].bilateral) continue;
+    PetscCall(MpmParticlesGetField(particles, field, &gap));
+    PetscCall(MpmPointsClear(sum->points->count, gap));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
+        Keep(&contacts->facet[f], answers[k].gap + patch->shift, gap);
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &gap));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reactions, moments and depths of the converged step; keeps the slips. */
+static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  MpmContacts      *contacts = (MpmContacts *)ctx;
+  const MPI_Comm    comm     = sum->grid->comm;
+  const PetscMPIInt count    = (PetscMPIInt)contacts->boundary_count;
+  MpmPatchAnswer   *answers;
+  MpmPatchWork      work;
+
+  PetscFunctionBeginUser;
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  PetscCall(PetscMalloc1(contacts->patch_count, &answers));
+  PetscCall(PetscArrayzero(contacts->depth, count));
+  PetscCall(PetscArrayzero(contacts->reaction, count));
+  PetscCall(PetscArrayzero(contacts->moment, count));
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
+  for (PetscInt b = 0; b < count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
+  if (contacts->newton.near || !contacts->newton.bare) {
+    PetscCall(KeepSlips(contacts, sum, answers, particles));
+    PetscCall(KeepPressures(contacts, sum, answers, particles));
+    PetscCall(KeepGaps(contacts, sum, answers, particles));
+    PetscCall(MpmContactsBreak(contacts, answers, particles));
+  }
+  contacts->newton.bare = (PetscBool)!contacts->newton.near;
+  PetscCall(PetscFree(answers));
+  PetscCall(MpmPatchWorkDestroy(&work));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->reaction, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->moment, count * MPM_MAX_DIM, MPIU_REAL, MPIU_SUM, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->depth, count, MPIU_REAL, MPIU_MAX, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmContacts *)ctx)->patch_count;
+}
+
+const MpmTerm MpmTermContact = {.name     = "rigid contact",
+                                .idle     = Idle,
+                                .boxes    = MpmContactsFind,
+                                .prepare  = MpmContactsPrepare,
+                                .residual = Residual,
+                                .tangent  = Tangent,
+                                .apply    = Apply,
+                                .diagonal = Diagonal,
+                                .commit   = Commit};

@@ -1,0 +1,494 @@
+/*
+  Loads on the material. They pick their points in the initial state and keep each point's share in a field of the
+  particles, so that shares travel with the points.
+*/
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "particles/selection.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "loads/load.h"
+
+/*
+  The face of the domains that a traction acts on: an axis and a side, like +y; by default the axis along which the
+  region has no extent.
+*/
+static PetscErrorCode ReadFace(const MpmOptions *block, const MpmGrid *grid, MpmLoad *load)
+{
+  static const char *const faces[] = {"-x", "+x", "-y", "+y", "-z", "+z", NULL};
+  PetscReal                lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], thinnest = PETSC_INFINITY;
+  PetscInt                 face = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(block, "face",
+                           "face of the points' domains under traction (default: across the region's thinnest axis)",
+                           faces, MPM_OPTIONAL, &face, &load->face_given));
+  load->face_axis = face / 2;
+  load->face_side = face % 2 ? 1 : -1;
+  if (load->face_given || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  PetscCall(MpmRegionGetBounds(load->where.region, lower, upper));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal extent = (upper[a] - lower[a]) / grid->h[a];
+
+    if (extent >= thinnest) continue;
+    thinnest        = extent;
+    load->face_axis = a;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load)
+{
+  static const char *const types[] = {"force", "gravity", "traction", "flux", NULL};
+  char                     prefix[256], field[256];
+  MpmOptions               block    = {options->comm, prefix, options->record};
+  static const char *const places[] = {"point", "face", NULL};
+  PetscInt                 place    = 1;
+  PetscInt                 type     = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(load, sizeof(*load)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_load_%s_", name));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "load_%s", name));
+  PetscCall(PetscStrallocpy(name, &load->name));
+  PetscCall(MpmOptionsHeading(&block, "Load"));
+  PetscCall(MpmOptionsWord(&block, "type", "force (N in total), gravity (m/s2), traction (Pa), flux (m3/s in total)",
+                           types, MPM_REQUIRED, &type, NULL));
+  load->type = (MpmLoadType)type;
+  PetscCall(MpmOptionsReals(&block, "value", "N, m/s2, Pa or m3/s",
+                            "the load's vector; of a flux one number, of water that goes into the ground",
+                            MPM_RANGE_ANY, MPM_REQUIRED, load->type == MPM_LOAD_FLUX ? 1 : grid->dim, load->value,
+                            NULL));
+  PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
+  if (load->type == MPM_LOAD_GRAVITY && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrallocpy(field, &load->share_field));
+  PetscCall(MpmSelectionRead(&block, grid, &load->where));
+  if (load->type == MPM_LOAD_TRACTION || MpmOptionsHelp()) {
+    MpmCheckInput(load->where.region, "-%sregion is missing: a traction acts on the points at a region's face", prefix);
+    PetscCall(ReadFace(&block, grid, load));
+    PetscCall(MpmOptionsWord(
+      &block, "place",
+      "where a traction acts with shapes without a domain: face (the default), at the centres of the points' "
+      "faces, as it does with the others; point, at the points' own places",
+      places, MPM_OPTIONAL, &place, NULL));
+    load->at_face = (PetscBool)(place == 1);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadDestroy(MpmLoad *load)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(load->name));
+  PetscCall(PetscFree(load->share_field));
+  PetscCall(MpmRegionDestroy(&load->where.region));
+  PetscCall(MpmRampDestroy(&load->ramp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- selection ---- */
+
+/* Where the domain's face stands that a traction acts on. */
+static PetscReal FacePosition(const MpmLoad *load, PetscInt dim, PetscInt side, const MpmPoints *points, PetscInt p)
+{
+  const PetscInt k = p * dim + load->face_axis;
+
+  return points->x0[k] + (PetscReal)side * points->half_length[k];
+}
+
+/* What a traction's region says: its box, and whether it is a face itself or a layer of material behind one. */
+typedef struct {
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+  PetscBool thin;
+} FaceRegion;
+
+/* Does the point's face lie in the region; in a layer, does the point? */
+static PetscBool FaceSelected(const MpmLoad *load, const FaceRegion *region, PetscInt dim, PetscInt side,
+                              const MpmPoints *points, PetscInt p)
+{
+  PetscReal x[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) x[a] = points->x0[p * dim + a];
+  if (region->thin) x[load->face_axis] = FacePosition(load, dim, side, points, p);
+  return MpmRegionContains(load->where.region, x);
+}
+
+/*
+  The outermost face of the selected points on each side, below (0) and above (1), times the side; and whether the
+  material ends there: no point beside the region's extent along the other axes reaches further.
+*/
+static PetscErrorCode FindOutermost(const MpmLoad *load, const FaceRegion *region, const MpmGrid *grid,
+                                    const MpmPoints *points, PetscReal outermost[2], PetscBool ends[2])
+{
+  const PetscInt dim      = grid->dim;
+  PetscReal      reach[4] = {PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY};
+
+  PetscFunctionBeginUser;
+  for (PetscInt s = 0; s < 2; s++) {
+    for (PetscInt p = 0; p < points->count; p++) {
+      const PetscInt  side   = s ? 1 : -1;
+      const PetscReal face   = (PetscReal)side * FacePosition(load, dim, side, points, p);
+      PetscBool       beside = PETSC_TRUE;
+
+      for (PetscInt a = 0; a < dim; a++) {
+        const PetscReal x = points->x0[p * dim + a];
+
+        if (a != load->face_axis && (x < region->lower[a] || x > region->upper[a])) beside = PETSC_FALSE;
+      }
+      if (FaceSelected(load, region, dim, side, points, p)) reach[s] = PetscMax(reach[s], face);
+      if (beside) reach[2 + s] = PetscMax(reach[2 + s], face);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, 4, MPIU_REAL, MPIU_MAX, grid->comm));
+  for (PetscInt s = 0; s < 2; s++) {
+    outermost[s] = reach[s];
+    ends[s] =
+      (PetscBool)(reach[s] > PETSC_NINFINITY && reach[s] >= reach[2 + s] - MPM_TOLERANCE * grid->h[load->face_axis]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  share = the area of the domain's face where it lies in the region, 0 elsewhere. A region without extent along the
+  face's axis is the face itself; in a thicker one it is the outermost face of the points inside, on the side where the
+  material ends.
+*/
+static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPoints *points, PetscReal share[])
+{
+  const PetscInt  dim = grid->dim, axis = load->face_axis;
+  const PetscReal slack        = MPM_TOLERANCE * grid->h[axis];
+  PetscReal       outermost[2] = {0., 0.}, area = 0.;
+  PetscBool       ends[2] = {PETSC_FALSE, PETSC_FALSE};
+  FaceRegion      region;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    region.lower[a] = PETSC_NINFINITY;
+    region.upper[a] = PETSC_INFINITY;
+  }
+  PetscCall(MpmRegionGetBounds(load->where.region, region.lower, region.upper));
+  region.thin = (PetscBool)(region.upper[axis] - region.lower[axis] <= 4. * slack);
+  PetscCall(FindOutermost(load, &region, grid, points, outermost, ends));
+  if (!load->face_given) {
+    MpmCheckInput(region.thin || ends[0] != ends[1],
+                  "-mpm_load_%s_face is missing: the material %s on axis %c of the region", load->name,
+                  ends[0] ? "ends on both sides" : "ends on neither side", "xyz"[axis]);
+    load->face_side = region.thin ? (outermost[1] > PETSC_NINFINITY ? 1 : -1) : (ends[1] ? 1 : -1);
+  }
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal face = (PetscReal)load->face_side * FacePosition(load, dim, load->face_side, points, p);
+
+    share[p] = 0.;
+    if (!FaceSelected(load, &region, dim, load->face_side, points, p)) continue;
+    if (face < outermost[load->face_side > 0] - slack) continue;
+    share[p] = 1.;
+    for (PetscInt a = 0; a < dim; a++)
+      if (a != axis) share[p] *= 2. * points->half_length[p * dim + a];
+    area += share[p];
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  MpmCheckInput(area > 0., "-mpm_load_%s_region: no point has its face there", load->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles)
+{
+  MpmPoints  points;
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  if (load->type == MPM_LOAD_GRAVITY) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(MpmParticlesGetField(particles, load->share_field, &share));
+  if (load->type == MPM_LOAD_TRACTION) PetscCall(SelectFace(load, grid, &points, share));
+  else PetscCall(MpmSelectionShare(&load->where, grid, &points, particles->total, "load", load->name, share));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- application ---- */
+
+/* The unknown of a node that takes the load's k-th number, and what the number is multiplied by: the water's equation has a minus. */
+static PetscInt Unknown(const MpmLoad *load, const MpmSum *sum, PetscInt k)
+{
+  return load->type == MPM_LOAD_FLUX ? MpmPressureComponent(sum->layout) : k;
+}
+static PetscReal Sign(const MpmLoad *load, const MpmSum *sum)
+{
+  return load->type == MPM_LOAD_FLUX ? -sum->dt : 1.;
+}
+
+/* The place next to `wanted` in the cell that holds `xi`, both in cells. */
+static PetscReal WithinCell(PetscReal xi, PetscReal wanted)
+{
+  const PetscReal cell = PetscFloorReal(xi);
+
+  return PetscMin(PetscMax(wanted, cell), cell + 1.);
+}
+
+/* A point, and the nodes that it touches. */
+typedef struct {
+  const MpmRules  *rules;
+  const MpmSpace  *space;
+  const MpmPoints *points;
+  const MpmGroup  *group;
+  PetscInt         point;
+} Touched;
+
+/* The shape with which a shape's value at a place is that of the nodal function. */
+static MpmShapeType AtPlace(MpmShapeType shape)
+{
+  if (!MpmShapeHasDomain(shape)) return shape;
+  return shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
+}
+
+/* The point's own weights on each axis, at the group's nodes. */
+static void OwnLines(const Touched *at, PetscReal line[][MPM_MAX_WIDTH])
+{
+  const PetscInt dim = at->space->dim;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    for (PetscInt i = 0; i < at->group->count[a]; i++)
+      line[a][i] = a < dim ? at->space->shape[0].weight[(at->point * dim + a) * at->space->width + i] : 1.;
+}
+
+/* On one axis, the mean of the nodes' functions at `count` places xi, in cells; between edges. */
+static void LineAt(const Touched *at, PetscInt axis, PetscInt count, const PetscReal xi[], PetscReal line[])
+{
+  const PetscInt  dim   = at->space->dim;
+  const PetscInt  shift = axis == dim - 1 ? MpmSpaceShift(at->space, at->points->part, at->point) : 0;
+  const PetscReal share = 1. / (PetscReal)count;
+  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+  MpmShapeLine    there = {.weight = weight, .gradient = unused};
+  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  MpmSpaceEdges(at->rules, &at->points->x[at->point * dim], lower, upper);
+  for (PetscInt i = 0; i < at->group->count[axis]; i++) line[i] = 0.;
+  for (PetscInt n = 0; n < count; n++) {
+    const PetscReal inside = PetscMin(PetscMax(xi[n], (PetscReal)lower[axis]), (PetscReal)upper[axis]);
+
+    MpmShapeEvaluate(AtPlace(at->rules->shape), at->rules->edge, inside, 0., lower[axis], upper[axis], &there);
+    for (PetscInt i = 0; i < at->group->count[axis]; i++) {
+      const PetscInt k = at->group->first[axis] + i - there.first - shift;
+
+      if (k >= 0 && k < there.count) line[i] += share * weight[k];
+    }
+  }
+}
+
+static void Product(const MpmGroup *group, PetscReal line[][MPM_MAX_WIDTH], PetscReal weight[])
+{
+  for (PetscInt k = 0; k < group->count[2]; k++)
+    for (PetscInt j = 0; j < group->count[1]; j++)
+      for (PetscInt i = 0; i < group->count[0]; i++) *weight++ = line[0][i] * line[1][j] * line[2][k];
+}
+
+/*
+  Weights of the face's centre instead of the point's: a traction does its work where it acts. Shapes without a domain take
+  the point, or the place next to the face's centre between the point's own nodes, which have its mass.
+*/
+static PetscErrorCode FaceWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
+{
+  const MpmGrid   *grid   = at->rules->grid;
+  const MpmPoints *points = at->points;
+  const PetscInt   dim = grid->dim, axis = load->face_axis, p = at->point;
+  const PetscBool  domain = MpmShapeHasDomain(at->rules->shape);
+  PetscReal        line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], xi;
+
+  PetscFunctionBeginUser;
+  OwnLines(at, line);
+  if (domain || load->at_face) {
+    PetscCheck(!at->rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+               "point %" PetscInt_FMT " has no stretch", points->id[p]);
+    xi = (points->x[p * dim + axis] - grid->lower[axis] +
+          (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
+         grid->h[axis];
+    if (!domain) xi = WithinCell((points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis], xi);
+    LineAt(at, axis, 1, &xi, line[axis]);
+  }
+  Product(at->group, line, weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does gravity act on the points by EndWeights()? What moves has mass where its weight is, so that it falls as one. */
+static PetscBool ActsAtEnds(const MpmLoad *load, const MpmRules *rules)
+{
+  return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2 && !rules->dynamic);
+}
+
+/*
+  On the axis that gravity acts along most the mean of the functions at both ends of the point's domain, instead of that over it.
+
+  What a stress sigma_p over a domain of the length 2l puts on a node is sigma_p (w(y + l) - w(y - l)) times the area across.
+  Summed by parts over a column of domains with a stress linear in y, that is the trapezoidal rule for the integral of
+  w d sigma/dy. With the same rule for the weight, ground at rest, or with water that rises steadily, has exactly linear stress at its
+  points. The mean over the domain is the integral itself, l^2/12 of w's slope at the material's ends less: a pair of forces
+  there, which bends the stress of the last rows. (Domains of `gimp` that lie in one cell have both alike.)
+*/
+static PetscErrorCode EndWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
+{
+  const MpmGrid *grid = at->rules->grid;
+  const PetscInt dim = grid->dim, p = at->point;
+  PetscReal      line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM], ends[2];
+  PetscInt       axis = 0;
+
+  PetscFunctionBeginUser;
+  PetscCheck(MpmSpaceHalfLengths(at->rules, at->points, p, half), PETSC_COMM_SELF, PETSC_ERR_FP,
+             "point %" PetscInt_FMT " has no stretch", at->points->id[p]);
+  for (PetscInt a = 1; a < dim; a++)
+    if (PetscAbsReal(load->value[a]) > PetscAbsReal(load->value[axis])) axis = a;
+  for (PetscInt s = 0; s < 2; s++)
+    ends[s] = (at->points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis] + (s ? half[axis] : -half[axis]);
+  OwnLines(at, line);
+  LineAt(at, axis, 2, ends, line[axis]);
+  Product(at->group, line, weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, PetscInt *up)
+{
+  PetscReal most = 0.;
+
+  *axis = dim - 1;
+  *up   = 1;
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscReal gravity = 0.;
+
+    for (PetscInt l = 0; l < loads->count; l++)
+      if (loads->at[l].type == MPM_LOAD_GRAVITY) gravity += loads->at[l].value[a];
+    if (PetscAbsReal(gravity) <= most) continue;
+    most  = PetscAbsReal(gravity);
+    *axis = a;
+    *up   = gravity < 0. ? 1 : -1;
+  }
+}
+
+PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
+                            MpmParticles *particles, PetscReal force[])
+{
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
+  const PetscInt   numbers = load->type == MPM_LOAD_FLUX ? 1 : dim;
+  PetscReal       *share   = NULL, *storage;
+  MpmBasis         basis;
+
+  PetscFunctionBeginUser;
+  if (factor == 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  if (load->share_field) PetscCall(MpmParticlesGetField(particles, load->share_field, &share));
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt  p  = space->order[s];
+      const Touched   at = {rules, space, points, group, p};
+      const PetscReal amount =
+        Sign(load, sum) * factor * (share ? share[p] : MpmPointMassStart(points, sum->materials, p));
+
+      if (amount == 0.) continue;
+      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, &at, basis.basis[0]));
+      else if (ActsAtEnds(load, rules)) PetscCall(EndWeights(load, &at, basis.basis[0]));
+      else MpmSpaceEvaluate(space, group, p, &basis);
+      for (PetscInt i = 0; i < group->node_count; i++)
+        for (PetscInt a = 0; a < numbers; a++)
+          force[nodes[i] * bs + Unknown(load, sum, a)] += amount * basis.basis[0][i] * load->value[a];
+    }
+  }
+  PetscCall(PetscFree(storage));
+  if (share) PetscCall(MpmParticlesRestoreField(particles, &share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum, PetscReal force[])
+{
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
+  PetscReal       *storage, value[MPM_MAX_DIM];
+  MpmBasis         basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+    const PetscInt *nodes = &space->group_nodes[group->node_offset];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      PetscCall((*function)(dim, time, &points->x0[p * dim], value, ctx));
+      MpmSpaceEvaluate(space, group, p, &basis);
+      for (PetscInt i = 0; i < group->node_count; i++)
+        for (PetscInt a = 0; a < dim; a++)
+          force[nodes[i] * bs + a] += points->volume0[p] * basis.basis[0][i] * value[a];
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The two axes of a stress' fields. */
+static const PetscInt pair[6][2] = {{0, 0}, {1, 1}, {0, 1}, {2, 2}, {1, 2}, {0, 2}};
+
+/* One point, at the nodes of its group; `weight` in N, `volume` in m3. */
+static void AddPoint(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *group, const PetscReal weight[],
+                     const PetscReal stress[], PetscReal volume, PetscReal force[])
+{
+  const PetscInt  dim   = sum->space->dim;
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    PetscReal *at = &force[nodes[i] * sum->block];
+
+    for (PetscInt a = 0; a < dim; a++) at[a] += weight[a] * basis->basis[0][i];
+    for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
+      const PetscInt a = pair[c][0], b = pair[c][1];
+
+      at[a] -= volume * stress[c] * basis->basis[1 + b][i];
+      if (a != b) at[b] -= volume * stress[c] * basis->basis[1 + a][i];
+    }
+  }
+}
+
+PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const PetscReal mass[],
+                                  const PetscReal *const stress[], PetscReal force[])
+{
+  const MpmSpace  *space  = sum->space;
+  const MpmPoints *points = sum->points;
+  const PetscInt   dim = space->dim, most = PetscPowInt(space->width, dim);
+  PetscReal       *storage, weight[MPM_MAX_DIM], value[6];
+  MpmBasis         basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
+  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s];
+
+      for (PetscInt a = 0; a < dim; a++) weight[a] = part * mass[p] * points->mass[p] * sum->gravity[a];
+      for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) value[c] = stress[c][p];
+      MpmSpaceEvaluate(space, group, p, &basis);
+      AddPoint(sum, &basis, group, weight, value,
+               part * points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]), force);
+    }
+  }
+  PetscCall(PetscFree(storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,256 @@
+/*
+  Tractions and normal stresses on surfaces of bodies.
+
+  A face with the area a at the step's start (surface_faces.c) has a' = cof(dF) a at its end, dF = I + sum_j u_j (x) grad w_j that of
+  its point, so that the next step starts from the very area a'. With the ramp's factor f it exerts
+
+    normal s:    f s a' ,        traction t:   f t |a'| ,      open water, at a drained face below its level:   -p a'
+
+  on the nodes by the face's weights. Both follow the material, so neither has a potential in general and the tangent,
+
+    -w_i d force/d dF : (. (x) grad w_j) ,    d cof(F)_ij/dF_kl = e_ikn e_jlq F_nq ,
+
+  is not symmetric.
+*/
+#include "space/space.h"
+#include "space/sum.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
+#include "loads/body_surface.h"
+
+/* The basis functions of a face's point, and the force on the face with its derivative by dF. */
+typedef struct {
+  PetscReal *storage;
+  MpmBasis   basis;
+  PetscReal  force[3], by_gradient[3][3][3]; /* d force[i]/d dF[k][l] */
+} Work;
+
+static PetscErrorCode WorkCreate(const MpmSum *sum, Work *work)
+{
+  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim);
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((n * MpmBasisCount(sum->space)), &work->storage));
+  MpmBasisPlace(sum->space, n, work->storage, &work->basis);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* gradient[c][d] = sum_i u_i,c grad_d w_i at the face's point, whose basis functions `work` gets. */
+static void Gradient(const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[], Work *work,
+                     PetscReal gradient[3][3])
+{
+  const MpmGroup *group = &sum->space->groups[face->group];
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset], dim = sum->space->dim;
+
+  MpmSpaceEvaluate(sum->space, group, face->point, &work->basis);
+  for (PetscInt c = 0; c < 3; c++) {
+    for (PetscInt d = 0; d < 3; d++) {
+      gradient[c][d] = 0.;
+      for (PetscInt i = 0; c < dim && d < dim && i < group->node_count; i++)
+        gradient[c][d] += work->basis.basis[1 + d][i] * u[nodes[i] * sum->block + c];
+    }
+  }
+}
+
+/* e_ijk */
+static inline PetscReal Permutation(PetscInt i, PetscInt j, PetscInt k)
+{
+  return 0.5 * (PetscReal)((i - j) * (j - k) * (k - i));
+}
+
+/* area[i] = cof(F)_ij a_j and its derivative by F; in 2D F_33 = 1. */
+static void Area(const PetscReal gradient[3][3], const PetscReal a[3], PetscReal area[3], PetscReal by[3][3][3])
+{
+  PetscReal F[3][3], along[3][3]; /* along[l][q] = e_jlq a_j */
+
+  for (PetscInt l = 0; l < 3; l++) {
+    for (PetscInt q = 0; q < 3; q++) {
+      F[l][q]     = gradient[l][q] + (l == q ? 1. : 0.);
+      along[l][q] = 0.;
+      for (PetscInt j = 0; j < 3; j++) along[l][q] += Permutation(j, l, q) * a[j];
+    }
+  }
+  for (PetscInt i = 0; i < 3; i++) {
+    area[i] = 0.;
+    for (PetscInt kl = 0; kl < 9; kl++) {
+      const PetscInt k = kl / 3, l = kl % 3;
+
+      by[i][k][l] = 0.;
+      for (PetscInt nq = 0; nq < 9; nq++)
+        by[i][k][l] += Permutation(i, k, nq / 3) * along[l][nq % 3] * F[nq / 3][nq % 3];
+      area[i] += 0.5 * by[i][k][l] * F[k][l]; /* quadratic in F */
+    }
+  }
+}
+
+/* The force that acts on the face at the displacement u. */
+static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
+                     Work *work)
+{
+  const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
+  const PetscReal       factor  = faces->factor[face->surface];
+  const PetscReal       normal  = factor * surface->normal - face->water;
+  PetscReal             gradient[3][3], area[3], by[3][3][3], size = 0.;
+
+  Gradient(face, sum, u, work, gradient);
+  Area(gradient, face->area, area, by);
+  for (PetscInt a = 0; a < 3; a++) size += PetscSqr(area[a]);
+  size = PetscSqrtReal(size);
+  for (PetscInt i = 0; i < 3; i++) {
+    work->force[i] = normal * area[i] + factor * surface->traction[i] * size;
+    for (PetscInt kl = 0; kl < 9; kl++) {
+      const PetscInt k = kl / 3, l = kl % 3;
+      PetscReal      value = normal * by[i][k][l];
+
+      for (PetscInt m = 0; size > 0. && surface->traction[i] != 0. && m < 3; m++)
+        value += factor * surface->traction[i] * area[m] / size * by[m][k][l];
+      work->by_gradient[i][k][l] = value;
+    }
+  }
+}
+
+/* Does anything act on the face? */
+static PetscBool IsLoaded(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
+{
+  return (PetscBool)((faces->surfaces->at[face->surface].loaded && faces->factor[face->surface] != 0.) ||
+                     face->water != 0.);
+}
+
+/* y_i += -w_i force */
+static void AddForce(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum,
+                     const PetscReal force[], PetscReal y[])
+{
+  const MpmGroup  *group  = &sum->space->groups[face->group];
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+  const PetscReal *weight = &faces->weight[face->weight];
+  const PetscInt   dim    = sum->space->dim == 2 ? 2 : 3;
+
+  for (PetscInt i = 0; i < group->node_count; i++)
+    for (PetscInt c = 0; c < dim; c++) y[nodes[i] * sum->block + c] -= weight[i] * force[c];
+}
+
+static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                               PetscInt *failed)
+{
+  const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
+  Work                   work  = {.storage = NULL};
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WorkCreate(sum, &work));
+  for (PetscInt k = 0; k < faces->face_count; k++) {
+    if (!IsLoaded(faces, &faces->face[k])) continue;
+    Evaluate(faces, &faces->face[k], sum, u, &work);
+    AddForce(faces, &faces->face[k], sum, work.force, residual);
+  }
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
+                            PetscReal y[])
+{
+  const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
+  Work                   work  = {.storage = NULL};
+
+  PetscFunctionBeginUser;
+  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WorkCreate(sum, &work));
+  for (PetscInt f = 0; f < faces->face_count; f++) {
+    PetscReal change[3][3], force[3];
+
+    if (!IsLoaded(faces, &faces->face[f])) continue;
+    Evaluate(faces, &faces->face[f], sum, u, &work);
+    Gradient(&faces->face[f], sum, du, &work, change);
+    for (PetscInt i = 0; i < 3; i++) {
+      force[i] = 0.;
+      for (PetscInt kl = 0; kl < 9; kl++) force[i] += work.by_gradient[i][kl / 3][kl % 3] * change[kl / 3][kl % 3];
+    }
+    AddForce(faces, &faces->face[f], sum, force, y);
+  }
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The tangent's entry for node i and force c, node j and displacement d. */
+static PetscReal Entry(const Work *work, PetscInt dim, PetscReal weight, PetscInt c, PetscInt d, PetscInt j)
+{
+  PetscReal value = 0.;
+
+  for (PetscInt l = 0; l < dim; l++) value += work->by_gradient[c][d][l] * work->basis.basis[1 + l][j];
+  return -weight * value;
+}
+
+static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                               PetscInt *failed)
+{
+  const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
+  const PetscInt         dim = sum->space->dim, bs = sum->block;
+  Work                   work = {.storage = NULL};
+
+  PetscFunctionBeginUser;
+  (void)failed;
+  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WorkCreate(sum, &work));
+  for (PetscInt f = 0; f < faces->face_count; f++) {
+    const MpmSurfaceFace *face  = &faces->face[f];
+    const MpmGroup       *group = &sum->space->groups[face->group];
+    const PetscInt       *nodes = &sum->space->group_nodes[group->node_offset];
+
+    if (!IsLoaded(faces, face)) continue;
+    Evaluate(faces, face, sum, u, &work);
+    for (PetscInt i = 0; i < group->node_count; i++)
+      for (PetscInt cd = 0; cd < dim * dim; cd++)
+        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] +=
+          Entry(&work, dim, faces->weight[face->weight + i], cd / dim, cd % dim, i);
+  }
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
+                              PetscReal residual[], PetscInt *failed)
+{
+  const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
+  const PetscInt         dim = sum->space->dim, bs = sum->block, most = PetscPowInt(sum->space->width, dim);
+  PetscReal             *element;
+  Work                   work = {.storage = NULL};
+
+  PetscFunctionBeginUser;
+  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
+  PetscCall(WorkCreate(sum, &work));
+  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
+  for (PetscInt f = 0; f < faces->face_count; f++) {
+    const MpmSurfaceFace *face  = &faces->face[f];
+    const MpmGroup       *group = &sum->space->groups[face->group];
+    const PetscInt        n     = group->node_count;
+
+    if (!IsLoaded(faces, face)) continue;
+    Evaluate(faces, face, sum, u, &work);
+    PetscCall(PetscArrayzero(element, n * n * bs * bs));
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt cd = 0; cd < dim * dim; cd++)
+        for (PetscInt j = 0; j < n; j++)
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] =
+            Entry(&work, dim, faces->weight[face->weight + i], cd / dim, cd % dim, j);
+    MpmPatternAddBlock(pattern, sum->space, group, element);
+  }
+  PetscCall(PetscFree(element));
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Idle(const void *ctx)
+{
+  return (PetscBool) !((const MpmSurfaceFaces *)ctx)->face_count;
+}
+
+const MpmTerm MpmTermSurfaces = {.name     = "surfaces of bodies",
+                                 .idle     = Idle,
+                                 .boxes    = MpmSurfaceFacesFind,
+                                 .residual = Residual,
+                                 .tangent  = Tangent,
+                                 .apply    = Apply,
+                                 .diagonal = Diagonal};

@@ -1,0 +1,28 @@
+#pragma once
+/*
+  The Jacobian's action on a vector.
+*/
+#include "points/cell_mean.h"
+
+/*
+  The Jacobian's action without a matrix. With `stored` each point keeps its tangent; otherwise one dual direction makes
+  the product each time it is asked for. With `differences` the plain kernel is differenced in place of duals.
+*/
+typedef struct {
+  const MpmSum   *sum;
+  const MpmTerms *terms;
+  PetscBool       differences;
+  PetscReal      *u;         /* at the local nodes: where the derivative is taken */
+  PetscReal      *tangent;   /* per place in the points' order, or NULL */
+  PetscReal      *mean_flux; /* per cell */
+  PetscReal      *values, *dvalues, *force, *storage;
+  MpmBasis        basis;
+  MpmCellWork     cell;
+} MpmAction;
+PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action);
+PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed);
+/* y += J du at the local nodes, of one unit of the points, or of all terms. */
+PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscReal du[], PetscReal y[],
+                                  PetscInt *failed);
+PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
+PetscErrorCode MpmActionDestroy(MpmAction *action);

@@ -1,0 +1,27 @@
+#pragma once
+/*
+  What the mean over a cell adds to the points' tangents (coupling.c). All of it does nothing where the physics has no mean.
+*/
+#include "points/cell_mean.h"
+
+/*
+  What ties the nodes of a cell together through its mean m_bar, and f, the flux conjugate to it: one value for each
+  unknown of the cell's box, [i][c].
+
+    K_cell += flux_by_mean mean_by_u^T + mean_by_u (f_by_u + f_by_mean mean_by_u)^T
+*/
+typedef struct {
+  PetscReal  *flux_by_mean, *mean_by_u, *f_by_u, f_by_mean;
+  PetscReal  *part[3], *storage; /* those of one group, [c][i] */
+  MpmCellWork cell;
+} MpmCoupling;
+
+PetscErrorCode MpmCouplingCreate(const MpmSum *sum, MpmCoupling *coupling);
+PetscErrorCode MpmCouplingDestroy(MpmCoupling *coupling);
+/* A new cell begins: the tangents of its points. */
+PetscErrorCode MpmCouplingBegin(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCoupling *coupling,
+                                PetscInt *failed);
+/* The vectors of one group's points. */
+PetscErrorCode MpmCouplingAddGroup(const MpmSum *sum, const MpmGroup *group, MpmCoupling *coupling);
+/* The cell is complete: its products are flux_by_mean mean_by_u^T + mean_by_u f_by_u^T from here on. */
+void MpmCouplingEnd(const MpmSum *sum, const MpmCell *cell, MpmCoupling *coupling);

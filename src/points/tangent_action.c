@@ -1,0 +1,286 @@
+/*
+  The Jacobian's action on a displacement, without a matrix: each point takes one direction through the kernel, or
+  through its own tangent where tangents are kept. The coloured, dense and differenced Jacobians are made of actions on
+  seeds.
+*/
+#include "space/unit.h"
+#include "assembly/terms.h"
+#include "points/action.h"
+#include "points/point_term.h"
+
+/* Central differences: the step that balances truncation and rounding for inputs of order one. */
+#define FD_STEP 6e-6
+
+PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action)
+{
+  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->block;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(action, sizeof(*action)));
+  action->sum   = sum;
+  action->terms = terms;
+  PetscCall(PetscMalloc1((sum->space->local * bs), &action->u));
+  PetscCall(PetscMalloc1((n * (3 * bs + MpmBasisCount(sum->space))), &action->storage));
+  action->values  = action->storage;
+  action->dvalues = action->values + n * bs;
+  action->force   = action->dvalues + n * bs;
+  MpmBasisPlace(sum->space, n, action->force + n * bs, &action->basis);
+  if (stored)
+    PetscCall(
+      PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout) + 1), &action->tangent));
+  PetscCall(MpmCellWorkCreate(sum, &action->cell));
+  PetscCall(PetscMalloc1(sum->space->cell_count, &action->mean_flux));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmActionDestroy(MpmAction *action)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(action->u));
+  PetscCall(PetscFree(action->storage));
+  PetscCall(PetscFree(action->tangent));
+  PetscCall(PetscFree(action->mean_flux));
+  PetscCall(MpmCellWorkDestroy(&action->cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* y = A x */
+MPM_INLINE void Times(PetscInt n, const PetscReal A[], const PetscReal x[], PetscReal y[])
+{
+  for (PetscInt k = 0; k < n; k++) {
+    PetscReal sum = 0.;
+
+    for (PetscInt l = 0; l < n; l++) sum += A[k * n + l] * x[l];
+    y[k] = sum;
+  }
+}
+
+/* Keeps the tangents of one group's points. */
+MPM_INLINE PetscErrorCode StoreGroup(const MpmKnown known, MpmAction *action, const MpmGroup *group, PetscBool weights,
+                                     PetscInt *failed)
+{
+  const MpmSum *sum = action->sum;
+
+  MpmSumGather(known, sum, group, action->u, action->values);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s];
+    MpmKernelPoint point;
+    PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
+
+    MpmSumFetch(known, sum, s);
+    MpmSumBasis(known, sum->space, p, weights, &action->basis);
+    MpmSumInputs(known, sum->layout, action->values, &action->basis, input);
+    MpmSumPoint(sum, p, &point);
+    if (sum->layout->kernel->tangent(&point, input, flux, &action->tangent[s * MpmTangentSize(sum->layout)]))
+      (*failed)++;
+  }
+  return PETSC_SUCCESS;
+}
+
+/* Keeps the tangents of a cell's points, or the flux conjugate to its mean. */
+static PetscErrorCode StoreCell(MpmAction *action, PetscInt c, PetscInt *failed)
+{
+  const MpmCell *cell = &action->sum->space->cells[c];
+  const PetscInt size = MpmTangentSize(action->sum->layout), begin = MpmCellBegin(action->sum, cell);
+  MpmSum         sum = *action->sum;
+
+  PetscFunctionBeginUser;
+  sum.trial = NULL;
+  if (action->tangent) PetscCall(MpmCellTangent(&sum, cell, action->u, &action->cell, failed));
+  else PetscCall(MpmCellResidual(&sum, cell, action->u, &action->cell, failed));
+  action->mean_flux[c] = action->cell.mean_flux;
+  for (PetscInt s = begin; action->tangent && s < MpmCellEnd(&sum, cell); s++)
+    PetscCall(PetscArraycpy(&action->tangent[s * size], action->cell.point[s - begin].tangent.by_input, size));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed)
+{
+  const MpmSum   *sum     = action->sum;
+  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
+
+  PetscFunctionBeginUser;
+  *failed = 0;
+  PetscCall(PetscArraycpy(action->u, u, sum->space->local * sum->block));
+  if (sum->layout->means) {
+    for (PetscInt c = 0; c < sum->space->cell_count; c++) PetscCall(StoreCell(action, c, failed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt g = 0; action->tangent && g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+
+    MPM_DISPATCH(sum->layout, group, StoreGroup, action, group, weights, failed);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The flux at an input; f: what the flux conjugate to the mean has for this point. */
+static int WholeFlux(const MpmLayout *layout, const MpmKernelPoint *point, const PetscReal input[], PetscReal f,
+                     PetscReal flux[])
+{
+  PetscReal m, dm[MPM_MAX_INPUTS];
+
+  if (layout->kernel->residual(point, input, flux)) return 1;
+  if (!layout->means) return 0;
+  if (layout->kernel->mean(point, input, &m, dm, NULL)) return 1;
+  for (PetscInt k = 0; k < layout->inputs; k++) flux[k] += f * dm[k];
+  return 0;
+}
+
+/* Its derivative along dinput, by central differences. */
+static int Difference(const MpmLayout *layout, const MpmKernelPoint *point, const PetscReal input[],
+                      const PetscReal dinput[], PetscReal f, PetscReal dflux[])
+{
+  const PetscInt N = layout->inputs + layout->means;
+  PetscReal      forward[MPM_MAX_INPUTS], backward[MPM_MAX_INPUTS], shifted[MPM_MAX_INPUTS], size = 0.;
+
+  for (PetscInt k = 0; k < N; k++) size = PetscMax(size, PetscAbsReal(dinput[k]));
+  for (PetscInt k = 0; k < N; k++) dflux[k] = 0.;
+  if (size == 0.) return 0;
+  for (PetscInt k = 0; k < N; k++) shifted[k] = input[k] + FD_STEP * dinput[k] / size;
+  if (WholeFlux(layout, point, shifted, f, forward)) return 1;
+  for (PetscInt k = 0; k < N; k++) shifted[k] = input[k] - FD_STEP * dinput[k] / size;
+  if (WholeFlux(layout, point, shifted, f, backward)) return 1;
+  for (PetscInt k = 0; k < N; k++) dflux[k] = (forward[k] - backward[k]) * size / (2. * FD_STEP);
+  return 0;
+}
+
+/* The action on the points of one group. */
+MPM_INLINE PetscErrorCode ApplyGroup(const MpmKnown known, MpmAction *action, const MpmGroup *group, PetscBool weights,
+                                     const PetscReal du[], PetscReal y[], PetscInt *failed)
+{
+  const MpmSum  *sum = action->sum;
+  const PetscInt N   = known.inputs;
+
+  if (!action->tangent) MpmSumGather(known, sum, group, action->u, action->values);
+  MpmSumGather(known, sum, group, du, action->dvalues);
+  for (PetscInt k = 0; k < known.n * known.block; k++) action->force[k] = 0.;
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s];
+    PetscReal      input[MPM_MAX_INPUTS], dinput[MPM_MAX_INPUTS], dflux[MPM_MAX_INPUTS];
+
+    MpmSumFetch(known, sum, s);
+    MpmSumBasis(known, sum->space, p, weights, &action->basis);
+    MpmSumInputs(known, sum->layout, action->dvalues, &action->basis, dinput);
+    if (action->tangent) Times(N, &action->tangent[s * N * N], dinput, dflux);
+    else {
+      MpmKernelPoint point;
+      PetscReal      flux[MPM_MAX_INPUTS];
+
+      MpmSumInputs(known, sum->layout, action->values, &action->basis, input);
+      MpmSumPoint(sum, p, &point);
+      if (action->differences ? Difference(sum->layout, &point, input, dinput, 0., dflux)
+                              : sum->layout->kernel->direction(&point, input, dinput, flux, dflux)) {
+        (*failed)++;
+        continue;
+      }
+    }
+    MpmSumAddFlux(known, sum->layout, &action->basis, dflux, action->force);
+  }
+  MpmSumScatter(known, sum, group, action->force, y);
+  return PETSC_SUCCESS;
+}
+
+/* The tangent of the point at place s of the order, of a cell: kept, or what there is of it. */
+MPM_INLINE MpmTangent TangentOf(const PetscInt N, const MpmAction *action, PetscInt s)
+{
+  if (action->tangent) return MpmTangentAt(N, &action->tangent[s * MpmTangentSize(action->sum->layout)]);
+  return action->cell.point[s - action->cell.begin].tangent;
+}
+
+/* The change of a cell point's fluxes, that of the mean's flux f last, without what the latter does to the others. */
+MPM_INLINE void ChangeByTangent(const PetscInt N, const MpmTangent *tangent, const PetscReal dinput[],
+                                PetscReal dflux[])
+{
+  Times(N, tangent->by_input, dinput, dflux);
+  dflux[N] = tangent->second[0] * dinput[N];
+  for (PetscInt k = 0; k < N; k++) dflux[k] += tangent->by_mean[k] * dinput[N];
+  for (PetscInt k = 0; k < N; k++) dflux[N] += tangent->of_mean[k] * dinput[k];
+}
+
+/* The same without a tangent; f: what the mean's flux has for this point. */
+static int ChangeByKernel(const MpmAction *action, PetscReal f, const MpmCellPoint *at)
+{
+  const MpmLayout *layout = action->sum->layout;
+  const PetscInt   N      = layout->inputs;
+  PetscReal        flux[MPM_MAX_INPUTS];
+
+  if (action->differences) return Difference(layout, &at->point, at->input, at->dinput, f, at->flux);
+  if (layout->kernel->direction(&at->point, at->input, at->dinput, flux, at->flux)) return 1;
+  for (PetscInt k = 0; k < N; k++)
+    for (PetscInt l = 0; l < N; l++) at->flux[k] += f * at->ddm[k * N + l] * at->dinput[l];
+  return 0;
+}
+
+/* The change of a cell's mean from that of its points' inputs, of all fluxes, and what the mean's flux does to them. */
+MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, PetscInt c, PetscInt *failed)
+{
+  const MpmCellWork *work  = &action->cell;
+  const PetscInt    *order = action->sum->space->order;
+  const PetscReal   *share = action->sum->space->share;
+  const PetscInt     begin = work->begin, end = MpmCellEnd(action->sum, &action->sum->space->cells[c]);
+  PetscReal          dmean = 0., dmean_flux = 0.;
+
+  for (PetscInt s = begin; s < end; s++) {
+    const MpmTangent tangent = TangentOf(N, action, s);
+
+    for (PetscInt k = 0; k < N; k++) dmean += tangent.dm[k] * work->point[s - begin].dinput[k];
+  }
+  for (PetscInt s = begin; s < end; s++) {
+    const MpmTangent    tangent = TangentOf(N, action, s);
+    const MpmCellPoint *at      = &work->point[s - begin];
+
+    at->dinput[N] = dmean;
+    if (action->tangent) ChangeByTangent(N, &tangent, at->dinput, at->flux);
+    else if (ChangeByKernel(action, action->mean_flux[c] * share[order[s]], at)) {
+      (*failed)++;
+      for (PetscInt k = 0; k <= N; k++) at->flux[k] = 0.;
+    }
+    dmean_flux += at->flux[N];
+  }
+  for (PetscInt s = begin; s < end; s++) {
+    const MpmTangent tangent = TangentOf(N, action, s);
+
+    for (PetscInt k = 0; k < N; k++) work->point[s - begin].flux[k] += dmean_flux * tangent.dm[k];
+  }
+  return PETSC_SUCCESS;
+}
+
+/* The action on the points of one cell. */
+static PetscErrorCode ApplyCell(MpmAction *action, PetscInt c, const PetscReal du[], PetscReal y[], PetscInt *failed)
+{
+  const MpmSum  *sum  = action->sum;
+  const MpmCell *cell = &sum->space->cells[c];
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmCellInputs(sum, cell, action->tangent ? NULL : action->u, du, &action->cell));
+  if (!action->tangent) PetscCall(MpmCellMean(sum, cell, PETSC_TRUE, &action->cell, failed));
+  MPM_DISPATCH_INPUTS(sum->layout, ChangeCell, action, c, failed);
+  PetscCall(MpmCellScatter(sum, cell, &action->cell, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscReal du[], PetscReal y[],
+                                  PetscInt *failed)
+{
+  const MpmSum   *sum     = action->sum;
+  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
+  const MpmGroup *group   = &sum->space->groups[unit];
+
+  PetscFunctionBeginUser;
+  if (sum->layout->means) PetscCall(ApplyCell(action, unit, du, y, failed));
+  else MPM_DISPATCH(sum->layout, group, ApplyGroup, action, group, weights, du, y, failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  *failed = 0;
+  for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
+    PetscCall(MpmActionApplyUnit(action, unit, du, y, failed));
+  for (PetscInt k = 1; k < action->terms->count; k++)
+    if (!MpmTermsIdle(action->terms, k))
+      PetscCall(action->terms->term[k]->apply(action->terms->ctx[k], action->sum, action->u, du, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,83 @@
+/*
+  The diagonal blocks of the points' Jacobian.
+*/
+#include "points/point_tangent.h"
+
+static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const MpmCoupling *coupling,
+                                  PetscReal blocks[])
+{
+  const MpmGroup *box   = &sum->space->groups[cell->box];
+  const PetscInt  bs    = sum->block;
+  const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
+
+  for (PetscInt i = 0; i < box->node_count; i++) {
+    const PetscReal *a = &coupling->flux_by_mean[i * bs], *b = &coupling->mean_by_u[i * bs],
+                    *f = &coupling->f_by_u[i * bs];
+
+    for (PetscInt c = 0; nodes[i] >= 0 && c < bs; c++)
+      for (PetscInt d = 0; d < bs; d++) blocks[(nodes[i] * bs + c) * bs + d] += a[c] * b[d] + b[c] * f[d];
+  }
+}
+
+/* The diagonal blocks of one group's nodes. */
+MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
+                                        const PetscReal u[], MpmWorkspace *work, Target *to, PetscInt *failed)
+{
+  const PetscInt  N = known.inputs, bs = known.block;
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  MpmSumGather(known, sum, group, u, work->values);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    Point at;
+
+    if (!PointTangent(known, sum, s, work, &to->coupling, &at)) {
+      (*failed)++;
+      continue;
+    }
+    for (PetscInt i = 0; i < known.n; i++) {
+      PetscReal *block = &to->blocks[nodes[i] * bs * bs];
+
+      for (PetscInt k = 0; k < N; k++) {
+        const PetscReal phi = at.basis.basis[KnownBasis(known, sum->layout, k)][i];
+        PetscReal      *row = &block[KnownComponent(known, sum->layout, k) * bs];
+
+        for (PetscInt l = 0; l < N; l++)
+          row[KnownComponent(known, sum->layout, l)] +=
+            phi * at.tangent[k * N + l] * at.basis.basis[KnownBasis(known, sum->layout, l)][i];
+      }
+    }
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode MpmPointsDiagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
+                                 PetscInt *failed)
+{
+  const MpmSpace *space = sum->space;
+  Target          to    = {.blocks = blocks};
+  MpmWorkspace    work;
+
+  PetscFunctionBeginUser;
+  (void)ctx;
+  PetscCall(MpmWorkspaceCreate(sum, &work));
+  PetscCall(MpmCouplingCreate(sum, &to.coupling));
+  for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
+    const MpmCell groups = MpmUnitGroups(sum, unit);
+
+    PetscCall(MpmCouplingBegin(sum, &groups, u, &to.coupling, failed));
+    if (sum->layout->means && *failed) break;
+    for (PetscInt g = groups.group_begin; g < groups.group_end; g++) {
+      const MpmGroup *group = &space->groups[g];
+
+      MPM_DISPATCH(sum->layout, group, DiagonalGroup, sum, group, u, &work, &to, failed);
+      PetscCall(MpmCouplingAddGroup(sum, group, &to.coupling));
+    }
+    if (sum->layout->means) {
+      MpmCouplingEnd(sum, &groups, &to.coupling);
+      CouplingAddToDiagonal(sum, &groups, &to.coupling, blocks);
+    }
+  }
+  PetscCall(MpmCouplingDestroy(&to.coupling));
+  PetscCall(PetscFree(work.storage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,162 @@
+/*
+  The discrete problem of a step: what of it stays from step to step, and its end.
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
+#include "points/point_terms.h"
+#include "volume/damping.h"
+#include "volume/inertia.h"
+#include "volume/volume.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
+#include "loads/body_surface.h"
+#include "problem/discretization.h"
+
+PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc)
+{
+  PetscFunctionBeginUser;
+  *disc = (MpmDiscretization){.comm = comm, .grid = grid, .layout = layout, .parts = 1};
+  PetscCall(PetscNew(&disc->points));
+  PetscCall(PetscNew(&disc->space));
+  PetscCall(PetscNew(&disc->constraints));
+  PetscCall(PetscNew(&disc->contacts));
+  PetscCall(PetscNew(&disc->pairs));
+  PetscCall(PetscNew(&disc->surfaces));
+  PetscCall(PetscNew(&disc->inertia));
+  PetscCall(PetscNew(&disc->damping));
+  PetscCall(PetscNew(&disc->trial));
+  PetscCall(PetscNew(&disc->sum));
+  *disc->sum =
+    (MpmSum){.grid = grid, .cell = grid->h, .space = disc->space, .layout = layout, .points = disc->points, .part = 1.};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc)
+{
+  PetscFunctionBeginUser;
+  disc->dim        = disc->grid->dim;
+  disc->block      = disc->layout->block;
+  disc->sum->block = disc->layout->block;
+  PetscCall(PetscArraycpy(disc->h, disc->grid->h, MPM_MAX_DIM));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
+                                      const MpmBoundaries *boundaries, const MpmBodies *bodies, const MpmPairs *pairs,
+                                      MpmPlacement *placements, PetscInt state_size)
+{
+  PetscFunctionBeginUser;
+  disc->material_count  = materials->count;
+  disc->sum->materials  = materials->at;
+  disc->sum->state_size = state_size;
+  disc->sum->own_size   = disc->layout->own_size;
+  PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
+  disc->contacts->shaped = bodies;
+  PetscCall(MpmRigidCreate(disc->contacts, placements));
+  disc->contacts->material_count = materials->count;
+  PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
+  if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
+  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
+  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
+  PetscCall(
+    MpmPairContactsCreate(disc->comm, pairs, bodies, state_size, MpmPressureComponent(disc->layout), disc->pairs));
+  if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
+  if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
+  if (disc->inertia->dynamic || disc->inertia->settles)
+    PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));
+  if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermDamping, disc->damping));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
+                                            MpmLoadActing *acting, const MpmKernelSet *kernel)
+{
+  PetscFunctionBeginUser;
+  if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSurfaceFacesCreate(surfaces, acting, disc->surfaces));
+  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaces, disc->surfaces));
+  disc->surfaces->kernel    = kernel;
+  disc->surfaces->contacts  = disc->contacts;
+  disc->surfaces->component = MpmPressureComponent(disc->layout);
+  if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmNodesLocal(const MpmDiscretization *disc)
+{
+  return disc->space->local;
+}
+
+PetscInt MpmNodesOwned(const MpmDiscretization *disc)
+{
+  return disc->space->owned;
+}
+
+PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node)
+{
+  return (PetscBool)!MpmSpaceIsExtra(disc->space, node);
+}
+
+PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[])
+{
+  return MpmSpaceToGhosts(disc->space, block, local);
+}
+
+PetscErrorCode MpmNodesToOwners(const MpmDiscretization *disc, PetscInt block, PetscReal local[])
+{
+  return MpmSpaceAddToOwners(disc->space, block, local);
+}
+
+void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
+{
+  PetscInt at[MPM_MAX_DIM];
+
+  MpmSpaceAt(disc->space, &disc->space->node[node * disc->dim], at);
+  for (PetscInt a = 0; a < disc->dim; a++) x[a] = disc->grid->lower[a] + disc->grid->h[a] * (PetscReal)at[a];
+}
+
+PetscErrorCode MpmTrialReset(MpmTrial *trial)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree5(trial->F, trial->stress, trial->state, trial->own, trial->u));
+  trial->made = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmPatternDestroy(&disc->pattern));
+  PetscCall(MpmSpaceReset(disc->space));
+  PetscCall(MpmConstraintsReset(disc->constraints));
+  PetscCall(PetscFree3(disc->u, disc->residual, disc->force));
+  PetscCall(PetscFree(disc->deviation_n));
+  PetscCall(MpmTrialReset(disc->trial));
+  PetscCall(PetscFree(disc->reaction));
+  PetscCall(MpmContactsDestroy(disc->contacts));
+  PetscCall(MpmPairContactsDestroy(disc->pairs));
+  PetscCall(MpmSurfaceFacesDestroy(disc->surfaces));
+  PetscCall(MpmTermsDestroy(&disc->terms));
+  PetscCall(PetscFree(disc->points));
+  PetscCall(PetscFree(disc->space));
+  PetscCall(PetscFree(disc->constraints));
+  PetscCall(PetscFree(disc->contacts));
+  PetscCall(PetscFree(disc->pairs));
+  PetscCall(PetscFree(disc->surfaces));
+  PetscCall(MpmInertiaReset(disc->inertia));
+  PetscCall(PetscFree(disc->inertia));
+  PetscCall(MpmDampingReset(disc->damping));
+  PetscCall(PetscFree(disc->damping));
+  PetscCall(PetscFree(disc->trial));
+  PetscCall(PetscFree3(disc->sum->still.pressure, disc->sum->still.bent, disc->sum->still.gravity));
+  PetscCall(PetscFree(disc->sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

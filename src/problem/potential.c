@@ -1,0 +1,117 @@
+/*
+  The potential of a step: where every material has a stored energy, and nothing acts that has none, an implicit step is a minimisation,
+
+    Pi(u) = part sum_p V_p psi(F_p(u)) + 1/2 u . (r(u) + r(0)) - f . u ,     d Pi / d u = the residual
+
+  with V_p the points' initial volumes, `part` what of their forces is the step's end's (generalised-alpha method), r the terms that are
+  linear in u with a symmetric matrix, the ghost penalty and inertia, and f the loads, which are constant in a step. With
+  inertia alone that is (u - u*) . M (u - u*)/(2 beta dt^2), but for a constant.
+
+  Sources: Ortiz, Stainier (1999), Comput. Meth. Appl. Mech. Eng. 171, 419-444, doi:10.1016/S0045-7825(98)00219-9; Gast, Schroeder, Stomakhin,
+  Jiang, Teran (2015), IEEE Trans. Vis. Comput. Graph. 21, 1103-1115, doi:10.1109/TVCG.2015.2459687 (implicit steps as minimisations).
+*/
+#include "point/layout.h"
+#include "point/stored_energy.h"
+#include "particles/point_mass.h"
+#include "particles/points.h"
+#include "space/sum.h"
+#include "assembly/terms.h"
+#include "points/point_terms.h"
+#include "volume/damping.h"
+#include "volume/inertia.h"
+#include "volume/volume.h"
+#include "contact/contact.h"
+#include "loads/body_surface.h"
+#include "problem/discretization.h"
+#include "problem/potential.h"
+
+/* Is the law's stress the derivative of an energy that is known, whatever went before? */
+static PetscBool HasPotential(const MpmMaterial *material)
+{
+  const unsigned never = MPM_LAW_PLASTIC | MPM_LAW_VISCOUS | MPM_LAW_LAGGED | MPM_LAW_INTERNAL;
+
+  if (!(material->info.traits & MPM_LAW_SYMMETRIC) || (material->info.traits & never) || material->state_size)
+    return PETSC_FALSE;
+  return (PetscBool)(material->info.energy ||
+                     (material->info.traits & MPM_LAW_FIXED_MODULI && material->info.shear_modulus));
+}
+
+PetscBool MpmPotentialExists(const MpmDiscretization *disc)
+{
+  for (PetscInt m = 0; m < disc->material_count; m++)
+    if (!HasPotential(&disc->sum->materials[m])) return PETSC_FALSE;
+  for (PetscInt k = 0; k < disc->terms->count; k++) {
+    const MpmTerm *term = disc->terms->term[k];
+
+    if (term != &MpmTermPoints && term != &MpmTermGhost && term != &MpmTermInertia && term != &MpmTermDamping &&
+        !(term == &MpmTermContact && !disc->contacts->boundary_count))
+      return PETSC_FALSE;
+  }
+  return (PetscBool)(disc->layout->solid && disc->block == disc->dim && disc->parts == 1);
+}
+
+/* What the points of this rank store, in the trial. */
+MPM_INLINE PetscReal Stored(const PetscInt dim, const MpmDiscretization *disc)
+{
+  const MpmSum *sum   = disc->sum;
+  PetscReal     total = 0.;
+
+  for (PetscInt p = 0; p < disc->points->count; p++)
+    total += disc->points->volume0[p] *
+             MpmStoredEnergy(&sum->materials[disc->points->material[p]],
+                             MpmPointOwn(disc->points, &sum->materials[disc->points->material[p]], p), dim,
+                             &disc->trial->stress[p * MpmSymSize(dim)], NULL, &disc->trial->F[p * dim * dim]);
+  return total;
+}
+
+/* The trial becomes that of disc->u, without the residual, which it no longer goes with; unless it is there. */
+static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
+{
+  PetscBool same = disc->trial->made;
+
+  PetscFunctionBeginUser;
+  *failed = 0;
+  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->u, MpmNodesLocal(disc) * disc->block, &same));
+  if (same) PetscFunctionReturn(PETSC_SUCCESS);
+  disc->trial->made = PETSC_FALSE;
+  disc->sum->trial  = disc->trial;
+  PetscCall(MpmPointsUpdate(disc->sum, disc->u, failed));
+  disc->sum->trial = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* 1/2 u . (r(u) + r(0)) of all terms but the points, on this rank. */
+static PetscErrorCode AddLinear(const MpmDiscretization *disc, PetscReal *value)
+{
+  const MpmTerms *terms  = disc->terms;
+  const PetscInt  count  = MpmNodesLocal(disc) * disc->block;
+  PetscInt        failed = 0;
+  PetscReal      *force, *zero;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc2(count, &force, count, &zero));
+  for (PetscInt k = 1; k < terms->count; k++)
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, disc->u, force, &failed));
+  for (PetscInt k = 1; disc->inertia->active && k < terms->count; k++)
+    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, zero, force, &failed));
+  for (PetscInt k = 0; k < count; k++) *value += 0.5 * disc->u[k] * force[k];
+  PetscCall(PetscFree2(force, zero));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, PetscReal *size, PetscInt *failed)
+{
+  PetscReal part[3] = {0., 0., 0.};
+
+  PetscFunctionBeginUser;
+  PetscCall(FindTrial(disc, failed));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_INT, MPI_SUM, disc->comm));
+  if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
+  part[0] = disc->sum->part * (disc->dim == 2 ? Stored(2, disc) : Stored(3, disc));
+  PetscCall(AddLinear(disc, &part[1]));
+  for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->force[k] * disc->u[k];
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 3, MPIU_REAL, MPIU_SUM, disc->comm));
+  *value = part[0] + part[1] + part[2];
+  *size  = PetscAbsReal(part[0]) + PetscAbsReal(part[1]) + PetscAbsReal(part[2]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,29 @@
+#pragma once
+/*
+  Facets: what of the faces that bound the material may touch a rigid surface in a step.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/* A face that meets an edge of a boundary is cut into so many slices on each axis. */
+#define MPM_SLICES 4
+
+/* A face of a point's domain that bounds the material and may touch a boundary in this step. */
+typedef struct {
+  PetscInt   boundary, point, group, weight; /* weight: where its weights at the nodes of the patch's box stand */
+  PetscInt   corner;                         /* 0, or the id of the point whose edge or corner it is, and 1 */
+  PetscInt64 cell;                           /* of the point's centre */
+  PetscReal place[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start; the boundary's normal */
+  PetscReal distance;                                                   /* at the step's start */
+  PetscInt  side;   /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
+  PetscReal area;   /* projected on the boundary, m^(dim-1) */
+  PetscInt  single; /* a patch by itself: an edge of the boundary is near (edge_facets.c) */
+  PetscBool askew;  /* it looks past the boundary, and hardly counts */
+  PetscInt  slice;  /* 0, or 1 + its index, of a slice of a face that meets an edge */
+  PetscInt  piece;  /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
+  PetscReal
+    portion; /* and of its area that is this facet's; of round and single ones, of that of its point's which touch */
+  PetscInt  round;   /* it stands on the round surface that cut its body's lattice (round_facets.c) */
+  PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
+  PetscReal arm[MPM_MAX_DIM], turn; /* round: from the surface's centre; what turning adds to its distance (Turn), m */
+} MpmFacet;

@@ -1,0 +1,8 @@
+#pragma once
+/*
+  Terms of the material's volume without an object of their own.
+*/
+#include "assembly/terms.h"
+
+extern const MpmTerm MpmTermWaterWeight; /* of what points take up, where the physics has it (water_weight.c) */
+extern const MpmTerm MpmTermGhost;       /* the ghost penalty (ghost_penalty.c) */
