@@ -22,9 +22,10 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "solve/solve.h"
-#include "time/integrator.h"
-#include "time/model.h"
-#include "time/time.h"
+#include "integrators/integrators.h"
+#include "query/model.h"
+#include "step/step.h"
+#include "schedule/schedule.h"
 
 #define BENCH_WARM       5    /* steps before the first round */
 #define BENCH_STRAIN     1e-4 /* of the quasi-static step */

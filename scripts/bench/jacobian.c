@@ -19,7 +19,8 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/space.h"
-#include "time/time.h"
+#include "step/step.h"
+#include "schedule/schedule.h"
 #include "run/run.h"
 #include "hencky_tangent.h"
 

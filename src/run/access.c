@@ -8,7 +8,7 @@
 #include "contact/body_contact.h"
 #include "contact/contact.h"
 #include "loads/load.h"
-#include "time/model.h"
+#include "query/model.h"
 
 /* ---- loads and reactions ---- */
 

@@ -6,7 +6,6 @@
 #include "point/material.h"
 #include "particles/body.h"
 #include "contact/body_contact.h"
-#include "time/time.h"
 #include "run/run.h"
 
 /* The bodies of a contact, by their numbers. */

@@ -9,7 +9,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
-#include "time/time.h"
+#include "step/step.h"
 #include "run/run.h"
 
 #define MAX_CORNERS 8

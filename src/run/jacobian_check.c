@@ -5,7 +5,7 @@
 #include "particles/particles.h"
 #include "space/space.h"
 #include "bc/bc.h"
-#include "time/time.h"
+#include "step/step.h"
 #include "run/run.h"
 
 /* A number in [-1, 1] that depends on its arguments alone, not on the ranks. */

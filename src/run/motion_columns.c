@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include "particles/particles.h"
 #include "volume/inertia.h"
-#include "time/energy.h"
+#include "step/energy.h"
 #include "run/motion_columns.h"
 
 static const struct {

@@ -1,17 +1,36 @@
 /*
   What points start with that bodies do not know: the physics' own states, parameters, and the parts of the material.
 */
+#include "options/options.h"
 #include "point/layout.h"
 #include "point/material.h"
+#include "grid/grid.h"
+#include "grid/shape.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
+#include "space/walls.h"
+#include "bc/bc.h"
+#include "bc/body_motion.h"
+#include "volume/inertia.h"
 #include "rigid/rigid.h"
 #include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
-#include "time/scene.h"
+#include "loads/water_table.h"
+#include "query/query.h"
+#include "query/scene.h"
+#include "scene/integrator_read.h"
+#include "step/change_ramp.h"
+#include "step/moving_grid.h"
+#include "step/water_state.h"
+#include "integrators/consolidation.h"
+#include "integrators/time_error.h"
+#include "schedule/reduction.h"
+#include "schedule/stage.h"
 #include "run/run.h"
 
 /* Contact, regions of surfaces and parameters that vary need initial places, which a stage may overwrite otherwise. */
@@ -168,5 +187,148 @@ PetscErrorCode MpmFillParts(MpmModel model)
   for (PetscInt p = 0; p < points.count; p++) points.part[p] = bodies->part[body_of[p]];
   PetscCall(PetscFree(body_of));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- points ---- */
+
+/* The first stage of a run that does not go on from a checkpoint. */
+static PetscErrorCode BeginStages(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  MpmSurfacesSetBodies(model);
+  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
+  PetscCall(MpmStageBegin(model, 0));
+  PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
+                                 model->state.particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the points that are tracked, moved and followed, and what stages ask for. */
+static PetscErrorCode SelectPoints(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt t = 0; t < model->results->tracks.count; t++)
+    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
+  PetscCall(MpmLinesSelect(model));
+  for (PetscInt m = 0; m < model->scene.motions->count; m++)
+    PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
+  PetscCall(MpmMovingGridSelect(model));
+  PetscCall(MpmStagesSelect(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What stages note of the points as they start. */
+static void AddStageFields(const MpmModel model, const char *fields[], PetscInt *count)
+{
+  for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
+  for (PetscInt f = 0; f < MpmChangeFieldCount(model); f++) fields[(*count)++] = MpmChangeFields[f];
+  if (MpmStagesControlError(model)) fields[(*count)++] = MpmTimeErrorField;
+  if (MpmStagesConsolidate(model)) fields[(*count)++] = MpmConsolidationField;
+}
+
+/* What contacts keep at the points. */
+static void AddContactFields(const MpmModel model, const char *fields[], PetscInt *count)
+{
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++) {
+    fields[(*count)++] = model->scene.pairs->at[k].gap_field;
+    if (model->scene.pairs->at[k].augmented) fields[(*count)++] = model->scene.pairs->at[k].pressure_field;
+    for (PetscInt a = 0; model->scene.pairs->at[k].tangential && a < model->disc.dim; a++)
+      fields[(*count)++] = model->scene.pairs->at[k].slip_field[a];
+  }
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
+      fields[(*count)++] = model->scene.boundaries->at[k].slip_field[a];
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
+    if (model->scene.boundaries->at[k].augmented) fields[(*count)++] = model->scene.boundaries->at[k].pressure_field;
+    if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].gap_field;
+    if (model->scene.boundaries->at[k].broken_field) fields[(*count)++] = model->scene.boundaries->at[k].broken_field;
+  }
+}
+
+/* A run that goes on needs the bodies only where later stages bring or change them, and where contact knows their shape. */
+static PetscBool NeedsBodies(const MpmModel model)
+{
+  return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name ||
+                     model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
+}
+
+/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
+PetscErrorCode MpmPointsCreate(MpmModel model)
+{
+  PetscInt  state_size = 0, extra = 0, shared;
+  PetscBool parts       = (PetscBool)(model->disc.parts > 1);
+  PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
+  PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
+                                      MpmStagesReduce(model) || model->scene.stabilization.divide > 0.);
+  const char  *why;
+  const char **fields;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
+                          model->scene.motions->count +
+                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 3) + 1 +
+                          MPM_CHANGE_FIELDS),
+                         &fields));
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    if (model->scene.loads->at[l].type == MPM_LOAD_TRACTION) half_length = PETSC_TRUE;
+    if (model->scene.loads->at[l].share_field) fields[extra++] = model->scene.loads->at[l].share_field;
+  }
+  for (PetscInt t = 0; t < model->results->tracks.count; t++)
+    fields[extra++] = model->results->tracks.at[t].share_field;
+  shared = extra;
+  MpmLinesAddFields(model, fields, &extra);
+  AddContactFields(model, fields, &extra);
+  AddStageFields(model, fields, &extra);
+
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;
+  if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);
+
+  model->state.particles->has_mass = MpmStagesKeepMass(model);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    if (MpmBodyIsImported(model->scene.bodies->at[b]) || MpmBodyIsStressed(model->scene.bodies->at[b]))
+      model->state.particles->has_mass = PETSC_TRUE;
+  PetscCall(MpmParticlesCreate(
+    model->disc.grid,
+    &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
+                         .state_size   = state_size,
+                         .own_size     = model->disc.layout->own_size,
+                         .rates        = model->disc.layout->rates,
+                         .half_length  = half_length,
+                         .increment    = model->state.predict,
+                         .faces        = faces,
+                         .part         = parts,
+                         .divisions    = (PetscBool)(model->scene.stabilization.divide > 0.),
+                         .origin       = MpmOriginIsKept(model),
+                         .across       = (PetscBool)(model->disc.dim == 2 && model->state.particles->has_mass),
+                         .velocity     = model->disc.inertia->dynamic,
+                         .affine       = MpmStagesAreAffine(model),
+                         .acceleration = MpmStagesAreImplicit(model),
+                         .extra_count  = extra,
+                         .shared       = shared,
+                         .extra        = fields},
+    model->state.particles));
+  PetscCall(PetscFree(fields));
+  if (!NeedsBodies(model)) {
+    PetscCall(MpmRestartReadPoints(model));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmBodiesPrepare(model));
+  PetscCall(MpmBodiesShareEdges(model));
+  PetscCall(MpmBodiesGenerate(model->scene.bodies->count, model->scene.bodies->at, model->scene.materials->at,
+                              model->disc.grid, model->state.particles));
+  PetscCall(MpmFillOwnStates(model));
+  PetscCall(MpmFillFromFiles(model));
+  PetscCall(MpmFillParts(model));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
+  MpmCheckInput(!why, "-mpm_bodies: %s", why);
+  PetscCall(MpmBodiesCheckOverlap(model));
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
+  PetscCall(SelectPoints(model));
+  if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
+  else PetscCall(BeginStages(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

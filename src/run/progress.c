@@ -8,7 +8,7 @@
 #include "grid/shape.h"
 #include "particles/particles.h"
 #include "rigid/rigid.h"
-#include "time/dynamics.h"
+#include "scene/integrator_read.h"
 #include "run/laboratory.h"
 #include "run/run.h"
 

@@ -11,8 +11,11 @@
 #include "grid/partition.h"
 #include "particles/particles.h"
 #include "space/rules.h"
-#include "time/rescue.h"
-#include "time/time.h"
+#include "step/moving_grid.h"
+#include "schedule/reduction.h"
+#include "schedule/rescue.h"
+#include "schedule/schedule.h"
+#include "schedule/stage.h"
 #include "run/run.h"
 
 struct _p_MpmRestart {

@@ -5,7 +5,7 @@
 #include "base/types.h"
 #include "options/database.h"
 #include "io/io.h"
-#include "time/model.h"
+#include "query/model.h"
 #include "run/lines.h"
 #include "run/manual.h"
 #include "run/signals.h"
@@ -156,12 +156,12 @@ PetscErrorCode MpmFillOwnStates(MpmModel model);
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
 PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);
+/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
+PetscErrorCode MpmPointsCreate(MpmModel model);
 /* Numbers of the row of parameters that each point has; 0: no material varies. Sets the materials' strides. */
 PetscInt MpmOwnParametersSize(MpmModel model);
 /* Do points keep their places in the initial state, beside those where displacements began anew? */
 PetscBool MpmOriginIsKept(const MpmModel model);
-/* Is the Jacobian symmetric, as far as the physics knows (symmetry.c)? Once materials, loads and surfaces are read. */
-PetscBool MpmSceneIsSymmetric(MpmModel model);
 /*
   Surfaces of bodies (surfaces_read.c): their blocks, behind the boundaries'; which points are those of their bodies, once they are there;
   and their part in the discretization, once that is set up.

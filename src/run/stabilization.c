@@ -31,8 +31,7 @@
 #include "bc/bc.h"
 #include "rigid/rigid.h"
 #include "loads/load.h"
-#include "time/dynamics.h"
-#include "time/time.h"
+#include "scene/integrator_read.h"
 #include "run/run.h"
 
 /* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn, and at last one more for true. */

@@ -3,8 +3,11 @@
 */
 #include "options/options.h"
 #include "particles/particles.h"
-#include "time/time.h"
-#include "time/water_state.h"
+#include "step/water_state.h"
+#include "integrators/consolidation.h"
+#include "schedule/geostatic.h"
+#include "schedule/schedule.h"
+#include "schedule/stage.h"
 #include "run/laboratory.h"
 #include "run/run.h"
 

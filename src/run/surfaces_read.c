@@ -8,7 +8,6 @@
 #include "rigid/rigid.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
-#include "time/time.h"
 #include "run/run.h"
 
 PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options)

@@ -14,7 +14,7 @@
 #include "assembly/terms.h"
 #include "rigid/rigid.h"
 #include "loads/load.h"
-#include "time/integrator.h"
+#include "step/integrator.h"
 #include "run/run.h"
 
 static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)

@@ -8,7 +8,7 @@
 #include "particles/points.h"
 #include "space/space.h"
 #include "bc/body_motion.h"
-#include "time/time.h"
+#include "step/step.h"
 #include "run/run.h"
 
 #define MOST_PAIRS 3 /* that the line names */

@@ -14,7 +14,7 @@ typedef struct MpmTrial {
   PetscBool  framed; /* which is in the frames of nodes, not along the axes */
 } MpmTrial;
 
-/* Water at rest below its level (time/water_state.c); NULL without one. */
+/* Water at rest below its level (step/water_state.c); NULL without one. */
 typedef struct {
   PetscReal *pressure; /* at the local nodes, Pa, */
   PetscBool *bent;     /* where that is not hydrostatic */

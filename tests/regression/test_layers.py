@@ -18,8 +18,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
-LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "space", "bc", "assembly", "points", "volume", "rigid", "contact", "loads", "problem", "solve", "time",
-          "run")
+LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "space", "bc", "assembly", "points", "volume", "rigid", "contact",
+          "loads", "problem", "solve", "query", "scene", "step", "integrators", "schedule", "run")
 KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
 GENERATED = re.compile(r"mpm_\w+\.h")
@@ -200,7 +200,7 @@ def plant(folder, objects):
     def add(path, text):
         (folder / path).write_text((folder / path).read_text(encoding="utf-8") + text, encoding="utf-8")
 
-    add("src/grid/shape.c", '#include "time/time.h"\n')
+    add("src/grid/shape.c", '#include "step/step.h"\n')
     add("materials/j2.c", '#include "point/material.h"\n')
     add("src/space/space.h", '#include "grid/grid.h"\n')
     add("src/io/xdmf.h", '#include "io/hdf5_rows.h"\n')
@@ -209,7 +209,7 @@ def plant(folder, objects):
         if path.parent.name == "run":
             add(path.relative_to(folder), '#include "solve/pc_band.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
-        if path.parent.name in ("run", "time", "solve", "contact"):
+        if path.parent.name in ("run", "step", "integrators", "schedule", "solve", "contact"):
             add(path.relative_to(folder), '#include "run/planted.h"\n')
     (folder / "src/run/planted.h").write_text("#pragma once\n", encoding="utf-8")
     arguments = ", ".join(f"int a{k}" for k in range(FUNCTION_ARGUMENTS + 1))

@@ -12,7 +12,8 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
-#include "time/time.h"
+#include "schedule/schedule.h"
+#include "step/step.h"
 #include "run/run.h"
 #include "unit.h"
 

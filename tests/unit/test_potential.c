@@ -4,7 +4,7 @@
 
   Ranks: 1 2 3
 */
-#include "time/integrator.h"
+#include "step/integrator.h"
 #include "scene.h"
 
 static const char *const scene_2d =

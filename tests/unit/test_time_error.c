@@ -5,7 +5,8 @@
   Ranks: 1 2
 */
 #include "block.h"
-#include "time/sdirk.h"
+#include "integrators/sdirk.h"
+#include "integrators/time_error.h"
 
 #define SWELLING 1e-4
 

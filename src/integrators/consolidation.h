@@ -1,0 +1,17 @@
+#pragma once
+/*
+  Consolidation of a stage: told, and where it ends (consolidation.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/* A line on the length of the stage that begins beside the time of consolidation (consolidation.c). Collective. */
+PetscErrorCode MpmWaterTellStage(MpmModel model);
+/*
+  The end of a stage at a degree of consolidation (consolidation.c). Begin, before a stage's first step, finds the steady pressure, which
+  points have in a field of this name; Observe follows each accepted step. Collective.
+*/
+PetscErrorCode           MpmConsolidationBegin(MpmModel model);
+PetscErrorCode           MpmConsolidationObserve(MpmModel model);
+extern const char *const MpmConsolidationField;

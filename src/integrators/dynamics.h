@@ -1,0 +1,36 @@
+#pragma once
+/*
+  Dynamics: what the integrators with inertia share (dynamics.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "space/momentum.h"
+#include "talus/talus.h"
+#include "query/scene.h"
+
+/*
+  Velocities and accelerations at the local nodes in the step that is tried, dim values a node; the masses are
+  disc.inertia's. `old`: of the points, weighted by mass; `start`: the same as the formulae of the integrator take them,
+  where prescribed unknowns move as they are told to.
+
+    a_new = a_factor u + a_rest ,     v_new = v_factor u + v_rest
+*/
+struct MpmDynamics {
+  PetscInt   local, capacity;
+  PetscReal  a_factor, v_factor;
+  PetscReal  alpha_f; /* what of the points' forces and the loads is the step's start's */
+  PetscReal *v_old, *v_start, *a_start, *a_rest, *v_rest, *v_new, *a_new;
+  PetscReal *loads; /* the mean of the loads over the step, N */
+  PetscInt   moves_room;
+  PetscReal *moves; /* of explicit steps: the points' velocities, m/s */
+};
+
+/* What the stage under way takes from motion; SetTime() of a stage calls it. */
+void MpmDynamicsSetStage(MpmModel model);
+/* As a stage begins: points that come to it from one without inertia are at rest. */
+PetscErrorCode MpmDynamicsBegin(MpmModel model);
+/* Room for the nodes of the step's space, in model->state.scheme.dynamics and in the inertia's arrays. */
+PetscErrorCode MpmDynamicsResize(MpmModel model);
+PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics);
+/* Finds how long the next explicit step may be; `why` as in MpmIntegrator. */
+PetscErrorCode MpmExplicitLength(MpmModel model, const char **why);

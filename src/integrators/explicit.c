@@ -1,0 +1,649 @@
+/*
+  Explicit dynamics: symplectic Euler, which is the leapfrog method, without a matrix or a solver.
+
+    m_i = sum_p w_ip m_p ,   v_i = sum_p w_ip m_p (v_p + C_p (x_i - x_p)) / m_i
+    f_i = f_ext,i - sum_p V_p sigma_p grad w_ip + contact
+    v*_i = v_i + k f_i/m_i ,   x_p += dt sum_i w_ip v*_i ,   v_p by FLIP or APIC
+
+  The velocities of a step are those of its middle: a kick k lasts from the middle of the last step to that of this one. Where a stage
+  begins they are those of that time, and the first kick is dt/2; where it ends another half catches them up. A relaxation
+  has k = dt throughout, as it was published.
+
+  The stress is that of the velocities v**, gradient by gradient, through the same kernel of the physics as implicit steps: with
+  the displacement dt v** of the nodes. musl: v** are the points' new velocities, mapped once more; usl: v*; usf: v** = v_i of the last
+  step's middle, for as long as that was, and the stress that follows makes f_i.
+
+  What pushes on a node without mass finds nothing to move. Prescribed unknowns move as they are told to.
+
+  Sources: Sulsky, Zhou, Schreyer (1995), Comput. Phys. Commun. 87, 236-252, doi:10.1016/0010-4655(94)00170-7 (musl); Bardenhagen
+  (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/motion.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "assembly/terms.h"
+#include "points/point_terms.h"
+#include "volume/damping.h"
+#include "volume/inertia.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "problem/section.h"
+#include "query/model.h"
+#include "query/query.h"
+#include "step/energy.h"
+#include "step/step.h"
+#include "integrators/dynamics.h"
+#include "integrators/integrators.h"
+#include "integrators/relaxation.h"
+
+#define LIGHT        1e-2 /* of the mass of the lightest material in a cell: what nodes count as at least, */
+#define LIGHT_AFFINE 0.25 /* and for affine velocities: a step of cfl 1 is then stable */
+
+/* For how long forces act in the step, s. */
+static PetscReal KickLength(const MpmModel model)
+{
+  return MpmModelRelaxes(model) ? model->disc.sum->dt : model->state.scheme.behind + 0.5 * model->disc.sum->dt;
+}
+
+/* For how long they would if the step were one of many: contact stops what comes near in such a one. */
+static PetscReal WholeKick(const MpmModel model)
+{
+  return model->state.scheme.behind > 0. ? KickLength(model) : model->disc.sum->dt;
+}
+
+/* Room for the points' velocities. */
+static PetscErrorCode Resize(MpmModel model)
+{
+  const PetscInt moves = model->disc.points->count * model->disc.dim;
+  MpmDynamics   *dynamics;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmDynamicsResize(model));
+  dynamics = model->state.scheme.dynamics;
+  if (moves > dynamics->moves_room) {
+    PetscCall(PetscFree(dynamics->moves));
+    PetscCall(PetscMalloc1(moves, &dynamics->moves));
+    dynamics->moves_room = moves;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Do other terms than the points' have forces in this step: contact that is near, pressures on surfaces, damping? */
+static PetscBool HasOthers(const MpmModel model)
+{
+  return (PetscBool)(model->disc.contacts->newton.near || model->scene.surfaces->count ||
+                     MpmDampingAny(model->disc.damping));
+}
+
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  PetscFunctionBeginUser;
+  model->disc.inertia->active       = PETSC_FALSE;
+  model->disc.damping->active       = PETSC_FALSE;
+  model->disc.sum->part             = 1.;
+  model->state.scheme.load_at_start = 1.; /* a kick's middle is the step's start */
+  PetscCall(MpmStepBegin(model, time, dt, again, why));
+  if (!*why) PetscCall(Resize(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Predict(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->solver.newton = model->solver.linear = 0;
+  model->disc.trial->made                     = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prescribed unknowns take the velocities that bring them to their places. */
+static void Prescribe(const MpmModel model, PetscReal velocity[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
+  const PetscReal       dt = model->disc.sum->dt;
+
+  if (!constraints->any) return;
+  MpmFramesToUnknowns(constraints, dim, local, velocity);
+  for (PetscInt k = 0; k < local * dim; k++)
+    if (!MpmConstraintsFree(constraints, k)) velocity[k] = constraints->value[k] / dt;
+  MpmFramesToAxes(constraints, dim, local, velocity);
+}
+
+/* They move as they are told to at a time. */
+static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velocity[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
+  const PetscReal       by =
+    model->disc.sum->span / model->disc.sum->dt; /* the run's time goes on as fast; 1: it is the motion's */
+  PetscReal *rate;
+
+  PetscFunctionBeginUser;
+  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((local * dim), &rate));
+  PetscCall(MpmStepPrescribedRate(model, time, 1, rate));
+  MpmFramesToUnknowns(constraints, dim, local, velocity);
+  for (PetscInt k = 0; k < local * dim; k++)
+    if (!MpmConstraintsFree(constraints, k)) velocity[k] = by * rate[k];
+  MpmFramesToAxes(constraints, dim, local, velocity);
+  PetscCall(PetscFree(rate));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Before the step they moved as they were told to where velocities stand: what carries them from there is their reaction. */
+static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
+{
+  const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->span : model->state.scheme.behind;
+
+  PetscFunctionBeginUser;
+  PetscCall(PrescribeAt(model, model->state.time - behind, velocity));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does the physics take the points one by one, with stresses as a solid has them? */
+static PetscBool IsPlain(const MpmModel model)
+{
+  return (PetscBool)(!model->disc.layout->means && !strcmp(model->scene.physics.name, "solid"));
+}
+
+/*
+  What the points would be at displacements u of the nodes, into the trial; `force`: NULL, or their forces there. `still`: in the
+  stress of the step's start, and the trial stays as it is.
+*/
+static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscBool still, PetscReal *force,
+                                     const char **why)
+{
+  const MpmTerms *terms  = model->disc.terms;
+  MpmSum         *sum    = model->disc.sum;
+  PetscInt        failed = 0;
+  PetscLogDouble  since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_RESIDUAL, &since));
+  sum->rest  = (PetscBool)(still && !model->disc.layout->means);
+  sum->trial = still ? NULL : model->disc.trial;
+  if (!force && !model->disc.layout->means) PetscCall(MpmPointsUpdate(sum, u, &failed));
+  else {
+    PetscReal *to = force ? force : model->state.scheme.dynamics->a_rest;
+
+    PetscCall(PetscArrayzero(to, model->disc.space->local * model->disc.block));
+    PetscCall(terms->term[0]->residual(terms->ctx[0], sum, u, to, &failed));
+  }
+  sum->rest  = PETSC_FALSE;
+  sum->trial = NULL;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  if (failed) *why = "a point's law has no answer";
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_RESIDUAL, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* u = dt v, at all local nodes */
+static void Displace(const MpmModel model, const PetscReal velocity[], PetscReal u[])
+{
+  for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = model->disc.sum->dt * velocity[k];
+}
+
+/* The same of the last step, whose velocities they are; where a stage begins there is none. */
+static void DisplaceLast(const MpmModel model, const PetscReal velocity[], PetscReal u[])
+{
+  const PetscReal dt = MpmModelRelaxes(model) ? model->disc.sum->dt : 2. * model->state.scheme.behind;
+
+  for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = dt * velocity[k];
+}
+
+/*
+  Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.residual: in one pass over the
+  points where their stress is known and the physics is a solid's.
+*/
+static PetscErrorCode SumNodes(MpmModel model, const char **why)
+{
+  const MpmTransfer *transfer = &MpmModelMotion(model)->transfer;
+  const PetscBool    first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
+  const PetscInt     dim = model->disc.dim, local = model->disc.space->local;
+  MpmDynamics       *dynamics = model->state.scheme.dynamics;
+  PetscReal         *force = model->disc.residual, *mass = model->disc.inertia->mass;
+
+  PetscFunctionBeginUser;
+  if (first || !IsPlain(model)) {
+    PetscCall(MpmMomentumToNodes(model->disc.sum, transfer, mass, dynamics->v_old, NULL));
+    PetscCall(PrescribeStart(model, dynamics->v_old));
+    if (first) DisplaceLast(model, dynamics->v_old, model->disc.trial->u);
+    else PetscCall(PetscArrayzero(model->disc.trial->u, local * dim));
+    PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, why));
+    for (PetscInt k = 0; k < local * dim; k++) force[k] = model->disc.force[k] - force[k];
+    PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, force));
+    PetscCall(MpmSpaceToGhosts(model->disc.space, dim, force));
+  } else {
+    PetscCall(PetscArraycpy(force, model->disc.force, local * dim));
+    PetscCall(MpmMotionToNodes(model->disc.sum, transfer, mass, dynamics->v_old, force));
+    PetscCall(PrescribeStart(model, dynamics->v_old)); /* what supports move at does not come from the points */
+  }
+  for (PetscInt i = 0; i < local; i++)
+    for (PetscInt a = 0; a < dim; a++) force[i * dim + a] += mass[i] * model->disc.sum->gravity[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  What a force has to move, kg: dashpots act with the mean of the velocities before and after, m (v_new - v_old) = k (f - c (v_old +
+  v_new)/2), k the kick, of which f - c v_old is the force.
+*/
+static PetscReal MovedMass(const MpmModel model, PetscReal kick, PetscInt k)
+{
+  const MpmDamping *damping = model->disc.damping;
+  const PetscReal   mass    = model->disc.inertia->mass[k / model->disc.dim];
+
+  return damping->active ? mass + 0.5 * kick * damping->dashpot[k] : mass;
+}
+
+/* v_new = v_old + kick f/m; where there is no mass nothing moves */
+static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
+{
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *mass     = model->disc.inertia->mass;
+  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
+
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal by = mass[k / dim] > 0. ? kick / MovedMass(model, kick, k) : 0.;
+
+    dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
+  }
+  Prescribe(model, dynamics->v_new);
+}
+
+/*
+  Nodes with hardly any mass. A domain that reaches by a way d into a cell gives a node there a mass that goes with d^2 and forces that
+  go with d: its velocity has no bound as d goes to 0. The points take little of that, and the node's next velocity is theirs again; but a
+  face at the domain's end has a weight of d there, and would seem to slip, step by step, by what the stress in the domain and the friction on the
+  face differ. So other terms than the points' see a free node's change since the step's start as if its mass were at least this, kg. The
+  forces, and with them momentum, are what they are.
+*/
+static PetscReal LeastMass(const MpmModel model, PetscReal part)
+{
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    least = PetscMin(least, part * model->scene.materials->at[m].density);
+  for (PetscInt a = 0; a < model->disc.dim; a++) least *= model->disc.grid->h[a];
+  return least;
+}
+
+static PetscBool IsLinear(const MpmModel model)
+{
+  return (PetscBool)(!MpmShapeHasDomain(model->scene.shape) && MpmShapeDegree(model->scene.shape) < 2);
+}
+
+/*
+  Light nodes whose gradients do not fall with their mass: all of linear functions; of other shapes those of points on an edge of the grid.
+  Such a node, of mass m, that one point touches vibrates with (c/h) sqrt(rho h^dim/m), faster than steps may follow, where the point takes
+  its gradient as it is: in the affine velocity, and in the stress of usl. The point's momentum has what it was given.
+*/
+static PetscBool HasLightNodes(const MpmModel model)
+{
+  const PetscReal *mass = model->disc.inertia->mass, least = LeastMass(model, LIGHT_AFFINE);
+
+  if (IsLinear(model)) return PETSC_TRUE;
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    if (mass[i] < least && mass[i] > 0.) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* What they see of a step's displacement, dt times the velocities, or with dt = 1 of these. */
+static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscReal u[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscReal      *mass = model->disc.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
+  const PetscInt        dim   = model->disc.dim;
+  const PetscReal       least = LeastMass(model, light);
+
+  for (PetscInt k = 0; k < model->disc.space->local * dim; k++) {
+    const PetscReal part = mass[k / dim] / least;
+
+    if (part < 1. && MpmConstraintsFree(constraints, k)) u[k] = part * u[k] + (1. - part) * dt * v_old[k];
+  }
+}
+
+/* What gradients see of it: what a node gains or loses beside the fall of all, after a kick. */
+static void QuietenGradients(const MpmModel model, PetscReal kick, PetscReal dt, PetscReal u[])
+{
+  const PetscInt dim = model->disc.dim, count = model->disc.space->local * dim;
+
+  for (PetscInt k = 0; k < count; k++) u[k] -= dt * kick * model->disc.sum->gravity[k % dim];
+  Quieten(model, LIGHT_AFFINE, dt, u);
+  for (PetscInt k = 0; k < count; k++) u[k] += dt * kick * model->disc.sum->gravity[k % dim];
+}
+
+/* How stiff contact may be, by the masses that it sees. */
+static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
+{
+  const PetscReal least = LeastMass(model, LIGHT);
+  PetscReal      *mass;
+
+  PetscFunctionBeginUser;
+  if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(model->disc.space->local, &mass));
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    mass[i] = model->disc.inertia->mass[i] > 0. ? PetscMax(model->disc.inertia->mass[i], least) : 0.;
+  MpmContactsLimit(model->disc.contacts, model->disc.sum, mass, dt);
+  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, mass, dt));
+  PetscCall(PetscFree(mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Their forces at the displacement that the step would have without them, which stays in a_start, are added to `force`. */
+static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
+{
+  const MpmTerms *terms    = model->disc.terms;
+  MpmDynamics    *dynamics = model->state.scheme.dynamics;
+  const PetscInt  count    = model->disc.space->local * model->disc.dim;
+  PetscReal      *other    = dynamics->a_rest;
+  const PetscReal dt       = /* one that is cut short, or after a longer one, kicks nobody */
+    PetscMax(PetscMax(model->disc.sum->dt, model->state.dt_wanted), WholeKick(model));
+  PetscInt failed = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(LimitContact(model, dt));
+  if (MpmDampingAny(model->disc.damping)) {
+    PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia, 0., dynamics->v_old));
+    model->disc.damping->active = PETSC_TRUE;
+  }
+  Displace(model, dynamics->v_new, dynamics->a_start);
+  Quieten(model, LIGHT, model->disc.sum->dt, dynamics->a_start);
+  PetscCall(PetscArrayzero(other, count));
+  for (PetscInt k = 1; k < terms->count; k++)
+    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, dynamics->a_start, other, &failed));
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, other));
+  PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.dim, other));
+  for (PetscInt k = 0; k < count; k++) force[k] -= other[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What supports bear, into disc.residual, which holds the forces; 0 where nothing is prescribed. */
+static void FindSupports(MpmModel model, PetscReal kick)
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const MpmDynamics    *dynamics    = model->state.scheme.dynamics;
+  const PetscInt        dim         = model->disc.dim;
+
+  for (PetscInt i = 0; i < model->disc.space->owned; i++) {
+    PetscReal *f   = &model->disc.residual[i * dim];
+    PetscBool  any = PETSC_FALSE;
+
+    for (PetscInt a = 0; constraints->any && a < dim; a++)
+      any = (PetscBool)(any || !MpmConstraintsFree(constraints, i * dim + a));
+    for (PetscInt a = 0; a < dim; a++)
+      f[a] = any ? MovedMass(model, kick, i * dim + a) / kick *
+                       (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) -
+                     f[a]
+                 : 0.;
+  }
+}
+
+/* Adds gravity's force to the loads at the local nodes, of which each rank has its part. */
+static void AddGravity(const MpmModel model, const PetscReal gravity[], PetscReal loads[])
+{
+  const PetscInt dim = model->disc.dim;
+
+  for (PetscInt i = 0; i < model->disc.space->owned; i++)
+    for (PetscInt a = 0; a < dim; a++) loads[i * dim + a] += model->disc.inertia->mass[i] * gravity[a];
+}
+
+/* Half of what gravity gains in the step: from that of its start to the mean. */
+static void GravityGain(const MpmModel model, PetscReal gain[])
+{
+  const PetscReal end = model->state.time + model->disc.sum->span;
+
+  for (PetscInt a = 0; a < model->disc.dim; a++) gain[a] = 0.;
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const MpmLoad  *load   = &model->scene.loads->at[l];
+    const PetscReal change = MpmModelLoadFactor(model, l, end) - MpmModelLoadFactor(model, l, model->state.time);
+
+    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
+      gain[a] += 0.5 * change * load->value[a];
+  }
+}
+
+/* The forces at the nodes, into disc.residual. */
+static PetscErrorCode FindForces(MpmModel model, const char **why)
+{
+  PetscReal *force = model->disc.residual;
+
+  PetscFunctionBeginUser;
+  PetscCall(SumNodes(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  if (HasOthers(model)) {
+    Accelerate(model, WholeKick(model), force);
+    PetscCall(AddOthers(model, force));
+  }
+  AddGravity(model, model->disc.sum->gravity, model->disc.force);
+  if (MpmModelRelaxes(model)) PetscCall(MpmRelaxationDamp(model, model->disc.force, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points' velocities after a kick; `again` becomes those at the nodes that follow from them, or is NULL. */
+static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *again)
+{
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *mass     = model->disc.inertia->mass;
+  const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
+  MpmMotionStep step = {.v_old = dynamics->v_old, .v_new = dynamics->v_new, .moves = dynamics->moves, .again = again};
+
+  PetscFunctionBeginUser;
+  if (model->disc.points->acceleration) {
+    for (PetscInt k = 0; k < count; k++) dynamics->a_new[k] = (dynamics->v_new[k] - dynamics->v_old[k]) / kick;
+    step.a_new = dynamics->a_new;
+  }
+  if (again) PetscCall(PetscArrayzero(again, count));
+  if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && MpmShapeDegree(model->scene.shape) < 2 &&
+      HasLightNodes(model)) {
+    PetscCall(PetscArraycpy(dynamics->a_rest, dynamics->v_new, count));
+    QuietenGradients(model, kick, 1., dynamics->a_rest);
+    step.affine = dynamics->a_rest;
+    step.thin   = MpmShapeHasDomain(model->scene.shape);
+  }
+  PetscCall(MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, &step));
+  if (!again) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, again));
+  PetscCall(MpmSpaceToGhosts(model->disc.space, dim, again));
+  for (PetscInt i = 0; i < model->disc.space->local; i++)
+    for (PetscInt a = 0; a < dim; a++) again[i * dim + a] = mass[i] > 0. ? again[i * dim + a] / mass[i] : 0.;
+  Prescribe(model, again);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The stress that follows from the nodes' new velocities, or the points', into the trial. */
+static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, const char **why)
+{
+  PetscFunctionBeginUser;
+  if (MpmModelMotion(model)->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
+  Displace(model, again ? again : model->state.scheme.dynamics->v_new, model->disc.trial->u);
+  if (!again && IsLinear(model)) QuietenGradients(model, KickLength(model), model->disc.sum->dt, model->disc.trial->u);
+  PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A relaxation stops the points past a peak of their energy, and looks whether they are at rest. */
+static PetscErrorCode Relax(MpmModel model, PetscReal *again)
+{
+  MpmDynamics *dynamics = model->state.scheme.dynamics;
+  PetscBool    stopped;
+
+  PetscFunctionBeginUser;
+  if (!MpmModelRelaxes(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRelaxationObserve(model, &stopped));
+  if (stopped) {
+    PetscCall(PetscArrayzero(dynamics->v_new, model->disc.space->local * model->disc.dim));
+    PetscCall(PetscArrayzero(dynamics->v_old, model->disc.space->local * model->disc.dim));
+    PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
+    if (again) PetscCall(PetscArrayzero(again, model->disc.space->local * model->disc.dim));
+    Displace(model, dynamics->v_new, model->disc.u);
+  }
+  PetscCall(MpmRelaxationFinish(model, model->disc.force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryable)
+{
+  const PetscReal kick     = KickLength(model);
+  MpmDynamics    *dynamics = model->state.scheme.dynamics;
+  PetscReal      *again    = MpmModelMotion(model)->update == MPM_UPDATE_MUSL ? dynamics->v_rest : NULL;
+
+  PetscFunctionBeginUser;
+  *why       = NULL;
+  *retryable = PETSC_FALSE;
+  PetscCall(FindForces(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  Accelerate(model, kick, model->disc.residual);
+  FindSupports(model, kick);
+  Displace(model, dynamics->v_new, model->disc.u);
+  PetscCall(MpmStepFindLost(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MovePoints(model, kick, again));
+  PetscCall(Relax(model, again));
+  PetscCall(UpdateStress(model, again, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  What supports, contact and damping have done in a kick, by the mean of the velocities before and after it: with the kick times the force that is
+  just what the nodes' kinetic energy changes by. `work` has the step's parts, or none.
+*/
+static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
+{
+  const MpmDamping *damping = model->disc.damping;
+  MpmDynamics      *of      = model->state.scheme.dynamics;
+  const PetscInt    dim     = model->disc.dim;
+
+  PetscFunctionBeginUser;
+  work->at       = HasOthers(model) ? of->a_start : NULL;
+  work->supports = model->disc.residual;
+  work->local    = model->disc.space->local;
+  work->owned    = model->disc.space->owned;
+  if (!MpmModelRelaxes(model)) {
+    work->kick = of->v_start;
+    work->part = kick / model->disc.sum->dt;
+    for (PetscInt k = 0; k < work->local * dim; k++)
+      of->v_start[k] = 0.5 * model->disc.sum->dt * (of->v_old[k] + of->v_new[k]);
+    Quieten(model, LIGHT, model->disc.sum->dt, of->v_start);
+    for (PetscInt k = 0; damping->active && k < work->owned * dim; k++) /* besides that of the velocities before */
+      work->taken += 0.5 * damping->dashpot[k] * (of->v_new[k] - of->v_old[k]) * of->v_start[k];
+  }
+  PetscCall(MpmEnergyAdd(model, work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The account of energy, and the forces in sections. */
+static PetscErrorCode Observe(MpmModel model)
+{
+  const PetscInt count    = model->disc.space->local * model->disc.dim;
+  MpmDynamics   *dynamics = model->state.scheme.dynamics;
+  PetscReal      gain[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  if (model->disc.sections)
+    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.trial->u,
+                                  model->state.particles));
+  PetscCall(PetscArraycpy(dynamics->loads, model->disc.force, count));
+  PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
+  GravityGain(model, gain);
+  AddGravity(model, gain, dynamics->loads);
+  PetscCall(AddWork(model, KickLength(model), &(MpmStepWork){.u = model->disc.u, .loads = dynamics->loads}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Stress and history become the points', and the points go with the nodes' new velocities. */
+static PetscErrorCode Accept(MpmModel model)
+{
+  MpmSum          *sum      = model->disc.sum;
+  MpmDynamics     *dynamics = model->state.scheme.dynamics;
+  const PetscReal *at       = HasOthers(model) ? dynamics->a_start : model->disc.u; /* where contact acted */
+  PetscLogDouble   since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
+  PetscCall(Observe(model));
+  sum->trial = model->disc.trial;
+  if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
+  else PetscCall(MpmCommitMoves(sum, sum->dt, dynamics->moves));
+  sum->trial = NULL;
+  if (HasOthers(model)) {
+    Displace(model, dynamics->v_new, dynamics->v_start);
+    Quieten(model, LIGHT, sum->dt, dynamics->v_start);
+    model->disc.contacts->moved = model->disc.pairs->moved = dynamics->v_start;
+  }
+  PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
+  model->disc.contacts->moved = model->disc.pairs->moved = NULL;
+  PetscCall(MpmStepFindReactions(model));
+  MpmStepClip(model);
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
+  model->disc.put_back        = PETSC_FALSE;
+  model->disc.damping->active = PETSC_FALSE;
+  model->state.dt_before = model->state.dt_last = 0.;
+  model->state.scheme.behind                    = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
+  model->disc.committed                         = PETSC_TRUE;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmStepRemoveGone(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RollBack(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->disc.trial->made     = PETSC_FALSE;
+  model->disc.damping->active = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The half kick at the end of a stage, by the forces with which another step would begin, as long as the last one. Where there is no such step
+  the velocities stay where they are.
+*/
+static PetscErrorCode CatchUp(MpmModel model)
+{
+  const PetscReal behind = model->state.scheme.behind, dt = 2. * behind;
+  const PetscBool first = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
+  const char     *why   = NULL;
+  MpmDynamics    *dynamics;
+  MpmStepWork     work = {.unstrained = (PetscBool)!first};
+
+  PetscFunctionBeginUser;
+  if (!(behind > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Begin(model, model->state.time + dt, dt, PETSC_FALSE, &why));
+  dynamics = model->state.scheme.dynamics; /* a run that goes on at a stage's end has it from here on */
+  if (!why) PetscCall(FindForces(model, &why));
+  if (!why) {
+    Accelerate(model, behind, model->disc.residual);
+    PetscCall(PrescribeAt(model, model->state.time, dynamics->v_new));
+    FindSupports(model, behind);
+    Displace(model, dynamics->v_new, model->disc.u);
+    work.u = model->disc.u;
+    PetscCall(AddWork(model, behind, &work));
+    PetscCall(MovePoints(model, behind, NULL));
+    model->disc.sum->trial = model->disc.trial;
+    PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
+    if (first) PetscCall(MpmCommitMoves(model->disc.sum, 0., dynamics->moves));
+    model->disc.sum->trial     = NULL;
+    model->state.scheme.behind = 0.;
+  }
+  PetscCall(RollBack(model));
+  model->disc.committed = (PetscBool)!why;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmIntegrator MpmIntegratorExplicit = {.name      = "explicit",
+                                             .begin     = Begin,
+                                             .predict   = Predict,
+                                             .solve     = Solve,
+                                             .accept    = Accept,
+                                             .roll_back = RollBack,
+                                             .length    = MpmExplicitLength,
+                                             .finish    = CatchUp};

@@ -1,0 +1,25 @@
+#pragma once
+/*
+  Dynamic relaxation: explicit steps that come to rest (relaxation.c).
+*/
+#include "options/options.h"
+#include "query/scene.h"
+#include "talus/talus.h"
+
+/* As a stage begins. */
+void MpmRelaxationBegin(MpmModel model);
+/* Nothing relaxes in the step that comes: its columns are 0. */
+void MpmRelaxationForget(MpmModel model);
+/* Could a stage of that type go on where the quasi-static one under way does not? */
+PetscBool MpmCouldRelax(const MpmModel model);
+/*
+  Within an explicit step. Damp: the forces at the local nodes are there, `force`, and take up what damps them, once they have
+  been compared with the loads, `load` (this rank's part of them), which comes back whole. Observe: the points have their new
+  velocities; past a peak of their energy they are stopped. Finish: the loads' work in the displacements model->disc.u; where the criteria
+  hold the stage ends.
+*/
+PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[]);
+PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped);
+PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[]);
+/* After a step: NULL, or that the stage's time is over and nothing is at rest. */
+const char *MpmRelaxationOver(MpmModel model);

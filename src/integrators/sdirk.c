@@ -1,0 +1,197 @@
+/*
+  The scheme `second`: steps of two stages for physics with a rate (SDIRK2).
+
+    s_1 - s_n = gamma dt k(t_n + gamma dt) ,     s_{n+1} - s_n = (1 - gamma) dt k(t_n + gamma dt) + gamma dt k(t_{n+1})
+
+  with gamma = 1 - 1/sqrt(2), s what the physics stores, k what flows in, and the momentum balance at the time of each
+  stage. Of order 2 with steps of any lengths, L-stable, and stiffly accurate: what is found at the step's end obeys all
+  equations of that time, so that a sudden load leaves no trace in them.
+
+  Source: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
+
+  Both stages start from the same points on the same grid. The first is a step of length gamma dt by itself, so that at the
+  nodes gamma dt k_1 = s_1 - s_n, and the second may take
+
+    s_{n+1} - s_n - theta (s_1 - s_n) = gamma dt k(t_{n+1}) ,     theta = (1 - gamma)/gamma
+
+  which needs of the first no more than s_1 at the points (MpmKernelStage). Only the second becomes the state; history goes
+  from the step's start to its end at once. What flows through constrained nodes is theta times the first stage's and the
+  second's.
+*/
+#include "point/layout.h"
+#include "particles/particles.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "bc/body_motion.h"
+#include "assembly/terms.h"
+#include "problem/discretization.h"
+#include "query/model.h"
+#include "step/step.h"
+#include "integrators/integrators.h"
+#include "integrators/sdirk.h"
+#include "integrators/time_error.h"
+
+#define GAMMA MPM_SDIRK_GAMMA
+#define THETA ((1. - GAMMA) / GAMMA)
+
+PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk)
+{
+  PetscFunctionBeginUser;
+  if (!*sdirk) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree4((*sdirk)->F, (*sdirk)->value, (*sdirk)->deviation, (*sdirk)->stage));
+  PetscCall(PetscFree((*sdirk)->reaction));
+  PetscCall(PetscFree(*sdirk));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  MpmSdirk *sdirk;
+
+  PetscFunctionBeginUser;
+  if (!model->state.scheme.sdirk) PetscCall(PetscNew(&model->state.scheme.sdirk));
+  sdirk       = model->state.scheme.sdirk;
+  sdirk->time = time;
+  sdirk->dt   = dt;
+
+  model->disc.sum->first = NULL;
+  PetscCall(MpmStepPrepare(model, model->state.time + GAMMA * dt, GAMMA * dt, again, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscInt ReactionCount(const MpmModel model)
+{
+  return (model->scene.bcs->count + model->scene.motions->count) * model->disc.block;
+}
+
+/* What the second stage needs of the first. */
+static PetscErrorCode KeepFirst(MpmModel model)
+{
+  const MpmLayout *layout = model->disc.layout;
+  const PetscInt   size   = model->disc.dim * model->disc.dim;
+  PetscInt         count;
+  MpmSdirk        *sdirk = model->state.scheme.sdirk;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  PetscCall(MpmStepFindTrial(model));
+  PetscCall(MpmStepFindReactions(model));
+  PetscCall(PetscFree4(sdirk->F, sdirk->value, sdirk->deviation, sdirk->stage));
+  PetscCall(PetscMalloc4((count * size), &sdirk->F, (count * layout->rates), &sdirk->value,
+                         (count * layout->deviations), &sdirk->deviation, (count + 1), &sdirk->stage));
+  PetscCall(PetscFree(sdirk->reaction));
+  PetscCall(PetscMalloc1(ReactionCount(model), &sdirk->reaction));
+  PetscCall(PetscArraycpy(sdirk->F, model->disc.trial->F, count * size));
+  PetscCall(PetscArraycpy(sdirk->reaction, model->disc.reaction, ReactionCount(model)));
+  PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.u, sdirk->value));
+  PetscCall(MpmDeviationsAtPoints(model->disc.sum, model->disc.u, sdirk->deviation));
+  for (PetscInt p = 0; p < count; p++)
+    sdirk->stage[p] = (MpmKernelStage){.F         = &sdirk->F[p * size],
+                                       .value     = &sdirk->value[p * layout->rates],
+                                       .deviation = &sdirk->deviation[p * layout->deviations],
+                                       .theta     = THETA,
+                                       .span      = sdirk->dt};
+  PetscCall(MpmTermsKeepStage(model->disc.terms, model->disc.sum, model->disc.u, THETA));
+  model->disc.trial->made = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Newton's start in the second stage: what the first has found, with increments in proportion where that is nearer. */
+static PetscErrorCode StartSecond(MpmModel model, Vec first)
+{
+  const PetscInt bs = model->disc.block;
+  PetscInt       n;
+  PetscReal      norm = PETSC_INFINITY;
+  Vec            start;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepFindReference(model));
+  PetscCall(VecGetLocalSize(first, &n));
+  PetscCall(VecDuplicate(first, &start));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscScalar *x;
+    PetscReal    of;
+
+    if (k) {
+      PetscCall(VecGetArray(first, &x));
+      for (PetscInt i = 0; i < n; i++)
+        if (model->disc.layout->increment[i % bs]) x[i] /= GAMMA;
+      PetscCall(VecRestoreArray(first, &x));
+    }
+    PetscCall(VecGetArray(first, &x));
+    MpmConstraintsPrescribe(model->disc.constraints, n, x);
+    PetscCall(VecRestoreArray(first, &x));
+    PetscCall(VecCopy(model->solver.x, start));
+    PetscCall(VecCopy(first, model->solver.x));
+    PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+    PetscCall(VecNorm(model->solver.f, NORM_2, &of));
+    if (!(of < norm)) PetscCall(VecCopy(start, model->solver.x));
+    else norm = of;
+  }
+  PetscCall(VecDestroy(&start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolveStages(MpmModel model, const char **why, PetscBool *retryable)
+{
+  MpmSdirk *sdirk = model->state.scheme.sdirk;
+  PetscInt  newton, linear;
+  Vec       first;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmIntegratorQuasistatic.solve(model, why, retryable));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  newton = model->solver.newton;
+  linear = model->solver.linear;
+  PetscCall(KeepFirst(model));
+  PetscCall(VecDuplicate(model->solver.x, &first));
+  PetscCall(VecCopy(model->solver.x, first));
+  model->disc.sum->first = sdirk->stage;
+  PetscCall(MpmStepPrepare(model, sdirk->time, GAMMA * sdirk->dt, PETSC_TRUE, why));
+  model->disc.sum->span = sdirk->dt;
+  if (!*why) {
+    *retryable = PETSC_TRUE;
+    PetscCall(StartSecond(model, first));
+    PetscCall(MpmIntegratorQuasistatic.solve(model, why, retryable));
+  }
+  PetscCall(VecDestroy(&first));
+  model->solver.newton = PetscMax(model->solver.newton, newton); /* of a solution; all of them count in the totals */
+  model->solver.linear += linear;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Of what flows, the first stage has its part in the step; forces are those of the step's end. */
+static PetscErrorCode Accept(MpmModel model)
+{
+  const MpmLayout *layout = model->disc.layout;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmIntegratorQuasistatic.accept(model));
+  if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.sdirk->change;
+  for (PetscInt k = 0; k < ReactionCount(model); k++)
+    if (!layout->increment[k % model->disc.block])
+      model->disc.reaction[k] += THETA * model->state.scheme.sdirk->reaction[k];
+  model->disc.sum->first = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RollBack(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->disc.sum->first = NULL;
+  PetscCall(MpmIntegratorQuasistatic.roll_back(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Predict(MpmModel model)
+{
+  return MpmIntegratorQuasistatic.predict(model);
+}
+
+const MpmIntegrator MpmIntegratorSdirk = {.name      = "second",
+                                          .begin     = Begin,
+                                          .predict   = Predict,
+                                          .error     = MpmTimeError,
+                                          .solve     = SolveStages,
+                                          .accept    = Accept,
+                                          .roll_back = RollBack};

@@ -1,0 +1,43 @@
+#pragma once
+/*
+  A model and its parts: what was read, what moves on, and what a step works with.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "problem/discretization.h"
+#include "talus/talus.h"
+#include "solve/solve.h"
+#include "query/scene.h"
+#include "query/state.h"
+
+/* What the caller of the library has set, and how the run stands. */
+typedef struct {
+  MpmStepHook before, after;
+  void       *before_ctx, *after_ctx;
+  char       *prefix; /* of the model's options in the database in force, or NULL */
+  PetscBool   own;    /* the options were given as text */
+  PetscBool   set_up;
+  PetscBool   busy;     /* in a call that must not be entered again */
+  PetscBool   stop;     /* the caller asks for the end of the run */
+  PetscBool   terminal; /* progress and warnings are shown */
+  const char *why;      /* the last step was given up */
+} MpmCaller;
+
+/* Results and progress, and the test of a stress point, which are the run's. */
+typedef struct MpmResults    MpmResults;
+typedef struct MpmLaboratory MpmLaboratory;
+
+struct _p_MpmModel {
+  MPI_Comm          comm;
+  PetscMPIInt       rank, size;
+  MpmDatabase      *database;
+  MpmCaller         caller;
+  MpmRecord         record;
+  MpmMonitor        monitor;
+  MpmScene          scene;
+  MpmState          state;
+  MpmDiscretization disc;
+  MpmSolver         solver;
+  MpmResults       *results;
+  MpmLaboratory    *laboratory; /* NULL: the scene has a grid and bodies */
+};

@@ -1,0 +1,39 @@
+#pragma once
+/*
+  Questions of scene and state (query.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+#include "query/scene.h"
+
+/* Does any stage change what a point weighs per stress-free volume? */
+PetscBool MpmStagesKeepMass(const MpmModel model);
+PetscBool MpmStagesAreGeostatic(const MpmModel model);
+/* Does any stage reduce strengths, relax, control the error in time of its steps, or end at a degree of consolidation? */
+PetscBool MpmStagesReduce(const MpmModel model);
+PetscBool MpmStagesRelax(const MpmModel model);
+PetscBool MpmStagesControlError(const MpmModel model);
+PetscBool MpmStagesConsolidate(const MpmModel model);
+/* May steps of the stage settle (schedule/settle.h)? */
+PetscBool MpmStageSettles(const MpmStage *stage);
+/* Of the stage under way. */
+const MpmMotionControl *MpmModelMotion(const MpmModel model);
+/* Is what is under way a relaxation? Does it raise the masses of nodes, so that a long step is stable? */
+PetscBool MpmModelRelaxes(const MpmModel model);
+PetscBool MpmModelScales(const MpmModel model);
+/* Does a body go by a ramp? */
+PetscBool MpmRemovalGoesOn(const MpmModel model);
+/* Does the stage under way reduce, without a factor of safety so far; and the reduction at a time, 1 where none is. */
+PetscBool MpmReductionSeeks(const MpmModel model);
+PetscReal MpmReductionFactor(const MpmModel model, PetscReal time);
+/* The factor of a load, or of a surface behind them, at a time; 0 where it does not act. */
+PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
+/* The water's pressure at a surface, Pa. */
+PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscReal time);
+/* An explicit step's longest, over the time in which a wave crosses a cell. */
+PetscReal MpmExplicitPart(const MpmMotionControl *motion);
+/* The stage under way ends at the present time. */
+void MpmStageEndHere(MpmModel model);
+/* Is the Jacobian symmetric, as far as the physics knows? Once materials, loads and surfaces are read. */
+PetscBool MpmSceneIsSymmetric(MpmModel model);

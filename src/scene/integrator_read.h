@@ -1,0 +1,23 @@
+#pragma once
+/*
+  Integrators of stages: their options (integrator_read.c), and what they ask of the scene.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+#include "query/scene.h"
+
+extern const char *const MpmIntegratorTypes[];
+/* A stage's integrator, and how steps of fields with a rate go on; `control` holds the defaults on entry. */
+PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *control);
+void           MpmMotionDefaults(MpmMotionControl *motion);
+/* After the stages have been read: what bodies and materials say for dynamics. */
+PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options);
+/* Does any stage of the scene solve equations; has any inertia in them? */
+PetscBool MpmStagesSolve(const MpmModel model);
+PetscBool MpmStagesAreImplicit(const MpmModel model);
+/* Are the steps that are solved for minimisations (problem/potential.h)? Once the discretization is set up. */
+PetscBool MpmStagesMinimise(const MpmModel model);
+/* Does any stage of the scene have inertia, and do its points carry affine velocities? */
+PetscBool MpmStagesAreDynamic(const MpmModel model);
+PetscBool MpmStagesAreAffine(const MpmModel model);

@@ -1,0 +1,332 @@
+/*
+  A geostatic stage: the state of stress in equilibrium in the very shape in which the ground was drawn.
+
+  Start. `gravity`: no stress, and the loads grow in the stage's steps. `k0`: the vertical stress is the weight above
+  (overburden.c), the horizontal ones k0 times that, and the loads act in full at once (k0_balance.c); history, and F where a law
+  needs it, follow from the stress (stress_inversion.c).
+
+  Equilibrium. The sums over points depend on where the points stand over the grid, so that equilibrium must be found in
+  the shape that the next stage starts from: a step is solved, its stress and history are kept, and the points are put
+  back. What is then out of balance is the stress times the step's strain, so that each such step is shorter than the
+  last by about a strain, until the largest displacement is below the tolerance. Putting back leaves volume and domain
+  where they were: a law whose history holds its stress gets its old F and the Kirchhoff stress J sigma; for any other law
+  F stays that of the step, and the initial volume becomes V/det F, the initial domain that over the stretch.
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "point/stress_inversion.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/rules.h"
+#include "contact/body_contact.h"
+#include "query/model.h"
+#include "step/energy.h"
+#include "step/moving_grid.h"
+#include "schedule/geostatic.h"
+#include "schedule/schedule.h"
+
+static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *rest)
+{
+  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rates, own = model->disc.layout->own_size;
+  PetscReal      reach[2 * MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(rest, sizeof(*rest)));
+  rest->n = points->count;
+  PetscCall(PetscMalloc4((rest->n * dim), &rest->x, rest->n, &rest->volume, (rest->n * dim), &rest->domain,
+                         (rest->n * dim * dim), &rest->F));
+  PetscCall(PetscMalloc4(rest->n, &rest->mass, (rest->n * rates), &rest->value, (rest->n * rates * dim),
+                         &rest->value_gradient, (rest->n * own), &rest->own));
+  PetscCall(PetscArraycpy(rest->value, points->value, rest->n * rates));
+  PetscCall(PetscArraycpy(rest->value_gradient, points->value_gradient, rest->n * rates * dim));
+  PetscCall(PetscArraycpy(rest->own, points->own, rest->n * own));
+  for (PetscInt p = 0; p < rest->n; p++)
+    rest->mass[p] = MpmPointMassNow(points, model->scene.materials->at, model->disc.layout, p);
+  PetscCall(PetscCalloc1(model->scene.materials->count, &rest->stateful));
+  for (PetscInt k = 0; k < 2 * MPM_MAX_DIM; k++) reach[k] = PETSC_NINFINITY;
+  for (PetscInt p = 0; p < rest->n; p++) {
+    const PetscReal *F = &points->F[p * dim * dim];
+    PetscReal        U[MPM_MAX_DIM];
+
+    PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
+               points->id[p]);
+    rest->volume[p] = points->volume0[p] * MpmDeterminant(dim, F);
+    for (PetscInt a = 0; a < dim; a++) {
+      const PetscReal x = points->x[p * dim + a];
+
+      rest->x[p * dim + a]      = x;
+      rest->domain[p * dim + a] = points->half_length[p * dim + a] * U[a];
+      reach[a]                  = PetscMax(reach[a], x + rest->domain[p * dim + a]);
+      reach[MPM_MAX_DIM + a]    = PetscMax(reach[MPM_MAX_DIM + a], rest->domain[p * dim + a] - x);
+    }
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, reach, 2 * MPM_MAX_DIM, MPIU_REAL, MPIU_MAX, model->comm));
+  rest->height = reach[dim - 1] + reach[MPM_MAX_DIM + dim - 1];
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    MpmInitial initial;
+
+    PetscCall(MpmInitialCreate(&model->scene.materials->at[m], dim, &initial));
+    rest->stateful[m] = initial.stateful;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestDestroy(MpmRest *rest)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree4(rest->x, rest->volume, rest->domain, rest->F));
+  PetscCall(PetscFree4(rest->mass, rest->value, rest->value_gradient, rest->own));
+  PetscCall(PetscFree(rest->start));
+  PetscCall(PetscFree(rest->stateful));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  if (model->disc.layout->taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < rest->n; p++)
+    points.mass[p] += rest->mass[p] - MpmPointMassNow(&points, model->scene.materials->at, model->disc.layout, p);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The water's pressure, a part of it while the loads grow. */
+static PetscErrorCode SetWater(MpmModel model, const MpmRest *rest, PetscReal part)
+{
+  const PetscInt rates = model->disc.layout->rates, dim = model->disc.dim;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt k = 0; k < rest->n * rates; k++) points.value[k] = part * rest->value[k];
+  for (PetscInt k = 0; k < rest->n * rates * dim; k++) points.value_gradient[k] = part * rest->value_gradient[k];
+  PetscCall(PetscArraycpy(points.own, rest->own, rest->n * model->disc.layout->own_size));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a step, and back ---- */
+
+/* The points go back to where they were; stress and history stay. */
+static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
+{
+  const PetscInt dim = model->disc.dim, size = model->state.particles->stress_size;
+  PetscReal      largest[2] = {0., 0.};
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; p < rest->n; p++) {
+    PetscReal *F = &points.F[p * dim * dim], *stress = &points.stress[p * size], U[MPM_MAX_DIM], distance = 0.;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      distance += PetscSqr(points.x[p * dim + a] - rest->x[p * dim + a]);
+      points.x[p * dim + a] = rest->x[p * dim + a];
+    }
+    largest[0] = PetscMax(largest[0], PetscSqrtReal(distance));
+    if (rest->stateful[points.material[p]]) {
+      const PetscReal J = MpmDeterminant(dim, F) / MpmDeterminant(dim, &rest->F[p * dim * dim]);
+
+      for (PetscInt k = 0; k < dim * dim; k++) F[k] = rest->F[p * dim * dim + k];
+      for (PetscInt c = 0; c < size; c++) stress[c] *= J;
+    } else {
+      PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
+                 points.id[p]);
+      points.volume0[p] = rest->volume[p] / MpmDeterminant(dim, F);
+      for (PetscInt a = 0; a < dim; a++) points.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
+    }
+    for (PetscInt c = 0; rest->start && c < size; c++)
+      largest[1] = PetscMax(largest[1], PetscAbsReal(stress[c] - rest->start[p * size + c]));
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(SetWater(model, rest, 1.));
+  PetscCall(MpmRestKeepMass(model, rest));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, largest, 2, MPIU_REAL, MPIU_MAX, model->comm));
+  rest->moved      = largest[0];
+  rest->correction = largest[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *retryable)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points)); /* a failed step has kept them */
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(PetscArraycpy(rest->F, points.F, rest->n * model->disc.dim * model->disc.dim));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(SetWater(model, rest, scale));
+  model->state.scheme.load_scale = scale;
+  model->state.dt_last           = 0.;
+  PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
+                    retryable));
+  if (!*why) {
+    PetscCall(PutBack(model, rest));
+    PetscCall(MpmPairsPutBack(model->disc.pairs, rest->n, model->state.particles));
+    model->disc.put_back = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- equilibrium ---- */
+
+/* After a failed step: is there a smaller part of the loads to try? */
+static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, const char *why, PetscBool *again)
+{
+  const PetscReal duration = model->state.time_end - model->state.time_start;
+
+  PetscFunctionBeginUser;
+  *grow *= 0.5;
+  *again = (PetscBool)(part < 1. && *grow * duration >= model->state.dt_min);
+  model->state.cuts++;
+  model->state.cuts_total++;
+  if (*again) PetscCall(MpmMonitorNote(&model->monitor, "%s; the loads grow by parts of %.4g", why, (double)*grow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define SLOWS    0.5  /* of the way half of the iterations ago: with less it converges */
+#define COLLAPSE 0.01 /* of the first way under the full loads: what goes on by more does not stand */
+
+/*
+  Says why no equilibrium was found in as many iterations as there may be: it converges slowly, the ground collapses, or points go to and fro.
+  `first` and `half`: their ways in the first iteration and after half of them, m.
+*/
+static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solved, PetscReal first, PetscReal half,
+                              const char **why)
+{
+  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const PetscReal most = stage->geostatic.tolerance * rest->height, moved = rest->moved;
+  char            text[256];
+
+  if (moved < SLOWS * half) {
+    const PetscReal rate = PetscPowReal(moved / half, 1. / PetscMax(1., (PetscReal)(solved - solved / 2)));
+
+    (void)PetscSNPrintf(text, sizeof(text),
+                        "it converges slowly, by %.3g an iteration; -mpm_stage_%.40s_geostatic_iterations %d should do",
+                        (double)rate, stage->name,
+                        (int)(solved + PetscCeilReal(1.2 * PetscLogReal(most / moved) / PetscLogReal(rate))));
+  } else if (moved > COLLAPSE * first)
+    (void)PetscSNPrintf(text, sizeof(text),
+                        "the ground collapses under its loads: it moves by %.3g of its first way in each",
+                        (double)(moved / first));
+  else
+    (void)PetscSNPrintf(text, sizeof(text),
+                        "points go to and fro; -mpm_stage_%.40s_geostatic_tolerance %.2g would take that for rest",
+                        stage->name, (double)(2. * moved / rest->height));
+  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                      "no equilibrium in %" PetscInt_FMT " iterations: points still move by %.3g m; %s", solved,
+                      (double)moved, text);
+  *why = model->solver.lost;
+}
+
+/* Says how much of the loads the ground bears, where they grow. */
+static void ExplainPart(MpmModel model, PetscReal part, const char **why)
+{
+  char text[sizeof(model->solver.lost)];
+
+  if (part <= 0.) return;
+  (void)PetscStrncpy(text, *why, sizeof(text));
+  if (part >= 1.)
+    (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                        "no equilibrium under the loads: %s; with the method gravity the line says which part of them "
+                        "the ground bears",
+                        text);
+  else
+    (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                        "the ground collapses under its loads: it bears %.4g of them; beyond that %s", (double)part,
+                        text);
+  *why = model->solver.lost;
+}
+
+/* Steps until the points are in equilibrium; `solved` counts those under the full loads. */
+static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *solved, const char **why)
+{
+  const MpmGeostatic *geostatic = &model->scene.stages[model->state.stage].geostatic;
+  PetscReal           part      = geostatic->method == MPM_GEOSTATIC_K0 ? 1. : 0.; /* of the loads that act */
+  PetscReal           grow  = PetscMin(model->state.dt_nominal / (model->state.time_end - model->state.time_start), 1.);
+  PetscReal           first = 0., half = 0.;
+  PetscInt            newton = 0, linear = 0;
+  PetscBool           retryable, again;
+
+  PetscFunctionBeginUser;
+  *solved           = 0;
+  model->state.cuts = 0;
+  while (!*solved || rest->moved > geostatic->tolerance * rest->height) {
+    const PetscReal next = part + grow > 1. - 1e-9 ? 1. : part + grow;
+
+    if (*solved == geostatic->iterations) {
+      ExplainIterations(model, rest, *solved, first, half, why);
+      break;
+    }
+    PetscCall(MpmRestSettle(model, rest, next, why, &retryable));
+    newton += model->solver.newton;
+    linear += model->solver.linear;
+    if (*why) {
+      again = PETSC_FALSE;
+      if (retryable) PetscCall(TryAgain(model, part, &grow, *why, &again));
+      if (!again && retryable) ExplainPart(model, part, why);
+      if (!again) break;
+      continue;
+    }
+    part = next;
+    if (part == 1. && !(*solved)++) first = half = rest->moved;
+    if (*solved == geostatic->iterations / 2) half = rest->moved;
+  }
+  model->solver.newton           = newton;
+  model->solver.linear           = linear;
+  model->state.scheme.load_scale = 1.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt solved)
+{
+  char corrected[128] = "", outside[96] = "";
+
+  PetscFunctionBeginUser;
+  if (rest->start)
+    PetscCall(PetscSNPrintf(corrected, sizeof(corrected),
+                            "; the stress of k0 was corrected by up to %.4g Pa (largest: %.4g Pa)",
+                            (double)rest->correction, (double)rest->largest));
+  if (rest->outside)
+    PetscCall(
+      PetscSNPrintf(outside, sizeof(outside), ", at %" PetscInt64_FMT " points by the yield surface", rest->outside));
+  PetscCall(MpmMonitorLine(&model->monitor,
+                           "geostatic: in equilibrium after %" PetscInt_FMT " iteration%s, to %.3g m%s%s", solved,
+                           solved > 1 ? "s" : "", (double)rest->moved, corrected, outside));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
+{
+  PetscInt  solved;
+  MpmPoints points;
+  MpmRest   rest;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMovingGridFollow(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmEnergyMark(model));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(RestCreate(model, &points, &rest));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  model->state.scheme.water_held = PETSC_TRUE;
+  if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
+    PetscCall(MpmRestSetK0(model, &rest));
+  PetscCall(FindEquilibrium(model, &rest, &solved, why));
+  model->state.scheme.water_held = PETSC_FALSE;
+  if (!*why) {
+    PetscCall(PrintRest(model, &rest, solved));
+    model->state.time = model->state.time_end;
+    model->state.step++;
+  }
+  PetscCall(RestDestroy(&rest));
+  PetscCall(MpmEnergyRebase(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,31 @@
+#pragma once
+/*
+  Geostatic stages (geostatic.c, k0_balance.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/* The points of a geostatic stage (geostatic.c): what they return to, and what the report needs. */
+typedef struct {
+  PetscInt   n;
+  PetscReal *x, *volume, *domain;          /* position, volume, half lengths of the domain */
+  PetscReal *mass;                         /* with what they have taken up */
+  PetscReal *value, *value_gradient, *own; /* of the water, which stays */
+  PetscReal *F;                            /* before the step under way */
+  PetscReal *start;                        /* the stress that k0 gave, or NULL */
+  PetscReal  height;
+  PetscBool *stateful; /* per material */
+  PetscReal  moved;    /* largest displacement of the last step */
+  PetscReal  correction, largest;
+  PetscInt64 outside; /* points that the yield surface moved */
+} MpmRest;
+
+/* One step under `scale` times the loads; stress and history stay, and the points go back to where they were. */
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *retryable);
+/* After a change of volume0 and F: the points' masses are what they were. */
+PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest);
+/* Gives all points the stage's stress of k0, and F and history with it (k0_balance.c). */
+PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
+/* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */
+PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);

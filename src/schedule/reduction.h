@@ -1,0 +1,31 @@
+#pragma once
+/*
+  Strength reduction (strength_reduction.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/* Once the points are there: are materials without strength more than half of the mass of a stage that reduces? */
+PetscErrorCode MpmReductionCheck(MpmModel model);
+/*
+  Strength reduction (strength_reduction.c): Begin notes where the points stand as it
+  begins, Apply sets the materials' strengths for a time of the stage under way, Observe looks after a step whether the
+  factor of safety is reached.
+*/
+PetscErrorCode MpmReductionBegin(MpmModel model);
+PetscErrorCode MpmReductionApply(MpmModel model, PetscReal time);
+/* Own parameters of all points, of materials that vary, at the reduction in force. */
+PetscErrorCode MpmModelSetOwn(MpmModel model);
+PetscErrorCode MpmReductionObserve(MpmModel model);
+/*
+  The bracket, in steps without inertia to `next`: do they raise the factor that is sought? Look: `why` becomes the reason where a
+  solution passes the limit. After a step that failed: is there a shorter one to try? Close: the factor is known, and the stage ends
+  in the state that stood, or goes on; or `why` becomes that the solver gave up, with the lower bound.
+*/
+PetscBool      MpmReductionBrackets(const MpmModel model, PetscReal next);
+PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why);
+PetscBool      MpmReductionNarrows(MpmModel model, PetscReal next);
+PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **why);
+/* The points' fields for it, one an axis. */
+extern const char *const MpmReductionFields[MPM_MAX_DIM];

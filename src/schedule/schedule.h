@@ -1,0 +1,34 @@
+#pragma once
+/*
+  How a run goes on from step to step (step_control.c), and whether it slides (slide.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/*
+  One step from model->time to `time`, dt later; `again`: the points have not moved since the last call, the space stands. `why` is NULL when it converged, otherwise the
+  reason (static text); `retryable`: a shorter step may help.
+*/
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
+                       PetscBool *retryable);
+/* The points' places and their ranks, for a step that begins there. */
+PetscErrorCode MpmStepArrange(MpmModel model, const char **why);
+/* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
+void MpmStepAverageDilation(MpmModel model, PetscBool average);
+/* A time without the rounding errors of the sum that it is, where it is a decimal number but for them. */
+PetscReal MpmTimeRound(PetscReal time);
+/* The end of the step that starts now, and its length. */
+PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
+/* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */
+PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why);
+/*
+  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, where `why` becomes the reason for which it is suspected, and
+  `retryable` false once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the last steps been; Explain adds what was suspected to the reason for which a
+  run gives up.
+*/
+void           MpmSlideBegin(MpmModel model);
+PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable);
+void           MpmSlideObserve(MpmModel model);
+PetscBool      MpmSlideSuspects(const MpmModel model);
+PetscErrorCode MpmSlideExplain(MpmModel model, const char **why);

@@ -1,0 +1,187 @@
+/*
+  Settling: where Newton's method finds no state of rest under a smaller strength, the ground moves to one.
+
+    f_int(u) - f_ext + M u/tau^2 = 0
+
+  are steps that begin at rest, M the consistent mass: backward Euler without the velocity that the last step has left. The term gives
+  a body most of whose points flow the firmness without which Newton's method goes to and fro between yield surfaces for ever. As forces
+  come into balance u vanishes, and the term with it. tau doubles after a step and is halved where Newton fails, and then kept for HELD
+  steps: what stands is at rest after a few, and what does not slides further in each.
+
+  At rest: the norm of M u/tau^2 is below REST of that of loads and reactions. Loads, supports and strengths are those of the end, from the
+  first step on. Where the ground passes the limit of the reduction, or tau gets too short, the points go back to where they began.
+
+  Order of calls: MpmSettle() in place of a step; within its steps MpmSettleSet().
+
+  Source: pseudo-transient continuation; Kelley and Keyes (1998), SIAM J. Numer. Anal. 35, 508-523, doi:10.1137/S0036142996304796. Damped motion
+  to rest under reduced strength: Dawson, Roth and Drescher (1999), Geotechnique 49, 835-840, doi:10.1680/geot.1999.49.6.835.
+*/
+#include "point/material.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "particles/point_mass.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "volume/inertia.h"
+#include "contact/contact.h"
+#include "problem/discretization.h"
+#include "query/model.h"
+#include "integrators/integrators.h"
+#include "schedule/reduction.h"
+#include "schedule/schedule.h"
+#include "schedule/settle.h"
+
+#define REST     1e-4
+#define LONGER   2.
+#define HELD     3
+#define STEPS    60   /* for one state of rest, at most */
+#define SHORTEST 1e-3 /* of the time in which a wave crosses the material */
+
+/* The time in which the slowest wave crosses the material along its longest side, s. */
+static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
+{
+  const PetscInt dim = model->disc.dim;
+  PetscReal      lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], slowest = PETSC_MAX_REAL, longest = 0.;
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(MpmParticlesGetExtents(model->state.particles, &points, lower, upper));
+  for (PetscInt p = 0; p < points.count; p++) {
+    const MpmMaterial *material = &model->disc.sum->materials[points.material[p]];
+    const PetscReal   *state    = points.state ? &points.state[p * model->disc.sum->state_size] : NULL;
+
+    slowest = PetscMin(slowest, MpmMaterialWaveSpeed(material, MpmPointOwn(&points, material, p), dim, state,
+                                                     &points.F[p * dim * dim], &points.stress[p * MpmSymSize(dim)]));
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
+  for (PetscInt a = 0; a < dim; a++) longest = PetscMax(longest, upper[a] - lower[a]);
+  *crossing = longest / slowest;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Norm of the term over that of loads and reactions, after a step. */
+static PetscErrorCode FindUnrest(MpmModel model, PetscReal *unrest)
+{
+  const MpmDiscretization *disc  = &model->disc;
+  const PetscInt           count = disc->space->local * disc->block, owned = disc->space->owned * disc->block;
+  PetscReal               *force, *load, squares[2] = {0., 0.};
+  PetscInt                 failed = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc2(count, &force, count, &load));
+  PetscCall(MpmTermInertia.residual(disc->inertia, disc->sum, disc->u, force, &failed));
+  MpmConstraintsGather(disc->constraints, disc->space, force);
+  PetscCall(MpmSpaceAddToOwners(disc->space, disc->block, force));
+  PetscCall(PetscArraycpy(load, disc->force, count));
+  MpmConstraintsGather(disc->constraints, disc->space, load);
+  PetscCall(MpmSpaceAddToOwners(disc->space, disc->block, load));
+  for (PetscInt k = 0; k < owned; k++) {
+    if (MpmConstraintsFree(disc->constraints, k)) squares[0] += PetscSqr(force[k]);
+    squares[1] += PetscSqr(MpmConstraintsFree(disc->constraints, k) ? load[k] : disc->residual[k]);
+  }
+  PetscCall(PetscFree2(force, load));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, squares, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  *unrest = squares[1] > 0. ? PetscSqrtReal(squares[0] / squares[1]) : 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where a step begins, for one that does not come to rest. */
+typedef struct {
+  MpmParked points;
+  PetscReal time, last, before;
+} Start;
+
+static PetscErrorCode Keep(MpmModel model, Start *start)
+{
+  PetscFunctionBeginUser;
+  start->time   = model->state.time;
+  start->last   = model->state.dt_last;
+  start->before = model->state.dt_before;
+  PetscCall(MpmParticlesKeep(model->state.particles, &start->points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Goes back there with `back`. */
+static PetscErrorCode Leave(MpmModel model, PetscBool back, Start *start)
+{
+  PetscFunctionBeginUser;
+  if (!back) {
+    PetscCall(PetscFree(start->points.data));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmParticlesTakeUp(model->state.particles, &start->points));
+  model->state.time      = start->time;
+  model->state.dt_last   = start->last;
+  model->state.dt_before = start->before;
+  PetscCall(MpmReductionApply(model, model->state.time));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Steps to `next` until one leaves the ground at rest; those that fail are taken with a shorter tau. */
+static PetscErrorCode Move(MpmModel model, PetscReal next, PetscReal dt, PetscReal crossing, const char **why)
+{
+  MpmSettling *settling = &model->state.scheme.settling;
+  PetscReal    unrest = 1., most = PETSC_MAX_REAL;
+  PetscInt     held = 0;
+  PetscBool    retryable;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < STEPS; k++) {
+    PetscCall(MpmStepArrange(model, why));
+    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmStep(model, next, dt, PETSC_FALSE, why, &retryable));
+    settling->newton += model->solver.newton;
+    settling->steps++;
+    if (*why && (model->state.safety.beyond > 0. || settling->tau < SHORTEST * crossing))
+      PetscFunctionReturn(PETSC_SUCCESS);
+    if (*why) {
+      settling->tau /= LONGER;
+      most = settling->tau;
+      held = 0;
+      continue;
+    }
+    model->state.time = next;
+    PetscCall(FindUnrest(model, &unrest));
+    PetscCall(PetscInfo(model->solver.snes, "settling with tau %g s: %d iterations, %g of the loads out of balance\n",
+                        (double)settling->tau, (int)model->solver.newton, (double)unrest));
+    if (unrest <= REST) PetscFunctionReturn(PETSC_SUCCESS);
+    if (settling->tau < most) settling->tau *= LONGER;
+    else if (++held == HELD) {
+      most = PETSC_MAX_REAL;
+      held = 0;
+    }
+  }
+  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                          "the ground has not come to rest in %d steps, %.2g of the loads are out of balance", STEPS,
+                          (double)unrest));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, const char **why)
+{
+  MpmSettling    *settling = &model->state.scheme.settling;
+  const PetscBool predict  = model->state.predict;
+  PetscReal       crossing;
+  Start           start;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindCrossing(model, &crossing));
+  PetscCall(Keep(model, &start));
+  *why             = NULL;
+  settling->on     = PETSC_TRUE;
+  settling->newton = 0;
+  if (!(settling->tau > SHORTEST * crossing)) settling->tau = crossing;
+  model->state.predict = PETSC_FALSE;
+  PetscCall(Move(model, next, dt, crossing, why));
+  model->state.predict = predict;
+  settling->on         = PETSC_FALSE;
+  PetscCall(MpmSettleSet(model));
+  PetscCall(Leave(model, (PetscBool)(*why != NULL), &start));
+  model->solver.newton = settling->newton;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,13 @@
+#pragma once
+/*
+  Motion from rest to rest where a quasi-static step finds no state under a smaller strength (settle.c).
+*/
+#include "base/types.h"
+#include "talus/talus.h"
+#include "query/scene.h"
+
+/*
+  Goes on to `next`, by steps of `dt` for what rates there are, until the ground is at rest there: *why is NULL. Otherwise the reason: it passes the limit of
+  the reduction (state.safety.beyond > 0), or does not settle. The points are then on their way.
+*/
+PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, const char **why);

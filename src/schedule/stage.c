@@ -1,0 +1,303 @@
+/*
+  Stages: what acts, and on what, one after the other on the same points.
+
+    stages: geostatic,dig,load
+    stage_dig: {remove: "pit", bcs: "base,sides", loads: "weight", time: {end: 1, step: 0.1}}
+
+  Order of calls: MpmStagesReadLists() before conditions and loads are read, MpmStagesRead() after (stage_read.c),
+  MpmStagesSelect() when the points are there, then MpmStageBegin() for each stage in turn.
+
+  Time grows on through the stages. A ramp counts from the start of the stage in which its condition or load joins; one
+  that acts in the next stage too goes on with its own time. A prescribed displacement therefore stays where it is, and
+  a load that has reached its full value keeps it.
+
+  Forces and tractions pick their points in the initial state, among the bodies that are there when they first act. A
+  body that goes takes its shares with it.
+*/
+#include "geometry/geometry.h"
+#include "grid/shape.h"
+#include "particles/body.h"
+#include "particles/outer_faces.h"
+#include "particles/particles.h"
+#include "space/walls.h"
+#include "bc/bc.h"
+#include "bc/body_motion.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "query/model.h"
+#include "query/query.h"
+#include "step/energy.h"
+#include "step/moving_grid.h"
+#include "step/water_state.h"
+#include "integrators/dynamics.h"
+#include "integrators/integrators.h"
+#include "integrators/relaxation.h"
+#include "integrators/time_error.h"
+#include "schedule/reduction.h"
+#include "schedule/schedule.h"
+#include "schedule/stage.h"
+
+PetscErrorCode MpmStagesDestroy(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; model->scene.stages && k < model->scene.stage_count; k++) {
+    MpmStage *stage = &model->scene.stages[k];
+
+    PetscCall(PetscFree(stage->name));
+    PetscCall(PetscFree(stage->bcs));
+    PetscCall(PetscFree(stage->motions));
+    PetscCall(PetscFree(stage->loads));
+    PetscCall(PetscFree(stage->surfaces));
+    PetscCall(PetscFree(stage->removed));
+    PetscCall(PetscFree(stage->adds));
+    PetscCall(PetscFree(stage->material));
+    PetscCall(PetscFree(stage->geostatic.k0));
+    PetscCall(MpmRampDestroy(&stage->removal));
+    PetscCall(MpmRampDestroy(&stage->change));
+    PetscCall(MpmRampDestroy(&stage->reduction.ramp));
+  }
+  for (PetscInt b = 0; model->state.parked && b < model->scene.bodies->count; b++)
+    PetscCall(PetscFree(model->state.parked[b].data));
+  PetscCall(PetscFree(model->scene.stages));
+  PetscCall(PetscFree(model->state.parked));
+  PetscCall(PetscFree(model->state.scheme.fading));
+  PetscCall(PetscFree(model->state.relaxing.ended));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the model asks ---- */
+
+/* ---- the points are there ---- */
+
+/* Takes the bodies out that are not there in a stage, or before the first one (stage 0 before its own changes). */
+static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscBool there = PETSC_TRUE;
+    PetscInt  first, end;
+
+    for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+      if (k > stage && model->scene.stages[k].adds[b]) there = PETSC_FALSE;
+      if (k <= stage && model->scene.stages[k].removed[b]) there = PETSC_FALSE;
+    }
+    if (there) continue;
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    PetscCall(MpmParticlesRemove(model->state.particles, first, end, &model->state.parked[b]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReturnAll(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The stage in which a load first acts; 0 where it never does. */
+static PetscInt FirstStage(const MpmModel model, PetscInt load)
+{
+  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+    if (model->scene.stages[k].loads[load]) return k;
+  return 0;
+}
+
+static PetscErrorCode ClearShares(MpmModel model)
+{
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const char *field = model->scene.loads->at[l].share_field;
+    PetscReal  *share;
+
+    if (!field) continue;
+    PetscCall(MpmParticlesGetField(model->state.particles, field, &share));
+    PetscCall(PetscArrayzero(share, count));
+    PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStagesSelect(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmReductionCheck(model));
+  PetscCall(ClearShares(model));
+  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+    PetscCall(ParkAbsent(model, k));
+    for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+      if (FirstStage(model, l) == k)
+        PetscCall(MpmLoadSelect(&model->scene.loads->at[l], model->disc.grid, model->state.particles));
+    }
+    PetscCall(ReturnAll(model));
+  }
+  PetscCall(ParkAbsent(model, -1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a stage begins ---- */
+
+static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
+{
+  PetscInt    first, end;
+  const char *why; /* the next step tells of it */
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+    if (stage->removed[b] && !MpmRemovalBegin(model, stage, b))
+      PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
+  }
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    if (!stage->adds[b]) continue;
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    if (model->state.stage) PetscCall(MpmGapClose(model, b, stage->name));
+    PetscCall(MpmWaterFill(model, first, end));
+  }
+  PetscCall(MpmMovingGridFollow(model, &why));
+  PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What acts on a surface; drained boundaries are drained in all stages. */
+static PetscBool ActsOn(const MpmModel model, const MpmStage *stage, PetscInt surface)
+{
+  return (PetscBool)(surface >= model->scene.surfaces->named || stage->surfaces[surface]);
+}
+
+/* What acts from here on, and the walls that follow. */
+static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
+{
+  PetscFunctionBeginUser;
+  model->state.walls.count = 0;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    MpmActing *bc = &model->state.bcs[b];
+    PetscInt   walls;
+
+    if (stage->bcs[b] && !bc->active) bc->start = model->state.time_start;
+    bc->active = stage->bcs[b];
+    if (!bc->active) continue;
+    PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape),
+                                   &walls, &model->state.walls.at[model->state.walls.count]));
+    model->state.walls.count += walls;
+  }
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    MpmActing *motion = &model->state.bcs[model->scene.bcs->count + m];
+
+    if (stage->motions[m] && !motion->active) motion->start = model->state.time_start;
+    motion->active = stage->motions[m];
+  }
+  for (PetscInt l = 0; l < model->scene.loads->count + model->scene.surfaces->count; l++) {
+    MpmLoadActing  *load = &model->state.loads[l];
+    const PetscBool acts =
+      l < model->scene.loads->count ? stage->loads[l] : ActsOn(model, stage, l - model->scene.loads->count);
+
+    if (acts && !load->active) load->start = model->state.time_start;
+    load->active = acts;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which stage is under way, and how its time runs. */
+static void SetTime(MpmModel model, PetscInt k)
+{
+  const MpmTimeControl *control = &model->scene.stages[k].time;
+
+  model->state.stage             = k;
+  model->state.scheme.load_scale = 1.;
+  model->state.time_start        = model->state.time;
+  model->state.time_end          = MpmTimeRound(model->state.time + control->end);
+  if (model->state.relaxing.ended[k] >= 0.) model->state.time_end = model->state.relaxing.ended[k];
+  model->state.dt_nominal = control->step;
+  model->state.dt_min     = control->step_min;
+  model->state.dt_max     = control->step_max;
+  model->state.growth     = control->growth;
+  model->state.adaptive   = control->adaptive;
+
+  model->state.scheme.integrator    = &MpmIntegratorQuasistatic;
+  model->state.scheme.error         = 0.;
+  model->state.scheme.load_at_start = 0.;
+  MpmDynamicsSetStage(model);
+  if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
+  if (control->motion.type == MPM_EXPLICIT) {
+    model->state.scheme.integrator = &MpmIntegratorExplicit;
+    if (!(control->step > 0.)) { /* each step is as long as it may be */
+      model->state.dt_nominal = model->state.dt_max = control->end;
+      model->state.adaptive                         = PETSC_TRUE;
+    }
+    return;
+  }
+  model->state.scheme.error = control->error;
+  if (control->motion.type != MPM_QUASISTATIC) {
+    model->state.scheme.integrator = &MpmIntegratorImplicit;
+    model->state.scheme.order      = control->motion.type == MPM_BACKWARD_EULER ? 1. : 2.;
+    return;
+  }
+  if (!control->second) return;
+  model->state.scheme.order      = 3.;
+  model->state.scheme.integrator = &MpmIntegratorSdirk;
+}
+
+PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
+{
+  const MpmStage *stage  = &model->scene.stages[k];
+  const PetscReal factor = k ? MpmReductionFactor(model, model->state.time) : 1.;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmEnergyMark(model));
+  model->state.safety.start = factor;
+  MpmSlideBegin(model);
+  SetTime(model, k);
+  model->state.dt_wanted = model->state.dt_nominal;
+  model->state.dt_last = model->state.scheme.behind = 0.; /* nothing goes on as before */
+  PetscCall(MpmReductionApply(model, model->state.time));
+  if (stage->name) {
+    PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+    PetscCall(ChangeBodies(model, stage));
+    PetscCall(MpmMaterialsChange(model, stage));
+    if (stage->reset) {
+      PetscCall(MpmParticlesStartHere(model->state.particles));
+      model->state.reference_output = PETSC_TRUE;
+    }
+    PetscCall(MpmReductionBegin(model));
+    if (model->solver.jacobian)
+      PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */
+  }
+  PetscCall(Activate(model, stage));
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;
+  PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
+  PetscCall(MpmTimeErrorBegin(model));
+  PetscCall(MpmDynamicsBegin(model));
+  MpmRelaxationBegin(model);
+  PetscCall(MpmEnergyRebase(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStageResume(MpmModel model)
+{
+  const PetscInt  stage = model->state.stage;
+  const PetscReal time  = model->state.time;
+
+  PetscFunctionBeginUser;
+  model->state.time = 0.;
+  for (PetscInt k = 0; k <= stage; k++) {
+    if (k) model->state.time = model->state.time_end;
+    SetTime(model, k);
+    PetscCall(Activate(model, &model->scene.stages[k]));
+    for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+      if (model->scene.stages[k].removed[b]) (void)MpmRemovalBegin(model, &model->scene.stages[k], b);
+      if (!model->scene.stages[k].adds[b]) continue;
+      PetscCall(PetscFree(model->state.parked[b].data));
+      model->state.parked[b].count = 0;
+    }
+  }
+  model->state.time = time;
+  MpmRemovalResume(model);
+  PetscCall(MpmReductionApply(model, time));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,390 @@
+/*
+  How steps follow one another: their lengths, cuts after a failure, and the last resort before a run gives up.
+*/
+#include "point/material.h"
+#include "particles/particles.h"
+#include "space/rules.h"
+#include "volume/inertia.h"
+#include "contact/contact.h"
+#include "query/model.h"
+#include "query/query.h"
+#include "step/integrator.h"
+#include "step/moving_grid.h"
+#include "integrators/consolidation.h"
+#include "integrators/relaxation.h"
+#include "integrators/time_error.h"
+#include "schedule/reduction.h"
+#include "schedule/rescue.h"
+#include "schedule/schedule.h"
+#include "schedule/settle.h"
+#include "schedule/stage.h"
+
+/* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
+#define STUBBORN 0.15
+
+/* Relative rounding errors, in units of the machine's, that are taken out of times. */
+#define ROUNDING 4
+
+/* Cuts of one step before F-bar averages dilation, too; while the factor of safety is sought. */
+#define CUTS_WITH_DILATION 1
+#define CUTS_IN_REDUCTION  5
+/* Steps that do so alone, before all that follow do. */
+#define STEPS_WITH_AVERAGE 3
+/* Cuts of one step before the ground settles, in steps from rest with inertia, while the factor of safety is sought. */
+#define CUTS_BEFORE_SETTLING 2
+
+/*
+  Is the error in time of the step that has been solved for too large? Not where a shorter step has not made it smaller: it
+  then comes from something sudden, or where no shorter step may be tried; that is told.
+*/
+static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, const char **why)
+{
+  MpmScheme      *scheme = &model->state.scheme;
+  const PetscReal before = scheme->refused, part = before > 0. ? dt / scheme->refused_dt : 1.;
+  PetscBool       shorter;
+
+  PetscFunctionBeginUser;
+  scheme->refused = 0.;
+  if (!(scheme->error > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(scheme->integrator->error(model, &scheme->estimate));
+  if (scheme->estimate <= scheme->error) PetscFunctionReturn(PETSC_SUCCESS);
+  shorter = (PetscBool)(MpmTimeErrorFactor(model) * dt >= model->state.dt_min);
+  if (shorter && !(before > 0. && scheme->estimate > PetscPowReal(part, STUBBORN) * before)) {
+    scheme->refused    = scheme->estimate;
+    scheme->refused_dt = dt;
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost), "the error in time is %.2g",
+                            (double)scheme->estimate));
+    *why = model->solver.lost;
+  } else {
+    PetscCall(MpmMonitorNote(&model->monitor, "the error in time is %.2g, and no less in shorter steps",
+                             (double)scheme->estimate));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
+                       PetscBool *retryable)
+{
+  const MpmIntegrator *integrator = model->state.scheme.integrator;
+  const PetscBool      removes    = MpmRemovalGoesOn(model);
+  const char          *lost;
+
+  PetscFunctionBeginUser;
+  *retryable = PETSC_FALSE;
+  *why       = NULL;
+  if (!again) model->state.scheme.refused = 0.;
+  PetscCall(MpmReductionApply(model, time));
+  if (removes) PetscCall(MpmRemovalSet(model, time, why));
+  if (!*why) PetscCall(integrator->begin(model, time, dt, (PetscBool)(again && !removes), why));
+  if (!*why) {
+    PetscCall(integrator->predict(model));
+    PetscCall(integrator->solve(model, why, retryable));
+    if (!*why) {
+      *retryable = PETSC_TRUE;
+      PetscCall(LookAtError(model, dt, why));
+      if (!*why) PetscCall(MpmReductionLook(model, time, why));
+      if (!*why) PetscCall(MpmSlideLook(model, time, why, retryable));
+    } else model->state.scheme.refused = 0.;
+    PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
+  }
+  if (*why) PetscCall(MpmReductionApply(model, model->state.time));
+  if (removes && *why) PetscCall(MpmRemovalSet(model, model->state.time, &lost));
+  else if (removes) PetscCall(MpmRemovalCommit(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  A decimal number that is no further away than rounding errors take a sum of steps. So a time is the same one however many
+  steps led to it, and whether a run ends there or passes it.
+*/
+PetscReal MpmTimeRound(PetscReal time)
+{
+  char      text[32];
+  PetscReal decimal;
+
+  (void)snprintf(text, sizeof(text), "%.12e", (double)time);
+  decimal = (PetscReal)strtod(text, NULL);
+  return PetscAbsReal(decimal - time) <= ROUNDING * PETSC_MACHINE_EPSILON * PetscAbsReal(time) ? decimal : time;
+}
+
+PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
+{
+  const PetscReal small  = 1e-9 * model->state.dt_nominal;
+  PetscReal       target = model->state.time_end, next;
+
+  if (!model->state.adaptive) {
+    target = MpmTimeRound(
+      model->state.time_start +
+      model->state.dt_nominal *
+        PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.));
+    if (target > model->state.time_end - small) target = model->state.time_end;
+  }
+  next  = MpmTimeRound(model->state.time + dt);
+  next  = next > target - PetscMax(small, 1e-3 * dt) ? target : next;
+  *step = next - model->state.time;
+  return next;
+}
+
+#define EASY 6 /* iterations */
+
+/* After an easy step the next one is longer, after a hard one, when adaptive, it stays; and the error in time may be small. */
+static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
+{
+  if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
+  if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
+  if (model->solver.newton <= EASY) {
+    const PetscReal factor = PetscMin(model->state.growth, MpmTimeErrorFactor(model));
+
+    return PetscMax(PetscMin(MpmTimeErrorLength(model, wanted * factor), model->state.dt_max), model->state.dt_min);
+  }
+  return wanted;
+}
+
+/*
+  May F-bar average dilation for one step? Where it does so for long pressures drift apart, and a limit load rises by a hundredth within
+  a few steps. So always while the factor of safety is sought, and otherwise a few times: where many steps fail it would be dear.
+*/
+static PetscBool AveragesOnce(const MpmModel model)
+{
+  return (PetscBool)(MpmReductionSeeks(model) || model->state.rescue.averaged < STEPS_WITH_AVERAGE);
+}
+
+static PetscErrorCode AverageDilation(MpmModel model, const char *why, PetscReal dt)
+{
+  const char *how_long = AveragesOnce(model) ? "this step" : "from here on";
+
+  PetscFunctionBeginUser;
+  MpmStepAverageDilation(model, PETSC_TRUE);
+  model->state.dt_wanted = dt;
+  PetscCall(
+    MpmMonitorChange(&model->monitor, MPM_CHANGE_DILATION, "%s; %s with -mpm_stabilization_fbar plain", why, how_long));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A step that was cut, and took more than half of the iterations allowed even so, counts as one that failed. */
+static PetscErrorCode MindStruggle(MpmModel model)
+{
+  PetscInt most;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetTolerances(model->solver.snes, NULL, NULL, NULL, &most, NULL));
+  if (!model->state.cuts || 2 * model->solver.newton <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (AveragesOnce(model)) model->state.rescue.averaged++;
+  else PetscCall(AverageDilation(model, "a short step was hard, too", model->state.dt_wanted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
+{
+  PetscFunctionBeginUser;
+  model->state.dt_wanted = dt;
+  model->state.cuts++;
+  model->state.cuts_total++;
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", why, (double)model->state.dt_wanted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where Newton's method has found no state of rest in the shortest step, motion might: it takes over, or is named in the reason. */
+static PetscErrorCode OfferRelaxation(MpmModel model, const char **why)
+{
+  SNESConvergedReason reason;
+  char                text[sizeof(model->solver.lost)];
+
+  PetscFunctionBeginUser;
+  if (!MpmCouldRelax(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetConvergedReason(model->solver.snes, &reason));
+  if (reason > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmRescueServes(model)) {
+    PetscCall(MpmRescueBegin(model, *why));
+    *why = NULL;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscSNPrintf(text, sizeof(text),
+                          "%s; if there is a state of rest elsewhere, a stage of type relaxation may find it, or "
+                          "-mpm_time_rescue relaxation in this one",
+                          *why));
+  PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text)));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode DividePoints(MpmModel model)
+{
+  PetscInt divided;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesDivide(model->state.particles, model->disc.grid, model->scene.materials->at,
+                               model->scene.stabilization.divide, &divided));
+  if (divided) PetscCall(PetscInfo(model->state.particles->swarm, "%" PetscInt_FMT " points are divided\n", divided));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepArrange(MpmModel model, const char **why)
+{
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMovingGridFollow(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
+  if (model->scene.stabilization.divide > 0.) PetscCall(DividePoints(model));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A step of the motion that goes on where a quasi-static step gave up. */
+static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, const char **why)
+{
+  PetscReal next;
+  PetscBool retryable;
+  char      text[sizeof(model->solver.lost)];
+
+  PetscFunctionBeginUser;
+  PetscCall(model->state.scheme.integrator->length(model, why));
+  if (!*why) {
+    PetscCall(MpmRescueNextTime(model, &next));
+    PetscCall(MpmStep(model, next, model->state.dt_wanted, PETSC_FALSE, why, &retryable));
+  }
+  if (*why) {
+    PetscCall(PetscSNPrintf(text, sizeof(text), "the relaxation that goes on to time %.6g: %s",
+                            (double)model->state.scheme.rescuing.end, *why));
+    PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text)));
+    *why = model->solver.lost;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  model->state.time = next;
+  PetscCall(MpmReductionObserve(model));
+  PetscCall(MpmRescueOver(model, dt, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmStageHasFinish(const MpmModel model)
+{
+  return (PetscBool)(model->state.scheme.integrator->finish && !MpmModelRelaxes(model));
+}
+
+PetscErrorCode MpmStageFinish(MpmModel model, const char **why)
+{
+  PetscFunctionBeginUser;
+  *why = NULL;
+  if (!MpmStageHasFinish(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepArrange(model, why));
+  if (!*why) PetscCall((*model->state.scheme.integrator->finish)(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What may be tried where a step fails. */
+typedef struct {
+  PetscBool seeks, dilation; /* a factor of safety, with F-bar; F-bar may average dilation */
+  PetscInt  most;            /* cuts before F-bar does */
+} Remedies;
+
+static Remedies FindRemedies(const MpmModel model)
+{
+  const PetscBool seeks = (PetscBool)(model->state.rescue.dilation && MpmReductionSeeks(model));
+
+  return (Remedies){.seeks    = seeks,
+                    .dilation = (PetscBool)(model->state.rescue.dilation && AveragesOnce(model)),
+                    .most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION};
+}
+
+/* May a step of the reduction settle? Bodies whose motion is solved for have a placement that is not kept. */
+static PetscBool MaySettle(const MpmModel model)
+{
+  return (PetscBool)(model->disc.inertia->settles && !model->disc.contacts->bodies);
+}
+
+/*
+  After a step to `next` that failed: a shorter one, the step in another way, or the end: `again` and `why` as MpmStep() wants them, and
+  `over`: nothing is left to try, or the stage has ended.
+*/
+static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscReal next, PetscReal dt, PetscBool *again,
+                              PetscBool *over, const char **why)
+{
+  const PetscBool brackets = (PetscBool)(MpmReductionBrackets(model, next) && !MpmRescueServes(model));
+  MpmRescue      *rescue   = &model->state.rescue;
+
+  PetscFunctionBeginUser;
+  *over = PETSC_FALSE;
+  if (model->state.scheme.refused > 0.) {
+    *again = PETSC_TRUE;
+    PetscCall(Cut(model, *why, MpmTimeErrorLength(model, MpmTimeErrorFactor(model) * dt)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *again = brackets ? MpmReductionNarrows(model, next) : (PetscBool)(0.5 * dt >= model->state.dt_min);
+  if (brackets && MaySettle(model) && !model->state.scheme.settling.needed && !(model->state.safety.beyond > 0.) &&
+      (!*again || model->state.cuts >= CUTS_BEFORE_SETTLING)) {
+    model->state.scheme.settling.needed = PETSC_TRUE;
+    PetscCall(MpmMonitorChange(&model->monitor, MPM_CHANGE_SETTLING, "%s; from here on the ground settles", *why));
+    *again = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (brackets && *again) {
+    *again = (PetscBool)!model->state.scheme.settling.needed;
+    PetscCall(Cut(model, *why, 0.5 * dt));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (rescue->dilation && !(brackets && MaySettle(model)) && !(model->state.safety.beyond > 0.) &&
+      (!*again || model->state.cuts >= remedies->most)) {
+    PetscCall(AverageDilation(model, *why, brackets ? dt : model->state.dt_nominal));
+    *again = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (brackets) {
+    PetscCall(MpmReductionClose(model, next, why));
+    *over                  = (PetscBool)(*why || model->state.time >= model->state.time_end);
+    model->state.dt_wanted = model->state.dt_nominal;
+  } else if (*again) PetscCall(Cut(model, *why, 0.5 * dt));
+  else {
+    *over = PETSC_TRUE;
+    PetscCall(OfferRelaxation(model, why));
+    if (*why) PetscCall(MpmSlideExplain(model, why));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
+{
+  const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
+  const Remedies remedies  = FindRemedies(model);
+  PetscReal      next;
+  PetscBool      retryable, again = PETSC_FALSE, over;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepArrange(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->state.scheme.rescuing.on) {
+    PetscCall(AdvanceRescue(model, dt, why));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmConsolidationBegin(model));
+  model->state.cuts = 0;
+  if (MpmRescueServes(model)) MpmRelaxationForget(model);
+  if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  for (;;) {
+    next = MpmNextTime(model, model->state.dt_wanted, dt);
+    if (MpmReductionBrackets(model, next) && model->state.scheme.settling.needed) {
+      retryable = PETSC_TRUE;
+      PetscCall(MpmSettle(model, next, *dt, why));
+    } else PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
+    if (!*why) break;
+    if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(TryNext(model, &remedies, next, *dt, &again, &over, why));
+    if (over) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  model->state.time = next;
+  model->state.step++;
+  MpmSlideObserve(model);
+  PetscCall(MpmReductionObserve(model));
+  PetscCall(MpmConsolidationObserve(model));
+  if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
+  if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
+  if (remedies.dilation && !model->state.rescue.dilation) {
+    MpmStepAverageDilation(model, PETSC_FALSE);
+    if (!remedies.seeks) model->state.rescue.averaged++;
+  } else if (model->state.rescue.dilation && !remedies.seeks) PetscCall(MindStruggle(model));
+  if (!(model->state.safety.failed > 0.)) model->state.dt_wanted = NextLength(model, *dt, model->state.dt_wanted);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,258 @@
+/*
+  The account of energy, over all points and since the start:
+
+    kinetic + elastic + dissipated - external - (kinetic + elastic at the start) = balance
+
+  kinetic     of the points, with the affine part of their velocities, and of rigid bodies with a mass
+  elastic     what the points' elastic strain stores, by the law or by the stress, p^2/(2 K) + s:s/(4 G) a volume
+  dissipated  the work of the points' stresses less what is stored of it, what contact has taken (the depth of a penalty, too,
+              until it lets go), and what damping has taken
+  external    work of loads, on free boundaries, too, of supports that move and of boundaries that move
+
+  The work of a stress in a step is V_0 tau : d, tau the mean of its start and end and d the strain about the middle,
+
+    d = sym((dF - I) ((dF + I)/2)^{-1}) ,
+
+  of second order in the step. The balance is what the integrator and the transfer between points and nodes have lost, and what
+  the ghost penalty has taken: it falls with the step, and with FLIP.
+*/
+#include "point/material.h"
+#include "point/stored_energy.h"
+#include "particles/particles.h"
+#include "particles/point_mass.h"
+#include "particles/points.h"
+#include "space/momentum.h"
+#include "space/sum.h"
+#include "bc/bc.h"
+#include "assembly/terms.h"
+#include "volume/damping.h"
+#include "volume/inertia.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
+#include "loads/body_surface.h"
+#include "query/model.h"
+#include "query/query.h"
+#include "step/energy.h"
+
+/* ---- points ---- */
+
+/* The loops over points are written once, for a constant dimension. */
+#define BY_DIM(f, dim, ...) ((dim) == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
+
+/* Of this rank's points. */
+MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const MpmPoints *points)
+{
+  const PetscInt sym = MpmSymSize(dim), size = model->state.particles->state_size;
+  PetscReal      sum = 0.;
+
+  for (PetscInt p = 0; p < points->count; p++) {
+    const MpmMaterial *material = &model->scene.materials->at[points->material[p]];
+    const PetscReal   *F        = &points->F[p * dim * dim];
+    PetscReal          stress[6];
+
+    for (PetscInt c = 0; c < sym; c++) stress[c] = points->stress[p * sym + c];
+    if (points->across) /* does no work, and is none of the law's */
+      stress[2] -= points->across[p] / (material->info.traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F));
+    sum += points->volume0[p] * MpmStoredEnergy(material, MpmPointOwn(points, material, p), dim, stress,
+                                                points->state ? &points->state[p * size] : NULL, F);
+  }
+  return sum;
+}
+
+/* Without the affine part. */
+static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  energy[0] = MpmPointsKinetic(&points, model->scene.materials->at, model->disc.dim);
+  energy[1] = BY_DIM(Elastic, model->disc.dim, model, &points);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  energy[0] += MpmRigidKinetic(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnergyMark(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->disc.inertia->dynamic && model->state.scheme.energy.known)
+    PetscCall(Measure(model, model->state.scheme.energy.mark));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnergyRebase(MpmModel model)
+{
+  MpmEnergy *energy = &model->state.scheme.energy;
+  PetscReal  now[2];
+
+  PetscFunctionBeginUser;
+  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Measure(model, now));
+  energy->start += now[0] + now[1] - energy->mark[0] - energy->mark[1];
+  energy->elastic += now[1] - energy->mark[1];
+  energy->known = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- work ---- */
+
+/* sym(G) : S of a gradient G and a symmetric S; plane strain has no part along z. */
+MPM_INLINE PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
+{
+  PetscReal sum = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) sum += G[a * dim + a] * S[a];
+  sum += (G[1] + G[dim]) * S[3];
+  if (dim == 3) sum += (G[5] + G[7]) * S[4] + (G[2] + G[6]) * S[5];
+  return sum;
+}
+
+/* (B - A) ((A + B)/2)^{-1}: with A = F_n and B = F_{n+1} the strain about the middle. */
+MPM_INLINE void MiddleStrain(PetscInt dim, const PetscReal A[], const PetscReal B[], PetscReal d[])
+{
+  PetscReal half[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], by;
+
+  for (PetscInt k = 0; k < dim * dim; k++) half[k] = 0.5 * (A[k] + B[k]);
+  by = 1. / MpmCofactors(dim, half, cofactor);
+  for (PetscInt i = 0; i < dim; i++) {
+    for (PetscInt j = 0; j < dim; j++) {
+      d[i * dim + j] = 0.;
+      for (PetscInt k = 0; k < dim; k++) d[i * dim + j] += (B[i * dim + k] - A[i * dim + k]) * cofactor[j * dim + k];
+      d[i * dim + j] *= by;
+    }
+  }
+}
+
+/* Of the stresses of this rank's points. */
+MPM_INLINE PetscReal Internal(const PetscInt dim, const MpmModel model)
+{
+  const MpmPoints *points = model->disc.points;
+  const MpmTrial  *trial  = model->disc.trial;
+  const PetscInt   square = dim * dim, sym = MpmSymSize(dim);
+  PetscReal        work = 0.;
+
+  for (PetscInt p = 0; p < points->count; p++) {
+    const unsigned   traits = model->scene.materials->at[points->material[p]].info.traits;
+    const PetscBool  small  = (PetscBool)(traits & MPM_LAW_SMALL_STRAIN ? 1 : 0);
+    const PetscReal *A = &points->F[p * square], *B = &trial->F[p * square];
+    PetscReal        d[MPM_MAX_DIM * MPM_MAX_DIM], mean[6];
+    const PetscReal  before = 0.5 * (small ? 1. : MpmDeterminant(dim, A)),
+                    after   = 0.5 * (small ? 1. : MpmDeterminant(dim, B));
+
+    for (PetscInt k = 0; k < sym; k++)
+      mean[k] = before * points->stress[p * sym + k] + after * trial->stress[p * sym + k];
+    if (!small) MiddleStrain(dim, A, B, d);
+    for (PetscInt k = 0; small && k < square; k++) d[k] = B[k] - A[k];
+    work += points->volume0[p] * Power(dim, d, mean);
+  }
+  return work;
+}
+
+/* Of the forces of some nodes in the step's displacement: components of the latter alone. */
+static PetscReal Work(const MpmModel model, PetscInt nodes, const PetscReal force[], const PetscReal u[])
+{
+  const PetscInt dim = model->disc.dim, bs = model->disc.block;
+  PetscReal      work = 0.;
+
+  for (PetscInt i = 0; i < nodes; i++)
+    for (PetscInt a = 0; a < dim; a++) work += force[i * bs + a] * u[i * bs + a];
+  return work;
+}
+
+/* The displacement in which forces do their work, and that at which they are. */
+static const PetscReal *Kick(const MpmStepWork *step)
+{
+  return step->kick ? step->kick : step->u;
+}
+static const PetscReal *At(const MpmStepWork *step)
+{
+  return step->at ? step->at : step->u;
+}
+
+/* What a term of the residual takes from the material. */
+static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const MpmStepWork *step, PetscReal *work)
+{
+  const MpmTerms *terms  = model->disc.terms;
+  const PetscInt  local  = step->local;
+  PetscInt        failed = 0;
+  PetscReal      *force;
+
+  PetscFunctionBeginUser;
+  *work = 0.;
+  for (PetscInt k = 0; k < terms->count; k++) {
+    if (terms->term[k] != term || MpmTermsIdle(terms, k)) continue;
+    PetscCall(PetscCalloc1((local * model->disc.block), &force));
+    PetscCall(term->residual(terms->ctx[k], model->disc.sum, At(step), force, &failed));
+    *work += Work(model, local, force, Kick(step));
+    PetscCall(PetscFree(force));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
+{
+  const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
+  const PetscInt       local    = work->local;
+  const PetscReal      part     = work->kick ? work->part : 1.;
+  MpmEnergy           *energy   = &model->state.scheme.energy;
+  PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!work->unstrained) sum[0] = BY_DIM(Internal, model->disc.dim, model);
+  if (work->loads) sum[1] = Work(model, local, work->loads, work->u);
+  sum[1] += part * Work(model, work->owned, work->supports, Kick(work));
+  PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
+  sum[1] -= part * taken;
+  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, At(work), Kick(work), &material, &boundary));
+  pushed = MpmRigidPushWork(model->disc.contacts, model->disc.sum, Kick(work));
+  sum[1] += part * (boundary + pushed);
+  sum[2] += part * (work->taken + boundary - material + pushed);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
+    PetscCall(TakenBy(model, takers[k], work, &taken));
+    sum[2] += part * taken;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));
+  energy->internal += sum[0];
+  energy->external += sum[1];
+  energy->dissipated += sum[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- report ---- */
+
+PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
+{
+  const MpmMotionControl *motion   = MpmModelMotion(model);
+  const MpmEnergy        *energy   = &model->state.scheme.energy;
+  const PetscBool         moves    = (PetscBool)(motion->type != MPM_QUASISTATIC);
+  MpmTransfer             transfer = motion->transfer;
+  PetscReal               sum[2 + MPM_MAX_DIM + 3];
+  MpmMotionSums           sums = {.mass = 0.};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
+  if (motion->type != MPM_EXPLICIT && !motion->lumped) transfer.type = MPM_TRANSFER_FLIP;
+  if (moves) PetscCall(MpmMotionSum(model->disc.sum, &transfer, &sums));
+  sum[0] = sums.kinetic;
+  sum[1] = BY_DIM(Elastic, model->disc.dim, model, model->disc.points);
+  PetscCall(PetscArraycpy(&sum[2], sums.momentum, MPM_MAX_DIM));
+  PetscCall(PetscArraycpy(&sum[2 + MPM_MAX_DIM], sums.angular, 3));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(sum), MPIU_REAL, MPIU_SUM, model->comm));
+  *report            = (MpmEnergyReport){.kinetic  = sum[0] + MpmRigidKinetic(model->scene.boundaries->count,
+                                                                              model->scene.boundaries->at, model->state.placements),
+                                         .elastic  = sum[1],
+                                         .external = energy->external};
+  report->dissipated = energy->dissipated + energy->internal - (sum[1] - energy->elastic);
+  report->balance    = report->kinetic + report->elastic + report->dissipated - report->external - energy->start;
+  PetscCall(PetscArraycpy(report->momentum, &sum[2], MPM_MAX_DIM));
+  PetscCall(PetscArraycpy(report->angular, &sum[2 + MPM_MAX_DIM], 3));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,33 @@
+#pragma once
+/*
+  What a way to take a step is.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/talus.h"
+
+/*
+  How a step is taken. Until accept() the state is that of the step's start: roll_back() forgets what was tried.
+
+  begin      space, conditions and loads for a step to `time`, dt later; `again`: the points have not moved since the last
+             call, the space stands; `why` is NULL, or the reason for which there is no such step
+  predict    where the solution starts
+  solve      `why` is NULL, or the reason of the failure; `retryable`: a shorter step may help
+  accept     what was found becomes the state
+  roll_back
+  error      estimate of the step's error in time; NULL where there is none
+  length     before `begin`: how long the step may be, into state.dt_wanted; `why` is NULL, or the reason for which there is no
+             step. NULL: the step control chooses, and cuts what fails
+  finish     after a stage's last step, the points being where they belong; NULL: nothing is left to do
+*/
+struct MpmIntegrator {
+  const char *name;
+  PetscErrorCode (*begin)(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+  PetscErrorCode (*predict)(MpmModel model);
+  PetscErrorCode (*solve)(MpmModel model, const char **why, PetscBool *retryable);
+  PetscErrorCode (*accept)(MpmModel model);
+  PetscErrorCode (*roll_back)(MpmModel model);
+  PetscErrorCode (*error)(MpmModel model, PetscReal *estimate);
+  PetscErrorCode (*length)(MpmModel model, const char **why);
+  PetscErrorCode (*finish)(MpmModel model);
+};

@@ -1,0 +1,84 @@
+#pragma once
+/*
+  Parts of a step that its integrators share.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "bc/bc.h"
+#include "talus/talus.h"
+
+/* ---- step_trial.c ---- */
+
+/*
+  Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.
+  `again`: the points have not moved since the last call, the space stands.
+*/
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+
+/* ---- step_begin.c ---- */
+
+/*
+  Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it. Where the integrator
+  is explicit it adds gravity's own force, by the masses of the nodes.
+*/
+PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+/*
+  Adds the part of the loads that makes those of a step to `time`, which count `part` times as they were at its start, their mean
+  over the step.
+*/
+PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[]);
+/* True where this rank has prescribed unknowns, and on all ranks where any of those moves: then the next function is collective. */
+PetscBool MpmStepPrescribes(const MpmModel model);
+/* What prescribed unknowns have at a time: of the first or second derivative by time, at the local unknowns, 0 at others. */
+PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[]);
+/* Conditions and motions as a step to `time` takes them. */
+MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time);
+
+/* What conditions and motions prescribe in a step to `time`; the space stands. `why` is NULL, or why they cannot. */
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why);
+/* The space of the points where they are now, without a step. */
+PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
+
+/* ---- what Newton has found (step_trial.c) ---- */
+
+/* Would the displacement model->disc.u carry a point out of the grid? `why` then names the first one of the lowest rank. */
+PetscErrorCode MpmStepFindLost(MpmModel model, const char **why);
+/* Points that rounding has taken over the grid's edges are put onto them. */
+void MpmStepClip(MpmModel model);
+/* Where points may leave the grid, those that have are taken away; the two above then do nothing. */
+PetscErrorCode MpmStepRemoveGone(MpmModel model);
+/* The trial and the residual, along the axes, of what Newton has found. */
+PetscErrorCode MpmStepFindTrial(MpmModel model);
+/* From that residual, what conditions and motions exert: model->disc.reaction. */
+PetscErrorCode MpmStepFindReactions(MpmModel model);
+/* The residual at the step's start, before any prediction: what Newton's tolerance refers to. */
+PetscErrorCode MpmStepFindReference(MpmModel model);
+/*
+  The start of Newton: zero or, with `predict`, the increment extrapolated from the last steps; totals stay, prescribed unknowns take
+  their values.
+*/
+PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict);
+
+/* ---- step_solve.c ---- */
+
+/* The start of Newton, and the residual that its tolerance refers to. */
+PetscErrorCode MpmStepPredict(MpmModel model);
+/* May any contact slide: has it friction, and does it not stick? */
+PetscBool MpmContactsMaySlide(const MpmModel model);
+/* Newton. `why`, unless NULL: what went wrong; `retryable`: a shorter step may not. */
+PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable);
+
+/* ---- failure.c ---- */
+
+/* Adds the place of the largest force out of balance, and the share of points that flow, to the reason of a failure. */
+PetscErrorCode MpmStepLocate(MpmModel model, const char **why);
+
+/* ---- unconstrained.c ---- */
+
+/*
+  After a failed step (unconstrained.c): where nothing holds the material, or a piece of it, `why` says so; not `retryable` where the
+  loads push along such a motion and no boundary may catch it.
+*/
+PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable);
+/* Do loads push a piece of the material along a motion that nothing resists? In the state that was last tried. */
+PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed);

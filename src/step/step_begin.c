@@ -1,0 +1,291 @@
+/*
+  What a step begins with, for any integrator: space, conditions and loads.
+*/
+#include "point/layout.h"
+#include "point/registry.h"
+#include "particles/particles.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/body_motion.h"
+#include "assembly/terms.h"
+#include "volume/damping.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "query/model.h"
+#include "query/query.h"
+#include "step/change_ramp.h"
+#include "step/integrator.h"
+#include "step/step.h"
+#include "step/water_state.h"
+
+/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
+static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
+{
+  const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
+
+  return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
+}
+
+/* The ghost penalty is for matrices: a step that solves for nothing has none. */
+static MpmRules Rules(MpmModel model, PetscReal time)
+{
+  const MpmStage         *stage  = &model->scene.stages[model->state.stage];
+  const MpmIntegratorType motion = stage->time.motion.type;
+  const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
+  MpmRules                rules;
+
+  rules = (MpmRules){
+    .grid           = model->disc.grid,
+    .shape          = model->scene.shape,
+    .edge           = model->scene.edge,
+    .layout         = model->disc.layout,
+    .wall_count     = model->state.walls.count,
+    .walls          = model->state.walls.at,
+    .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
+    .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
+    .parts          = model->disc.parts,
+    .materials      = model->disc.sum->materials,
+    .material_count = model->disc.material_count,
+    .ghost          = solves ? model->disc.ghost : 0.,
+    .filled         = solves ? model->scene.stabilization.filled : 0.,
+    .sparse         = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+    .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
+    .smooth   = model->scene.stabilization.smooth,
+    .mean     = (PetscBool)(model->disc.layout->means > 0),
+    .put_back = model->disc.put_back,
+    .time_n   = model->state.time,
+    .time     = time,
+    .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const MpmLoad *load = &model->scene.loads->at[l];
+
+    for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
+      rules.gravity[a] += StepLoadFactor(model, l, time) * load->value[a];
+  }
+  return rules;
+}
+
+/* Is any contact near enough to act in this step, on any rank? Collective. */
+static PetscErrorCode FindNear(MpmModel model)
+{
+  MpmContacts *contacts = model->disc.contacts;
+  PetscBool   *near     = &contacts->newton.near;
+  PetscMPIInt  size;
+
+  PetscFunctionBeginUser;
+  *near = (PetscBool)(contacts->patch_count || model->disc.pairs->patch_count);
+  if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_size(model->comm, &size));
+  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, near, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  model->disc.pairs->near = *near;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What does not depend on the step's length: arrays, space, pattern, solver. */
+static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
+{
+  const PetscInt      bs = model->disc.block, dim = model->disc.dim;
+  const MpmParticles *particles = model->state.particles;
+  MpmTrial           *trial     = model->disc.trial;
+
+  PetscFunctionBeginUser;
+  model->disc.committed = PETSC_FALSE;
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
+  PetscCall(FindNear(model));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  const PetscInt count = model->disc.space->point_count;
+
+  PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
+  PetscCall(PetscMalloc3((model->disc.space->local * bs + 1), &model->disc.u, (model->disc.space->local * bs + 1),
+                         &model->disc.residual, (model->disc.space->local * bs + 1), &model->disc.force));
+  PetscCall(MpmTrialReset(trial));
+  PetscCall(PetscMalloc5((count * dim * dim), &trial->F, (count * particles->stress_size), &trial->stress,
+                         (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
+                         (model->disc.space->local * bs), &trial->u));
+  model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->unknown_count);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
+{
+  const MpmRules rules = Rules(model, model->state.time);
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  PetscCall(PrepareSpace(model, &rules, why));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time)
+{
+  return (MpmPrescription){.conditions = model->scene.bcs,
+                           .motions    = model->scene.motions,
+                           .acting     = model->state.bcs,
+                           .particles  = model->state.particles,
+                           .time_n     = model->state.time,
+                           .time       = time,
+                           .diagonal   = model->disc.diagonal};
+}
+
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why)
+{
+  const MpmPrescription step = MpmStepPrescription(model, time);
+  PetscInt              contradicts;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  PetscCall(MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space,
+                                &contradicts));
+  PetscCall(MpmWaterHold(model, time));
+  MpmConstraintsFollow(model->disc.constraints, model->disc.layout, model->disc.space);
+  if (contradicts < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                          "motion %s meets nodes that a condition or another motion moves otherwise",
+                          model->scene.motions->names[contradicts]));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Does any condition that acts prescribe a displacement other than 0? */
+static PetscBool AnyMoves(const MpmModel model)
+{
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+    if (model->state.bcs[b].active && MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim)) return PETSC_TRUE;
+  return (PetscBool)(model->scene.motions->count > 0);
+}
+
+PetscBool MpmStepPrescribes(const MpmModel model)
+{
+  return (PetscBool)(model->disc.constraints->any || AnyMoves(model));
+}
+
+PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[])
+{
+  MpmPrescription step        = MpmStepPrescription(model, time);
+  MpmConstraints  constraints = {0};
+  PetscInt        contradicts;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(values, model->disc.space->local * model->disc.block));
+  if (!AnyMoves(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  step.rate = rate;
+  PetscCall(
+    MpmConstraintsSetUp(&constraints, &step, model->disc.grid, model->disc.layout, model->disc.space, &contradicts));
+  PetscCall(PetscArraycpy(values, constraints.value, model->disc.space->local * model->disc.block));
+  PetscCall(MpmConstraintsReset(&constraints));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Conditions that move what they no longer hold. */
+static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const char **why)
+{
+  const MpmPrescription step = MpmStepPrescription(model, time);
+  PetscInt              lost;
+  PetscReal             left;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmConditionsFindLost(&step, model->state.bcs, model->scene.bodies, model->disc.sum, &lost, &left));
+  if (lost < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (left > 0.)
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            "condition %s has lost the material that it moves: its nodes hold %.2g %% of what they "
+                            "held; a motion follows a body's points",
+                            model->scene.bcs->names[lost], (double)(100. * left)));
+  else
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            "condition %s prescribes a displacement where there is no material; a motion follows a "
+                            "body's points",
+                            model->scene.bcs->names[lost]));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Waves that come in through absorbing conditions in a step to `time`, like other loads. */
+static PetscErrorCode AddIncoming(MpmModel model, PetscReal time, PetscReal end, PetscReal start, PetscReal force[])
+{
+  const MpmDamping *damping = model->disc.damping;
+
+  PetscFunctionBeginUser;
+  if (!damping->conditions) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmAbsorbingLoad(damping, model->disc.sum, time, end, force));
+  if (start != 0.) PetscCall(MpmAbsorbingLoad(damping, model->disc.sum, model->state.time, start, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[])
+{
+  const MpmRules  rules = Rules(model, time);
+  const PetscReal start = 0.5 - part;
+
+  PetscFunctionBeginUser;
+  if (start == 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const PetscReal change = MpmModelLoadFactor(model, l, model->state.time) - MpmModelLoadFactor(model, l, time);
+
+    if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && model->state.scheme.integrator->length) continue;
+    PetscCall(
+      MpmLoadApply(&model->scene.loads->at[l], start * change, &rules, model->disc.sum, model->state.particles, force));
+  }
+  PetscCall(AddIncoming(model, time, -start, start, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Conditions and loads at the step's end. */
+static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
+  PetscCall(MpmModelPrescribe(model, time, why));
+  if (!*why) PetscCall(FindLostMaterial(model, time, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
+    model->disc.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
+    model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
+  }
+  model->disc.sum->drained    = model->scene.stages[model->state.stage].drained;
+  model->disc.surfaces->still = model->state.scheme.water_held;
+  model->disc.surfaces->table = model->scene.water;
+  model->disc.surfaces->open  = model->state.scheme.load_scale;
+  PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
+  PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    const MpmLoad *load = &model->scene.loads->at[l];
+
+    if (load->type != MPM_LOAD_GRAVITY || !model->state.scheme.integrator->length)
+      PetscCall(MpmLoadApply(load, StepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
+                             model->disc.force));
+  }
+  PetscCall(MpmChangeAdd(model, time, model->disc.force));
+  PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
+                        model->disc.force));
+  if (model->scene.body_force) {
+    const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
+
+    PetscCall(
+      MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, at, model->disc.sum, model->disc.force));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  const MpmRules rules = Rules(model, time);
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
+  if (!again) PetscCall(PrepareSpace(model, &rules, why));
+  if (!*why) {
+    model->disc.sum->dt   = dt;
+    model->disc.sum->span = model->state.scheme.rescuing.on ? time - model->state.time : dt;
+    PetscCall(PrepareConditions(model, &rules, time, why));
+  }
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

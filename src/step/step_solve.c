@@ -1,0 +1,207 @@
+/*
+  Newton's attempts at a step: from a prediction or from rest, with care or without, and again as contact's pressures are corrected.
+*/
+#include "base/newton_reason.h"
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "contact/body_contact.h"
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
+#include "query/model.h"
+#include "step/step.h"
+
+/* Newton from the start at hand; from rest once more where the Krylov method had to be changed. */
+static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedReason *reason)
+{
+  const PetscBool before = model->solver.indefinite;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmSolverSolve(&model->solver, reason));
+  if (!rest || model->solver.indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
+  PetscCall(MpmSolverSolve(&model->solver, reason));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Newton from the prediction and, where that fails or there is none, from rest. With contact it is taken with care, and without, from
+  each, but not where loads push along what nothing resists; and all but the last of these are given up when they get nowhere. What
+  succeeded is how the next step starts.
+*/
+static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
+{
+  MpmSolver      *solver    = &model->solver;
+  const PetscBool predicted = solver->cache.predicted, contact = MpmSolverHasContact(solver);
+  PetscBool       turns = contact;
+  Vec             start = NULL;
+
+  PetscFunctionBeginUser;
+  if (predicted && contact) {
+    PetscCall(VecDuplicate(solver->x, &start));
+    PetscCall(VecCopy(solver->x, start));
+  }
+  for (PetscInt k = 0; k < (predicted ? 4 : 2); k++) {
+    const PetscBool rest = (PetscBool)(!predicted || k >= 2);
+
+    if (k % 2 && !turns) continue;
+    if (k) {
+      if (turns) solver->careful = (PetscBool)!solver->careful;
+      if (rest) PetscCall(MpmStepStart(model, PETSC_FALSE));
+      else PetscCall(VecCopy(start, solver->x));
+    }
+    solver->cache.hasty = (PetscBool)(contact && k < (predicted ? 3 : 1));
+    PetscCall(SolveFrom(model, rest, reason));
+    if (*reason >= 0) break;
+    if (!k && contact) {
+      PetscCall(MpmUnconstrainedIsPushed(model, &turns));
+      turns = (PetscBool)!turns;
+    }
+  }
+  solver->cache.hasty = PETSC_FALSE;
+  PetscCall(VecDestroy(&start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define GIVE 64. /* what may slide gives by so many times as much, in the last attempts at a step that was cut */
+
+PetscBool MpmContactsMaySlide(const MpmModel model)
+{
+  const MpmBoundaries *boundaries = model->scene.boundaries;
+  const MpmPairs      *pairs      = model->scene.pairs;
+
+  for (PetscInt k = 0; k < boundaries->count; k++)
+    if (boundaries->at[k].tangential && !boundaries->at[k].stick) return PETSC_TRUE;
+  for (PetscInt k = 0; k < pairs->count; k++)
+    if (pairs->at[k].tangential && !pairs->at[k].stick) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+  All attempts. Where friction is low, what sticks is stiff over a slip so small that Newton's method throws it from sliding one way to sliding
+  the other, however short the step: one that was cut is tried once more with contacts that give before they slide.
+*/
+static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
+{
+  PetscFunctionBeginUser;
+  model->solver.newton = model->solver.linear = 0;
+  PetscCall(TryAll(model, reason));
+  if (*reason >= 0 || !model->state.cuts || !MpmContactsMaySlide(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmContactsGive(model->disc.contacts, GIVE);
+  MpmPairsGive(model->disc.pairs, GIVE);
+  model->solver.cache.predicted = PETSC_FALSE;
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
+  PetscCall(TryAll(model, reason));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define TRUST 0.1 /* of the residual at rest: where bodies may slide or part, a prediction that leaves more is none */
+
+/*
+  May any body slide on another that is near? What sticks now may slide in the next step. Or may they part where no energy tells how to
+  close them again? Collective.
+*/
+static PetscErrorCode Rubs(const MpmModel model, PetscBool *rubs)
+{
+  const MpmPairs *pairs = model->scene.pairs;
+
+  PetscFunctionBeginUser;
+  *rubs = (PetscBool)(pairs->count && model->disc.layout->saddle);
+  for (PetscInt k = 0; k < pairs->count; k++) *rubs = (PetscBool)(*rubs || pairs->at[k].tangential);
+  if (!*rubs) PetscFunctionReturn(PETSC_SUCCESS);
+  *rubs = (PetscBool)(model->disc.pairs->patch_count > 0);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, rubs, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepPredict(MpmModel model)
+{
+  PetscReal norm;
+  PetscBool rubs;
+
+  PetscFunctionBeginUser;
+  model->solver.cache.reference = 0.;
+  model->solver.cache.predicted = (PetscBool)(model->state.predict && model->state.dt_last > 0.);
+  if (!model->solver.cache.predicted && !MpmSolverHasContact(&model->solver)) {
+    PetscCall(MpmSolverStartLinear(&model->solver, model->solver.x, &model->solver.cache.predicted));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!model->solver.cache.predicted) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepFindReference(model));
+  PetscCall(MpmStepStart(model, PETSC_TRUE));
+  PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
+  PetscCall(Rubs(model, &rubs));
+  if (!rubs) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  PetscCall(VecNorm(model->solver.f, NORM_2, &norm));
+  if (norm <= TRUST * model->solver.cache.reference) PetscFunctionReturn(PETSC_SUCCESS);
+  model->solver.cache.predicted = PETSC_FALSE;
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define AUGMENTATIONS 40  /* of one step */
+#define NEARLY        30. /* times the depth that is wanted: the next correction should be the last */
+
+/* Does any contact have the method augmented? */
+static PetscBool Augments(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
+    if (model->scene.boundaries->at[k].augmented) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
+    if (model->scene.pairs->at[k].augmented) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+  The pressures of boundaries and pairs with method augmented, corrected between solutions until what touches has no depth. Only then need
+  these be exact.
+*/
+static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
+{
+  MpmEvaluations *cache = &model->solver.cache;
+  PetscReal       worst = PETSC_INFINITY, pairs;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
+    PetscCall(MpmContactsAugment(model->disc.contacts, model->disc.sum, model->disc.u, &worst));
+    PetscCall(MpmPairsAugment(model->disc.pairs, model->disc.sum, model->disc.u, &pairs));
+    if (PetscMax(worst, pairs) <= 1. && !cache->rough) PetscFunctionReturn(PETSC_SUCCESS);
+    cache->rough = (PetscBool)(PetscMax(worst, pairs) > NEARLY);
+    PetscCall(MpmSolverSolve(&model->solver, reason));
+  }
+  if (*reason >= 0) *reason = SNES_DIVERGED_MAX_IT;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable)
+{
+  SNESConvergedReason reason;
+  PetscReal           most;
+
+  PetscFunctionBeginUser;
+  *why                      = NULL;
+  model->solver.cache.rough = Augments(model);
+  PetscCall(Solve(model, &reason));
+  PetscCall(Augment(model, &reason));
+  model->solver.cache.rough = PETSC_FALSE;
+  if (reason < 0) {
+    *retryable = PETSC_TRUE;
+    *why       = MpmNewtonReason(reason);
+    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
+    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
+    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStepLocate(model, why));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *retryable = PETSC_FALSE;
+  PetscCall(MpmStabilityCheck(&model->solver, why));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  *retryable = PETSC_TRUE;
+  if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
+    *why = "a free boundary moved by more than its contacts were looked for";
+  else PetscCall(MpmStepFindLost(model, why));
+  if (!*why || model->disc.layout->field_count > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &most)); /* further than it could go as it spreads: it flies */
+  if (most > model->disc.grid->upper[0] - model->disc.grid->lower[0])
+    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

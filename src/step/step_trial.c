@@ -1,0 +1,272 @@
+/*
+  What Newton starts from in a step, and what its solution says of the points: parts that the integrators share.
+*/
+#include "point/layout.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "bc/body_motion.h"
+#include "assembly/terms.h"
+#include "contact/rigid_body.h"
+#include "loads/body_surface.h"
+#include "problem/section.h"
+#include "query/model.h"
+#include "query/query.h"
+#include "step/energy.h"
+#include "step/moving_grid.h"
+#include "step/step.h"
+
+/* The deviations that go with what the points' values have made at the nodes. */
+static PetscErrorCode KeepDeviations(MpmModel model, const PetscReal u[])
+{
+  const MpmSpace *space = model->disc.space;
+  const PetscInt  bs = model->disc.block, count = model->disc.points->count * model->disc.layout->deviations;
+  PetscReal      *local;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((space->local * bs), &local));
+  PetscCall(PetscArraycpy(local, u, space->owned * bs));
+  PetscCall(MpmSpaceToGhosts(space, bs, local));
+  PetscCall(PetscFree(model->disc.deviation_n));
+  PetscCall(PetscMalloc1(count, &model->disc.deviation_n));
+  PetscCall(MpmDeviationsAtPoints(model->disc.sum, local, model->disc.deviation_n));
+  model->disc.sum->deviation_n = model->disc.deviation_n;
+  PetscCall(PetscFree(local));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Values of fields with a rate at the nodes, from the points: the start of Newton and of the step. */
+static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
+{
+  const MpmLayout *layout = model->disc.layout;
+  const PetscInt   rates = layout->rates, bs = layout->block, owned = model->disc.space->owned;
+  PetscReal       *nodal;
+
+  PetscFunctionBeginUser;
+  if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((owned * rates), &nodal));
+  for (PetscInt s = 0; s < layout->shape_count; s++) {
+    const MpmPointValues values = {
+      s, rates, rates, model->disc.points->value, model->disc.points->value_gradient, rates * model->disc.dim};
+
+    PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
+    for (PetscInt k = 0; k < owned * rates; k++) {
+      const PetscInt c = layout->rate_component[k % rates];
+
+      if (layout->shape_of[c] == s) u[k / rates * bs + c] = nodal[k];
+    }
+  }
+  PetscCall(PetscFree(nodal));
+  if (layout->deviations) PetscCall(KeepDeviations(model, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  How much of the change of the rate from step to step is taken to go on: all of it would let errors grow. Nothing where there is
+  contact, whose facets come into other patches.
+*/
+#define PREDICTED_CHANGE 0.9
+
+/*
+  The increment extrapolated from the last steps, at the nodes: loads and motions go on much as before from step to
+  step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
+*/
+static PetscErrorCode Predict(MpmModel model, PetscReal u[])
+{
+  const PetscInt  dim = model->disc.dim, bs = model->disc.block, size = dim * (dim + 1);
+  const PetscBool smooth = (PetscBool)(model->state.dt_before > 0. && !MpmSolverHasContact(&model->solver));
+  const PetscReal change = smooth ? PREDICTED_CHANGE * model->disc.sum->span / model->state.dt_last : 0.;
+  const PetscReal last   = (1. + change) * model->disc.sum->span / model->state.dt_last;
+  const PetscReal before = change > 0. ? change * model->disc.sum->span / model->state.dt_before : 0.;
+  PetscReal      *nodal, *expected;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2((model->disc.space->owned * dim), &nodal, (model->disc.points->count * size), &expected));
+  for (PetscInt p = 0; p < model->disc.points->count; p++) {
+    const PetscReal *increment = &model->disc.points->increment[p * MPM_INCREMENT(dim)];
+
+    for (PetscInt k = 0; k < size; k++) expected[p * size + k] = last * increment[k] - before * increment[size + k];
+  }
+  PetscCall(MpmProjectToNodes(model->disc.sum, &(MpmPointValues){0, dim, size, expected, expected + dim, size}, nodal));
+  for (PetscInt k = 0; k < model->disc.space->owned * dim; k++) u[k / dim * bs + k % dim] = nodal[k];
+  PetscCall(PetscFree2(nodal, expected));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
+{
+  const PetscInt n = model->disc.space->owned * model->disc.block;
+  PetscScalar   *x;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecZeroEntries(model->solver.x));
+  PetscCall(VecGetArray(model->solver.x, &x));
+  PetscCall(ProjectRates(model, x));
+  if (predict) PetscCall(Predict(model, x));
+  MpmRigidGuess(model->disc.contacts, model->disc.space, model->disc.block,
+                predict ? model->disc.sum->span / model->state.dt_last : 0., x);
+  MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
+  MpmUnitsOver(model->disc.constraints, n, x);
+  MpmConstraintsPrescribe(model->disc.constraints, n, x);
+  PetscCall(VecRestoreArray(model->solver.x, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The solver and the start of Newton; what free bodies, and bodies in contact, may touch is part of the sparsity. */
+static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char **why)
+{
+  const PetscBool links = (PetscBool)(model->disc.contacts->bodies || model->disc.parts > 1);
+
+  PetscFunctionBeginUser;
+  if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
+  if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
+  PetscCall(MpmStepStart(model, PETSC_FALSE));
+  if (model->disc.contacts->bodies && model->disc.contacts->adrift >= 0) {
+    PetscCall(MpmRigidDescribeDrift(model->disc.contacts, model->disc.contacts->adrift, sizeof(model->solver.lost),
+                                    model->solver.lost));
+    *why = model->solver.lost;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+{
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepBegin(model, time, dt, again, why));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
+  if (!*why) PetscCall(PrepareSolver(model, again, why));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSolverSetNearNullSpace(&model->solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* May points leave the grid in the stage under way? */
+static PetscBool MayLeave(const MpmModel model)
+{
+  return (PetscBool)(model->disc.grid->outflow && MpmModelMotion(model)->type != MPM_QUASISTATIC);
+}
+
+PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
+{
+  const PetscBool follows        = (PetscBool)(model->scene.follow.what != MPM_FOLLOW_NOTHING);
+  PetscMPIInt     rank           = model->size;
+  PetscReal       x[MPM_MAX_DIM] = {0.};
+  MpmGrid         next;
+  PetscInt        point;
+
+  PetscFunctionBeginUser;
+  if (MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMovingGridNext(model, &next));
+  PetscCall(MpmFindOutside(model->disc.sum, follows ? &next : model->disc.grid, model->disc.u, &point, x));
+  if (point >= 0) {
+    rank = model->rank;
+    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
+                            model->disc.dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
+                                                : "point %" PetscInt_FMT " left the grid at (%g, %g)",
+                            model->disc.points->id[point], (double)x[0], (double)x[1], (double)x[2]));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, model->comm));
+  if (rank == model->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(model->solver.lost, (PetscMPIInt)sizeof(model->solver.lost), MPI_CHAR, rank, model->comm));
+  *why = model->solver.lost;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Those of the last evaluation, where it was made there. */
+PetscErrorCode MpmStepFindTrial(MpmModel model)
+{
+  const PetscInt bs = model->disc.block, count = model->disc.space->local * bs;
+  PetscBool      same = model->disc.trial->made;
+  PetscInt       failed;
+
+  PetscFunctionBeginUser;
+  if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.u, count, &same));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPM_MPI_BOOL, MPI_LAND, model->comm));
+  if (same) {
+    if (model->disc.trial->framed)
+      MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual);
+    model->disc.trial->framed = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSumResidual(&model->solver, &failed));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
+             failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The residual at the constrained nodes. */
+PetscErrorCode MpmStepFindReactions(MpmModel model)
+{
+  const PetscInt bs    = model->disc.block;
+  const PetscInt count = (model->scene.bcs->count + model->scene.motions->count) * bs; /* of reactions */
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(model->disc.reaction, count));
+  MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
+                             model->disc.reaction);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt k = 0; k < count; k++)
+    if (model->disc.layout->negative[k % bs]) model->disc.reaction[k] *= -1.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MPM_INLINE void Clip(const PetscInt dim, const MpmGrid *grid, PetscInt count, PetscReal x[])
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) {
+    lower[a] = grid->lower[a];
+    upper[a] = grid->upper[a];
+  }
+  for (PetscInt k = 0; k < count * dim; k += dim)
+    for (PetscInt a = 0; a < dim; a++) x[k + a] = PetscMin(PetscMax(x[k + a], lower[a]), upper[a]);
+}
+
+void MpmStepClip(MpmModel model)
+{
+  const MpmPoints *points = model->disc.points;
+
+  if (model->scene.follow.what != MPM_FOLLOW_NOTHING || MayLeave(model)) return;
+  if (model->disc.dim == 2) Clip(2, model->disc.grid, points->count, points->x);
+  else Clip(3, model->disc.grid, points->count, points->x);
+}
+
+PetscErrorCode MpmStepRemoveGone(MpmModel model)
+{
+  PetscInt here, *outside, gone;
+
+  PetscFunctionBeginUser;
+  if (!MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesFindOutside(model->state.particles, model->disc.grid, &here, &outside, &gone));
+  if (gone) {
+    PetscCall(MpmEnergyMark(model));
+    PetscCall(MpmParticlesRemoveAt(model->state.particles, here, outside));
+    PetscCall(
+      MpmSpaceRemovePoints(model->disc.space, here, outside)); /* the step's rows and grid are still summed over it */
+    PetscCall(MpmEnergyRebase(model));
+    PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
+                             gone, gone > 1 ? "s" : "", model->state.particles->total,
+                             model->state.particles->total == 1 ? "s" : ""));
+  }
+  PetscCall(PetscFree(outside));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepFindReference(MpmModel model)
+{
+  PetscReal motion;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &motion)); /* constrained nodes may move */
+  model->disc.sum->rest = (PetscBool)(motion == 0. && !model->disc.layout->means);
+  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  model->disc.sum->rest = PETSC_FALSE;
+  PetscCall(MpmSolverSetReference(&model->solver, model->solver.f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
