@@ -21,7 +21,7 @@
 #include "space/space.h"
 #include "step/step.h"
 #include "schedule/schedule.h"
-#include "run/run.h"
+#include "query/model.h"
 #include "hencky_tangent.h"
 
 #define BENCH_SAMPLE 0.05 /* s: a sample repeats what is shorter */

@@ -10,7 +10,8 @@
 #include <hdf5.h>
 #include <math.h>
 #include <unistd.h>
-#include "run/run.h"
+#include "base/base.h"
+#include "io/io.h"
 
 typedef struct {
   PetscInt  count;

@@ -7,6 +7,9 @@
 #include "space/momentum.h"
 #include "talus/talus.h"
 
+/* The value of -mpm_physics for a scene of one material point. */
+#define MPM_STRESS_POINT "stress_point"
+
 typedef enum {
   MPM_QUASISTATIC,
   MPM_BACKWARD_EULER,

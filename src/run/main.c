@@ -7,9 +7,9 @@
 #include "options/database.h"
 #include "options/options.h"
 #include "options/scene_file.h"
-#include "run/manual.h"
-#include "run/program.h"
-#include "run/signals.h"
+#include "observe/signals.h"
+#include "model/manual.h"
+#include "model/program.h"
 #include "talus/talus.h"
 
 /* What the handler knows of the current error. */

@@ -24,6 +24,8 @@ static const struct {
 #include "mpm_presets.h"
 };
 
+const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};
+
 /* Sets an option that the user has not set; that is no use of it. */
 static PetscErrorCode OptionDefault(const char *name, const char *value)
 {

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
 LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "space", "bc", "assembly", "points", "volume", "rigid", "contact",
-          "loads", "problem", "solve", "query", "scene", "step", "integrators", "schedule", "run")
+          "loads", "problem", "solve", "query", "scene", "step", "integrators", "schedule", "observe", "checkpoint", "model", "run")
 KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
 GENERATED = re.compile(r"mpm_\w+\.h")
@@ -206,10 +206,10 @@ def plant(folder, objects):
     add("src/io/xdmf.h", '#include "io/hdf5_rows.h"\n')
     add("src/io/hdf5_rows.h", '#include "io/xdmf.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
-        if path.parent.name == "run":
+        if path.parent.name == "model":
             add(path.relative_to(folder), '#include "solve/pc_band.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
-        if path.parent.name in ("run", "step", "integrators", "schedule", "solve", "contact"):
+        if path.parent.name in ("model", "observe", "step", "integrators", "schedule", "solve", "contact"):
             add(path.relative_to(folder), '#include "run/planted.h"\n')
     (folder / "src/run/planted.h").write_text("#pragma once\n", encoding="utf-8")
     arguments = ", ".join(f"int a{k}" for k in range(FUNCTION_ARGUMENTS + 1))

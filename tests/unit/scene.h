@@ -14,7 +14,7 @@
 #include "bc/bc.h"
 #include "schedule/schedule.h"
 #include "step/step.h"
-#include "run/run.h"
+#include "query/model.h"
 #include "unit.h"
 
 #include <stdint.h>

@@ -1,0 +1,43 @@
+#pragma once
+/*
+  Checkpoints: what they hold (run_state.c), when they are written (checkpoint.c), and runs that go on from one (restart.c).
+*/
+#include "base/types.h"
+#include "options/database.h"
+#include "io/io.h"
+#include "query/model.h"
+#include "observe/results.h"
+
+/* The model's numbers by name, as they stand in a checkpoint (run_state.c). */
+typedef struct {
+  PetscInt    count;
+  char      **name;
+  PetscBool  *real, *there; /* a real number or an integer; is it in the checkpoint? */
+  PetscReal  *value;
+  PetscInt64 *number;
+} MpmScalars;
+PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars);
+/* Those whose names begin so. */
+PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, const char *begin, MpmModel model);
+PetscErrorCode MpmScalarsDestroy(MpmScalars *scalars);
+
+PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *options);
+/* The text of all options that define the scene and must be the same when a run goes on, a line each; or of those given. */
+PetscErrorCode MpmCheckpointScene(MpmModel model, PetscBool given, MpmTextFile *scene);
+/* Keeps the options that continue the run, before presets have added theirs. */
+PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmCheckpointWrite(MpmModel model);
+/* To be called after each step: writes what is due; `stop`: a signal asks for the end of the run. */
+PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop);
+PetscErrorCode MpmCheckpointDestroy(MpmCheckpoint *checkpoint);
+
+/*
+  Restarting, in this order: Open finds the checkpoint and checks it against the scene, ReadPoints fills the particles in
+  place of the bodies, Apply sets the model's numbers once the solver is chosen, Results takes up the result files.
+*/
+PetscErrorCode MpmRestartOpen(MpmModel model);
+PetscErrorCode MpmRestartReadPoints(MpmModel model);
+PetscErrorCode MpmRestartApply(MpmModel model);
+/* Without `apply` it only looks whether the file can be continued. */
+PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply);
+PetscErrorCode MpmRestartDestroy(MpmRestart *restart);

@@ -1,0 +1,212 @@
+/*
+  Bodies that are there at the same time must not overlap: their mass would count twice.
+
+  A point claims the material at its centre. It overlaps another body when the centre lies inside that body's region, not
+  merely on its edge. Bodies from files have no region; their points overlap others when, in one cell of the grid, the
+  centre of one lies in the domain of the other. Nothing of this depends on the number of ranks. On an edge that two
+  bodies with the same lattice share, the points are those of the body that is named first.
+*/
+#include <stdint.h>
+#include "grid/grid.h"
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "query/model.h"
+#include "model/build.h"
+
+#define IN_DOMAIN 0.9 /* of a domain's half-length: nearer than that is not a neighbour's place */
+
+/* ---- which bodies meet ---- */
+
+/* Are the bodies there in one stage? */
+static PetscBool Meet(const MpmModel model, PetscInt one, PetscInt other)
+{
+  const PetscInt body[2] = {one, other};
+  PetscInt       from = 0, until = model->scene.stage_count;
+
+  for (PetscInt k = 0; k < 2 * model->scene.stage_count; k++) {
+    const PetscInt stage = k / 2, b = body[k % 2];
+
+    if (model->scene.stages[stage].adds[b]) from = PetscMax(from, stage);
+    if (model->scene.stages[stage].removed[b]) until = PetscMin(until, stage);
+  }
+  return (PetscBool)(from < until);
+}
+
+PetscErrorCode MpmBodiesShareEdges(MpmModel model)
+{
+  MpmBody *before;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(model->scene.bodies->count, &before));
+  for (PetscInt b = 1; b < model->scene.bodies->count; b++) {
+    PetscInt count = 0;
+
+    for (PetscInt c = 0; c < b; c++)
+      if (Meet(model, b, c)) before[count++] = model->scene.bodies->at[c];
+    PetscCall(MpmBodySetBefore(model->scene.bodies->at[b], count, before));
+  }
+  PetscCall(PetscFree(before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- which points overlap ---- */
+
+/* The first overlap found: of the first two bodies that do, the one with the lowest id. */
+typedef struct {
+  const MpmGrid *grid;
+  MpmBody       *bodies;
+  PetscInt       body_count;
+  PetscInt64     ids;     /* where they end */
+  PetscBool     *meet;    /* body_count^2 */
+  PetscInt      *body_of; /* per point */
+  MpmPoints      points;
+  PetscInt64     key; /* INT64_MAX: none */
+  PetscReal      place[MPM_MAX_DIM];
+} Search;
+
+static void Found(Search *search, PetscInt p, PetscInt other)
+{
+  const PetscInt   one = search->body_of[p], low = PetscMin(one, other), high = PetscMax(one, other);
+  const PetscInt64 key = ((PetscInt64)low * search->body_count + high) * search->ids + search->points.id[p];
+
+  if (key >= search->key) return;
+  search->key = key;
+  for (PetscInt a = 0; a < search->grid->dim; a++) search->place[a] = search->points.x[p * search->grid->dim + a];
+}
+
+/* Centres inside other bodies' regions. */
+static void SearchRegions(Search *search)
+{
+  for (PetscInt p = 0; p < search->points.count; p++) {
+    const PetscInt   one = search->body_of[p];
+    const PetscReal *x   = &search->points.x[p * search->grid->dim];
+    const MpmHold    own = MpmBodyHolds(search->bodies[one], search->grid, x);
+
+    for (PetscInt other = 0; other < search->body_count; other++) {
+      MpmHold hold;
+
+      if (!search->meet[one * search->body_count + other]) continue;
+      hold = MpmBodyHolds(search->bodies[other], search->grid, x);
+      if (hold == MPM_HOLD_NONE) continue;
+      if (hold == MPM_HOLD_INSIDE ||
+          (own == MPM_HOLD_INSIDE && MpmBodiesShareLattice(search->bodies[one], search->bodies[other])))
+        Found(search, p, other);
+    }
+  }
+}
+
+/* Half-lengths of a point's domain; a cube of its volume where nothing is known. */
+static void Domain(const Search *search, MpmStretch stretch, PetscInt p, PetscReal half[])
+{
+  const PetscInt   dim  = search->grid->dim;
+  const MpmBody    body = search->bodies[search->body_of[p]];
+  const PetscReal *F    = &search->points.F[p * dim * dim];
+  PetscReal        U[MPM_MAX_DIM];
+
+  if (!MpmBodyIsImported(body)) {
+    MpmBodyHalfLengths(body, search->grid, half);
+  } else if (search->points.half_length && !stretch(F, U)) {
+    for (PetscInt a = 0; a < dim; a++) half[a] = U[a] * search->points.half_length[p * dim + a];
+  } else {
+    for (PetscInt a = 0; a < dim; a++)
+      half[a] =
+        0.5 * PetscPowReal(search->points.volume0[p] * PetscAbsReal(MpmDeterminant(dim, F)), 1. / (PetscReal)dim);
+  }
+}
+
+/* Two points of one cell: is the centre of one in the domain of the other? */
+static void SearchPair(Search *search, MpmStretch stretch, PetscInt p, PetscInt q)
+{
+  const PetscInt dim = search->grid->dim, one = search->body_of[p], other = search->body_of[q];
+  PetscReal      half[2][MPM_MAX_DIM];
+  PetscBool      in[2] = {PETSC_TRUE, PETSC_TRUE};
+
+  if (!search->meet[one * search->body_count + other]) return;
+  if (!MpmBodyIsImported(search->bodies[one]) && !MpmBodyIsImported(search->bodies[other])) return;
+  Domain(search, stretch, p, half[0]);
+  Domain(search, stretch, q, half[1]);
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal distance = PetscAbsReal(search->points.x[p * dim + a] - search->points.x[q * dim + a]);
+
+    for (PetscInt k = 0; k < 2; k++) in[k] = (PetscBool)(in[k] && distance < IN_DOMAIN * half[k][a]);
+  }
+  if (in[0] || in[1]) Found(search, one < other ? p : q, one < other ? other : one);
+}
+
+/* Points of one cell, where one is from a file. */
+static PetscErrorCode SearchCells(Search *search, MpmStretch stretch)
+{
+  const PetscInt dim = search->grid->dim, n = search->points.count;
+  PetscInt       cell[MPM_MAX_DIM], *key, *order;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(n, &key, n, &order));
+  for (PetscInt p = 0; p < n; p++) { /* as in the lattice of nodes, modulo what an integer holds: a pair more or less */
+    MpmGridFindCell(search->grid, &search->points.x[p * dim], cell);
+    key[p] =
+      (PetscInt)((((dim > 2 ? (PetscInt64)cell[2] : 0) * search->grid->cells[1] + cell[1]) * search->grid->cells[0] +
+                  cell[0]) %
+                 PETSC_INT_MAX);
+    order[p] = p;
+  }
+  PetscCall(PetscSortIntWithArray(n, key, order));
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = i + 1; j < n && key[j] == key[i]; j++) SearchPair(search, stretch, order[i], order[j]);
+  PetscCall(PetscFree2(key, order));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same on all ranks. */
+static PetscErrorCode Refuse(const MpmModel model, Search *search)
+{
+  const PetscInt dim = search->grid->dim;
+  PetscInt64     key = search->key, pair;
+  char           where[128];
+
+  PetscFunctionBeginUser;
+  PetscCall(MPIU_Allreduce(&search->key, &key, 1, MPIU_INT64, MPI_MIN, model->comm));
+  if (key == INT64_MAX) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < dim && key != search->key; a++) search->place[a] = PETSC_INFINITY;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, search->place, (PetscMPIInt)dim, MPIU_REAL, MPIU_MIN, model->comm));
+  pair = key / search->ids;
+  PetscCall(PetscSNPrintf(where, sizeof(where), dim > 2 ? "(%g, %g, %g)" : "(%g, %g)", (double)search->place[0],
+                          (double)search->place[1], (double)search->place[2]));
+  MpmCheckInput(PETSC_FALSE,
+                "-mpm_bodies: %s and %s overlap, for example at %s; bodies that are there at the same time must not",
+                model->scene.bodies->names[pair / search->body_count],
+                model->scene.bodies->names[pair % search->body_count], where);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodiesCheckOverlap(MpmModel model)
+{
+  const PetscInt n = model->scene.bodies->count;
+  Search    search = {.grid = model->disc.grid, .bodies = model->scene.bodies->at, .body_count = n, .key = INT64_MAX};
+  PetscInt  first, end;
+  PetscBool any = PETSC_FALSE, files = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  MpmBodyGetIds(model->scene.bodies->at[n - 1], &first, &end);
+  search.ids = end;
+  PetscCall(PetscCalloc1((n * n), &search.meet));
+  for (PetscInt b = 0; b < n; b++) {
+    for (PetscInt c = 0; c < n; c++) {
+      search.meet[b * n + c] = (PetscBool)(b != c && Meet(model, b, c));
+      any                    = (PetscBool)(any || search.meet[b * n + c]);
+      if (search.meet[b * n + c] && MpmBodyIsImported(model->scene.bodies->at[b])) files = PETSC_TRUE;
+    }
+  }
+  if (any) {
+    PetscCall(MpmParticlesGetArrays(model->state.particles, &search.points));
+    PetscCall(PetscMalloc1(search.points.count, &search.body_of));
+    MpmBodiesOfPoints(n, model->scene.bodies->at, &search.points, search.body_of);
+    SearchRegions(&search);
+    if (files) PetscCall(SearchCells(&search, model->scene.stretch));
+    PetscCall(PetscFree(search.body_of));
+    PetscCall(MpmParticlesRestoreArrays(model->state.particles, &search.points));
+    PetscCall(Refuse(model, &search));
+  }
+  PetscCall(PetscFree(search.meet));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

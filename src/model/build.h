@@ -1,0 +1,44 @@
+#pragma once
+/*
+  How a model is built from a scene, and called.
+*/
+#include "base/types.h"
+#include "query/model.h"
+
+/*
+  A call that must not be entered again while it is at work, with the model's options in force; both end with it, also
+  where it fails.
+*/
+PetscErrorCode MpmModelEnter(MpmModel model);
+PetscErrorCode MpmModelLeave(MpmModel model);
+#define MpmModelCall(model, call) \
+  do { \
+    PetscErrorCode model_error; \
+    PetscCall(MpmModelEnter(model)); \
+    model_error = (call); \
+    PetscCall(MpmModelLeave(model)); \
+    PetscCall(model_error); \
+  } while (0)
+
+/*
+  Bodies side by side (body_overlap.c): points on edges that two of them share are made once; and a scene in which two
+  overlap that are there at the same time is refused, once the points are with their ranks.
+*/
+PetscErrorCode MpmBodiesShareEdges(MpmModel model);
+PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
+/* Before points are made: which way is up, and which bodies join a stage. */
+PetscErrorCode MpmBodiesPrepare(MpmModel model);
+/* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */
+PetscErrorCode MpmFillOwnStates(MpmModel model);
+/* The file of a body, with what the physics keeps of a point; and that into the points, once they have all else. */
+PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
+PetscErrorCode MpmFillFromFiles(MpmModel model);
+PetscErrorCode MpmFillParts(MpmModel model);
+/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
+PetscErrorCode MpmPointsCreate(MpmModel model);
+/* Numbers of the row of parameters that each point has; 0: no material varies. Sets the materials' strides. */
+PetscInt MpmOwnParametersSize(MpmModel model);
+/* Do points keep their places in the initial state, beside those where displacements began anew? */
+PetscBool MpmOriginIsKept(const MpmModel model);
+/* Views the model where -mpm_view says so. */
+PetscErrorCode MpmModelViewFromOptions(MpmModel model);

@@ -1,0 +1,337 @@
+/*
+  A laboratory run: reads the test, follows its path step by step, and writes history and summary as any run does.
+
+  A step that fails is halved and tried again, and steps grow back; each step that converged is a row. All ranks do the
+  same, rank 0 writes.
+*/
+#include "options/options.h"
+#include "point/material.h"
+#include "point/point_path.h"
+#include "point/stress_point.h"
+#include "query/model.h"
+#include "observe/results.h"
+#include "observe/signals.h"
+#include "model/laboratory.h"
+
+#define SHORTEST 0x1p-20 /* of a step as the scene has it: a step is not cut below this */
+#define GROWTH   2.      /* of the length of the next step after one that converged */
+
+struct MpmLaboratory {
+  PetscInt         dim, material;
+  PetscReal        start[MPM_SPACE_SYM]; /* stress there */
+  MpmStressMeasure stress_measure;
+  MpmStrainMeasure strain_measure;
+  MpmPointPath     path;
+  MpmStressPoint   point;
+  PetscBool        ready;    /* it has been set up */
+  PetscReal        fraction; /* length of the next step over that of the scene's own */
+};
+
+static const char *const component[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
+
+/* ---- reading ---- */
+
+/* In plane strain yz and xz may be left out, and are 0. */
+static PetscErrorCode ReadStress(MpmLaboratory *laboratory, const MpmOptions *block)
+{
+  const MpmOptions silent = {block->comm, block->prefix, NULL};
+  const char      *help   = laboratory->dim == 2
+                              ? "at the start, in the measure below: xx, yy, zz, xy (, yz, xz: 0); tension positive"
+                              : "at the start, in the measure below: xx, yy, zz, xy, yz, xz; tension positive";
+  PetscInt         size   = MpmSymSize(laboratory->dim), count;
+  PetscReal       *values;
+
+  PetscFunctionBeginUser;
+  if (size < MPM_SPACE_SYM && !MpmOptionsHelp()) {
+    PetscCall(MpmOptionsRealList(&silent, "stress", "Pa", help, MPM_OPTIONAL, &count, &values));
+    if (count == MPM_SPACE_SYM && values[4] == 0. && values[5] == 0.) size = MPM_SPACE_SYM;
+    PetscCall(PetscFree(values));
+  }
+  PetscCall(MpmOptionsReals(block, "stress", "Pa", help, MPM_RANGE_ANY, MPM_OPTIONAL, size, laboratory->start, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadPoint(MpmLaboratory *laboratory, const MpmOptions *options, PetscInt count,
+                                const char *const materials[])
+{
+  const MpmOptions block   = {options->comm, "mpm_point_", options->record};
+  PetscInt         measure = MPM_STRESS_CAUCHY, strain = MPM_STRAIN_LOG;
+
+  PetscFunctionBeginUser;
+  laboratory->material = count ? 0 : -1;
+  PetscCall(
+    MpmOptionsWord(&block, "material", "one of -mpm_materials", materials, MPM_REQUIRED, &laboratory->material, NULL));
+  PetscCall(ReadStress(laboratory, &block));
+  PetscCall(MpmOptionsWord(&block, "measure", "the stress that is prescribed and reported", MpmStressMeasures,
+                           MPM_OPTIONAL, &measure, NULL));
+  PetscCall(MpmOptionsWord(&block, "strain", "the strain that is prescribed and reported: ln V or sym F - I",
+                           MpmStrainMeasures, MPM_OPTIONAL, &strain, NULL));
+  laboratory->stress_measure = (MpmStressMeasure)measure;
+  laboratory->strain_measure = (MpmStrainMeasure)strain;
+  PetscCall(MpmPointPathRead(&block, laboratory->dim, laboratory->strain_measure, &laboratory->path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, PetscInt dim)
+{
+  MpmMaterials *materials = model->scene.materials;
+  const char  **names;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&model->laboratory));
+  model->laboratory->dim = model->disc.dim = dim;
+  PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED, &materials->count,
+                             &materials->names));
+  PetscCall(PetscCalloc1(materials->count, &materials->at));
+  PetscCall(PetscCalloc1(materials->count + 1, &names));
+  for (PetscInt m = 0; m < materials->count; m++) {
+    PetscCall(MpmMaterialCreate(options, materials->names[m], dim, &materials->at[m]));
+    names[m] = materials->names[m];
+    if (materials->at[m].varies) {
+      char *varying = NULL;
+
+      PetscCall(MpmMaterialVaryingText(&materials->at[m], &varying));
+      MpmCheckInput(PETSC_FALSE,
+                    "-mpm_material_%s: %s by height or field, must be a number: a single point has no height",
+                    materials->names[m], varying);
+    }
+  }
+  PetscCall(MpmOptionsHeading(options, "Point"));
+  PetscCall(ReadPoint(model->laboratory, options, materials->count, names));
+  PetscCall(PetscFree(names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLaboratoryPrintHelp(MpmModel model, const MpmOptions *options)
+{
+  static const char *const names[]    = {"NAME", NULL};
+  MpmLaboratory            laboratory = {.dim = model->disc.dim};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(options, "Point, with physics " MPM_STRESS_POINT ": without grid, bodies and time"));
+  PetscCall(ReadPoint(&laboratory, options, 0, names));
+  PetscCall(MpmPointPathDestroy(&laboratory.path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- set-up ---- */
+
+PetscErrorCode MpmLaboratorySetUp(MpmModel model)
+{
+  MpmLaboratory   *laboratory = model->laboratory;
+  const MpmOptions block      = {model->comm, "mpm_point_", model->record};
+  MpmPointPath    *path       = &laboratory->path;
+  char            *why;
+
+  PetscFunctionBeginUser;
+  if (laboratory->ready) PetscFunctionReturn(PETSC_SUCCESS);
+  laboratory->ready = PETSC_TRUE;
+  PetscCall(MpmStressPointCreate(model->comm, &model->scene.materials->at[laboratory->material], laboratory->dim,
+                                 path->stress, &laboratory->point));
+  laboratory->point.stress_measure = laboratory->stress_measure;
+  laboratory->point.strain_measure = laboratory->strain_measure;
+  PetscCall(MpmStressPointStart(&laboratory->point, laboratory->start, &why));
+  MpmCheckInput(!why, "-mpm_point_stress: %s", why);
+  PetscCall(MpmPointPathBegin(&block, path, laboratory->start));
+  model->state.time            = path->time[0];
+  model->state.run_end         = path->time[path->rows - 1];
+  model->state.active_dofs_max = laboratory->point.count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is tested, in a line. */
+static PetscErrorCode Describe(MpmModel model, size_t length, char text[])
+{
+  const MpmLaboratory *laboratory = model->laboratory;
+  const MpmMaterial   *material   = &model->scene.materials->at[laboratory->material];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(
+    text, length,
+    "%s, %" PetscInt_FMT "D, %s of material %s (%s), %s stress, %s strain, %" PetscInt_FMT " unknown%s, %d rank%s",
+    MPM_STRESS_POINT, laboratory->dim, MpmPathTypes[laboratory->path.type], material->name, material->info.name,
+    MpmStressMeasures[laboratory->stress_measure], MpmStrainMeasures[laboratory->strain_measure],
+    laboratory->point.count, laboratory->point.count == 1 ? "" : "s", model->size, model->size > 1 ? "s" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- history ---- */
+
+static PetscErrorCode AppendNames(const char *stem, PetscInt components, PetscInt *count, char **names)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt s = 0; s < components; s++) {
+    names[*count] = NULL;
+    PetscCall(
+      MpmTextAppend(&names[*count], "%s%s%s", stem, components > 1 ? "_" : "", components > 1 ? component[s] : ""));
+    ++*count;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateHistory(MpmModel model)
+{
+  static const char *const first[]  = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
+  static const char *const then[]   = {"p", "q", "eps_v", "eps_q"};
+  const MpmOptions         options  = {model->comm, "mpm_", model->record};
+  const MpmMaterial       *material = &model->scene.materials->at[model->laboratory->material];
+  const PetscInt firsts = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first), thens = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(then),
+                 columns = firsts + 2 * MPM_SPACE_SYM + thens + material->state_size;
+  PetscInt count         = 0;
+  char   **names, path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(columns, &names));
+  for (PetscInt k = 0; k < firsts; k++) PetscCall(AppendNames(first[k], 1, &count, names));
+  PetscCall(AppendNames("strain", MPM_SPACE_SYM, &count, names));
+  PetscCall(AppendNames("stress", MPM_SPACE_SYM, &count, names));
+  for (PetscInt k = 0; k < thens; k++) PetscCall(AppendNames(then[k], 1, &count, names));
+  for (size_t v = 0; v < material->info.state_count; v++)
+    PetscCall(AppendNames(material->info.states[v].name,
+                          MpmStateComponents(&material->info.states[v], model->laboratory->dim), &count, names));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_history.csv", model->scene.prefix));
+  PetscCall(MpmHistoryCreate(model->comm, path, columns, (const char *const *)names, &model->results->history));
+  PetscCall(MpmNamesDestroy(columns, &names));
+  PetscCall(PetscMalloc1(columns, &model->results->history_row));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_options.yaml", model->scene.prefix));
+  PetscCall(MpmOptionsWriteYAML(&options, path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteHistory(MpmModel model, PetscReal dt)
+{
+  const MpmLaboratory *laboratory = model->laboratory;
+  const MpmPointState *now        = &laboratory->point.now;
+  PetscReal           *row        = model->results->history_row;
+  PetscInt             k          = 0;
+  PetscLogDouble       since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
+  row[k++] = (PetscReal)model->state.step;
+  row[k++] = model->state.time;
+  row[k++] = dt;
+  row[k++] = (PetscReal)laboratory->point.newton;
+  row[k++] = (PetscReal)laboratory->point.linear;
+  row[k++] = (PetscReal)model->state.cuts;
+  row[k++] = model->state.time / model->state.run_end;
+  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) row[k++] = now->strain[s];
+  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) row[k++] = now->stress[s];
+  row[k++] = (now->stress[0] + now->stress[1] + now->stress[2]) / 3.;
+  row[k++] = MpmDeviatorSize(now->stress);
+  row[k++] = MpmVolumeStrain(laboratory->strain_measure, now->F);
+  row[k++] = 2. / 3. * MpmDeviatorSize(now->strain);
+  for (PetscInt s = 0; s < laboratory->point.material->state_size; s++) row[k++] = now->history[s];
+  PetscCall(MpmHistoryAppend(model->results->history, row));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the run ---- */
+
+/* One step that ends at `target` or, where that fails, before it; `nominal` is the scene's own length. */
+static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nominal, PetscReal *dt)
+{
+  MpmLaboratory  *laboratory = model->laboratory;
+  const char    **why        = &model->caller.why;
+  MpmPointControl control;
+  PetscReal       time;
+  PetscLogDouble  since;
+
+  PetscFunctionBeginUser;
+  model->state.cuts = 0;
+  for (;;) {
+    const PetscReal left = target - model->state.time, wanted = laboratory->fraction * nominal;
+
+    time = wanted > left * (1. - 1e-3) ? target : model->state.time + wanted;
+    *dt  = time - model->state.time;
+    PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SOLVE, &since));
+    MpmPointPathAt(&laboratory->path, time, &control);
+    PetscCall(MpmStressPointStep(&laboratory->point, &control, *dt, why));
+    PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SOLVE, since));
+    model->solver.newton_total += laboratory->point.newton;
+    model->solver.linear_total += laboratory->point.linear;
+    if (!*why) break;
+    if (0.5 * *dt < SHORTEST * nominal) PetscFunctionReturn(PETSC_SUCCESS);
+    laboratory->fraction = 0.5 * *dt / nominal;
+    model->state.cuts++;
+    model->state.cuts_total++;
+    PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", *why, 0.5 * (double)*dt));
+  }
+  laboratory->fraction = PetscMin(GROWTH * laboratory->fraction, 1.);
+  model->state.time    = time;
+  model->state.step++;
+  model->solver.newton = laboratory->point.newton;
+  model->solver.linear = laboratory->point.linear;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Has a rank been sent a signal before the end? */
+static PetscErrorCode IsInterrupted(MpmModel model, PetscBool *interrupted)
+{
+  PetscFunctionBeginUser;
+  *interrupted = MpmSignalsCaught();
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, interrupted, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  if (model->state.time >= model->state.run_end) *interrupted = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* From one row of the path to the next. */
+static PetscErrorCode FollowRow(MpmModel model, PetscInt row, PetscBool *interrupted)
+{
+  MpmLaboratory  *laboratory = model->laboratory;
+  const PetscReal begin = laboratory->path.time[row], end = laboratory->path.time[row + 1];
+  const PetscInt  steps   = MpmPointPathSteps(&laboratory->path, row);
+  const PetscReal nominal = (end - begin) / (PetscReal)steps;
+  PetscReal       dt;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 1; k <= steps; k++) {
+    const PetscReal target = k == steps ? end : begin + (end - begin) * (PetscReal)k / (PetscReal)steps;
+
+    while (model->state.time < target) {
+      PetscCall(Advance(model, target, nominal, &dt));
+      if (model->caller.why) PetscFunctionReturn(PETSC_SUCCESS);
+      PetscCall(WriteHistory(model, dt));
+      PetscCall(MpmTerminalStep(model, dt));
+      PetscCall(IsInterrupted(model, interrupted));
+      if (*interrupted) PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLaboratoryRun(MpmModel model, int *status)
+{
+  const MpmOptions options     = {model->comm, NULL, model->record};
+  PetscBool        interrupted = PETSC_FALSE;
+  const char      *why;
+  char             text[512];
+
+  PetscFunctionBeginUser;
+  model->caller.why           = NULL;
+  model->laboratory->fraction = 1.;
+  PetscCall(Describe(model, sizeof(text), text));
+  PetscCall(MpmTerminalBegin(model, text));
+  PetscCall(CreateHistory(model));
+  for (PetscInt row = 0; row + 1 < model->laboratory->path.rows && !model->caller.why && !interrupted; row++)
+    PetscCall(FollowRow(model, row, &interrupted));
+  why = model->caller.why;
+  if (why)
+    PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
+                              (double)model->state.time, why));
+  PetscCall(MpmModelWriteSummary(model, why ? why : interrupted ? "interrupted" : "completed"));
+  if (model->caller.terminal) PetscCall(MpmOptionsWarnUnused(&options, MPM_AT_END));
+  *status = why ? MPM_EXIT_GAVEUP : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLaboratoryDestroy(MpmLaboratory **laboratory)
+{
+  PetscFunctionBeginUser;
+  if (!*laboratory) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStressPointDestroy(&(*laboratory)->point));
+  PetscCall(MpmPointPathDestroy(&(*laboratory)->path));
+  PetscCall(PetscFree(*laboratory));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

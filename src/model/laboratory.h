@@ -1,0 +1,20 @@
+#pragma once
+/*
+  The laboratory: a scene of one material point, without grid and bodies (physics: stress_point).
+
+  The model calls, in this order: Read, SetUp, Run, Destroy. It has a laboratory where the scene asks for one.
+*/
+#include "base/types.h"
+#include "talus/talus.h"
+
+typedef struct MpmLaboratory MpmLaboratory;
+
+/* The options of a stress point, besides what any scene has: dim, title, output. */
+PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, PetscInt dim);
+/* The same block for a manual that is of no particular scene. */
+PetscErrorCode MpmLaboratoryPrintHelp(MpmModel model, const MpmOptions *options);
+/* Brings the point to the stress at the start. */
+PetscErrorCode MpmLaboratorySetUp(MpmModel model);
+/* The whole path, with its files; `status` as MpmModelRun(). */
+PetscErrorCode MpmLaboratoryRun(MpmModel model, int *status);
+PetscErrorCode MpmLaboratoryDestroy(MpmLaboratory **laboratory);

@@ -1,0 +1,660 @@
+/*
+  The model: its life, the scene read from options, and what is made of it.
+*/
+#include "options/database.h"
+#include "options/options.h"
+#include "options/record.h"
+#include "point/layout.h"
+#include "point/material.h"
+#include "point/registry.h"
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/body.h"
+#include "particles/particles.h"
+#include "space/walls.h"
+#include "bc/bc.h"
+#include "bc/body_motion.h"
+#include "rigid/rigid.h"
+#include "contact/body_contact.h"
+#include "contact/rigid_body.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "loads/water_table.h"
+#include "query/model.h"
+#include "query/query.h"
+#include "scene/integrator_read.h"
+#include "scene/scene_read.h"
+#include "scene/stage_lists.h"
+#include "scene/stage_read.h"
+#include "step/moving_grid.h"
+#include "step/water_state.h"
+#include "integrators/dynamics.h"
+#include "integrators/integrators.h"
+#include "integrators/sdirk.h"
+#include "schedule/stage.h"
+#include "observe/lines.h"
+#include "observe/results.h"
+#include "observe/tracks.h"
+#include "checkpoint/checkpoint.h"
+#include "model/build.h"
+#include "model/laboratory.h"
+#include "model/program.h"
+
+/* The parts that the model holds by pointers, empty. */
+static PetscErrorCode CreateParts(MpmModel model)
+{
+  MpmGrid   *grid;
+  MpmLayout *layout;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&model->scene.materials));
+  PetscCall(PetscNew(&model->scene.bodies));
+  PetscCall(PetscNew(&model->scene.bcs));
+  PetscCall(PetscNew(&model->scene.motions));
+  PetscCall(PetscNew(&model->scene.boundaries));
+  PetscCall(PetscNew(&model->scene.pairs));
+  PetscCall(PetscNew(&model->scene.loads));
+  PetscCall(PetscNew(&model->scene.water));
+  PetscCall(PetscNew(&model->scene.surfaces));
+  PetscCall(PetscNew(&model->state.particles));
+  PetscCall(PetscNew(&grid));
+  PetscCall(PetscNew(&layout));
+  PetscCall(MpmDiscretizationCreate(model->comm, grid, layout, &model->disc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(model));
+  PetscCall(PetscCommDuplicate(comm, &(*model)->comm, NULL));
+  PetscCallMPI(MPI_Comm_rank(comm, &(*model)->rank));
+  PetscCallMPI(MPI_Comm_size(comm, &(*model)->size));
+  PetscCall(MpmRecordCreate(&(*model)->record));
+  PetscCall(PetscNew(&(*model)->results));
+  (*model)->solver.disc    = &(*model)->disc;
+  (*model)->solver.monitor = &(*model)->monitor;
+  PetscCall(MpmDatabaseCreate(&(*model)->database));
+  (*model)->solver.database = (*model)->database;
+  PetscCall(MpmMonitorCreate(&(*model)->monitor));
+  (*model)->monitor.message         = MpmTerminalMessage;
+  (*model)->monitor.ctx             = *model;
+  (*model)->state.scheme.integrator = &MpmIntegratorQuasistatic;
+  PetscCall(CreateParts(*model));
+  {
+    PetscLogDouble now;
+
+    PetscCall(PetscTime(&now));
+    (*model)->results->start = now;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the caller sets ---- */
+
+/* Has the scene been read? */
+static PetscBool HasScene(const MpmModel model)
+{
+  return (PetscBool)(model->scene.stages || model->laboratory);
+}
+
+PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCall(MpmDatabaseInsert(model->database, model->comm, options));
+  model->caller.own = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetOptionsPrefix(MpmModel model, const char prefix[])
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  PetscCheck(!prefix || prefix[0] != '-', model->comm, PETSC_ERR_ARG_WRONG, "%s: a prefix has no dash", prefix);
+  PetscCall(PetscFree(model->caller.prefix));
+  PetscCall(PetscStrallocpy(prefix, &model->caller.prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetPhysics(MpmModel model, const MpmPhysics *physics)
+{
+  PetscFunctionBeginUser;
+  model->scene.physics = *physics;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetBodyForce(MpmModel model, MpmBodyForce force, void *ctx)
+{
+  PetscFunctionBeginUser;
+  model->scene.body_force     = force;
+  model->scene.body_force_ctx = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelUseTerminal(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.terminal = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmModelSetSources(MpmModel model, MpmSources sources)
+{
+  model->record->sources = sources;
+}
+
+PetscErrorCode MpmModelEnter(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE,
+             "a hook must not set up, step or run its own model");
+  PetscCall(MpmDatabaseEnter(model->database));
+  model->caller.busy = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelLeave(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.busy = PETSC_FALSE;
+  PetscCall(MpmDatabaseLeave(model->database));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- its end ---- */
+
+PetscErrorCode MpmModelDestroy(MpmModel *handle)
+{
+  MpmModel model = *handle;
+
+  PetscFunctionBeginUser;
+  if (!model) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
+  if (model->state.particles->swarm) PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmLaboratoryDestroy(&model->laboratory));
+  PetscCall(MpmSolverDestroy(&model->solver));
+  PetscCall(MpmLinesDestroy(model));
+  PetscCall(MpmDiscretizationDestroy(&model->disc));
+  PetscCall(PetscFree(model->results->history_row));
+  PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));
+  PetscCall(MpmOutputDestroy(&model->results->output));
+  PetscCall(MpmHistoryDestroy(&model->results->history));
+  PetscCall(MpmParticlesDestroy(model->state.particles));
+  PetscCall(MpmGridDestroy(model->disc.grid));
+  PetscCall(PetscFree(model->disc.grid));
+  PetscCall(PetscFree(model->disc.layout));
+  PetscCall(PetscFree(model->state.particles));
+  for (PetscInt k = 0; model->scene.materials->at && k < model->scene.materials->count; k++)
+    PetscCall(MpmMaterialDestroy(&model->scene.materials->at[k]));
+  for (PetscInt k = 0; model->scene.bodies->at && k < model->scene.bodies->count; k++)
+    PetscCall(MpmBodyDestroy(&model->scene.bodies->at[k]));
+  for (PetscInt k = 0; model->scene.bcs->at && k < model->scene.bcs->count; k++)
+    PetscCall(MpmConditionDestroy(&model->scene.bcs->at[k]));
+  for (PetscInt k = 0; model->scene.motions->at && k < model->scene.motions->count; k++)
+    PetscCall(MpmBodyMotionDestroy(&model->scene.motions->at[k]));
+  for (PetscInt k = 0; model->scene.boundaries->at && k < model->scene.boundaries->count; k++)
+    PetscCall(MpmBoundaryDestroy(&model->scene.boundaries->at[k]));
+  for (PetscInt k = 0; model->scene.loads->at && k < model->scene.loads->count; k++)
+    PetscCall(MpmLoadDestroy(&model->scene.loads->at[k]));
+  for (PetscInt k = 0; model->results->tracks.at && k < model->results->tracks.count; k++)
+    PetscCall(MpmTrackDestroy(&model->results->tracks.at[k]));
+  PetscCall(PetscFree(model->scene.materials->at));
+  PetscCall(PetscFree(model->scene.bodies->at));
+  PetscCall(PetscFree(model->scene.bodies->part));
+  PetscCall(PetscFree(model->scene.bcs->at));
+  PetscCall(PetscFree(model->scene.boundaries->at));
+  PetscCall(PetscFree(model->scene.loads->at));
+  PetscCall(PetscFree(model->results->tracks.at));
+  PetscCall(PetscFree(model->state.bcs));
+  PetscCall(PetscFree(model->state.loads));
+  PetscCall(PetscFree(model->state.walls.at));
+  PetscCall(PetscFree(model->state.placements));
+  PetscCall(MpmSdirkDestroy(&model->state.scheme.sdirk));
+  PetscCall(MpmDynamicsDestroy(&model->state.scheme.dynamics));
+  PetscCall(MpmStagesDestroy(model));
+  PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
+  PetscCall(PetscFree(model->scene.materials));
+  PetscCall(MpmNamesDestroy(model->scene.bodies->count, &model->scene.bodies->names));
+  PetscCall(PetscFree(model->scene.bodies));
+  PetscCall(MpmNamesDestroy(model->scene.bcs->count, &model->scene.bcs->names));
+  PetscCall(PetscFree(model->scene.bcs));
+  PetscCall(MpmNamesDestroy(model->scene.motions->count, &model->scene.motions->names));
+  PetscCall(PetscFree(model->scene.motions->at));
+  PetscCall(PetscFree(model->scene.motions));
+  PetscCall(MpmNamesDestroy(model->scene.boundaries->count, &model->scene.boundaries->names));
+  PetscCall(PetscFree(model->scene.boundaries));
+  PetscCall(MpmPairsDestroy(model->scene.pairs));
+  PetscCall(PetscFree(model->scene.pairs));
+  PetscCall(MpmNamesDestroy(model->scene.loads->count, &model->scene.loads->names));
+  PetscCall(PetscFree(model->scene.loads));
+  PetscCall(MpmWaterTableDestroy(model->scene.water));
+  PetscCall(PetscFree(model->scene.water));
+  PetscCall(MpmBodySurfacesDestroy(model->scene.surfaces));
+  PetscCall(PetscFree(model->scene.surfaces));
+  PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
+  PetscCall(MpmNamesDestroy(model->results->output_field_count, &model->results->output_fields));
+  PetscCall(PetscFree(model->scene.title));
+  PetscCall(PetscFree(model->scene.prefix));
+  PetscCall(MpmRecordDestroy(&model->record));
+  PetscCall(MpmDatabaseDestroy(&model->database));
+  PetscCall(PetscFree(model->caller.prefix));
+  PetscCall(PetscCommDestroy(&model->comm));
+  PetscCall(PetscFree(model->results));
+  PetscCall(PetscFree(*handle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the scene ---- */
+
+/* The physics of that name, and the layout of its unknowns. */
+static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt dim)
+{
+  PetscBool found = PETSC_FALSE;
+  char     *words = NULL;
+
+  PetscFunctionBeginUser;
+  if (!model->scene.physics.name) {
+    PetscCall(MpmPhysicsList(&words));
+    PetscCall(MpmPhysicsCreate(name, &model->scene.physics, &found));
+    MpmCheckInput(found && !(model->scene.physics.traits & MPM_PHYSICS_INTERNAL),
+                  "-mpm_physics %s: must be one of %s, " MPM_STRESS_POINT, name, words);
+    PetscCall(PetscFree(words));
+  }
+  PetscCall(MpmLayoutCreate(&model->scene.physics, dim, model->disc.layout));
+  model->scene.stretch = MpmStretchFind(dim);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Dimension and physics: what everything else depends on. Free the physics' name. */
+static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscInt *dim, char **physics)
+{
+  PetscFunctionBeginUser;
+  *dim = 2;
+  PetscCall(MpmOptionsHeading(options, "Scene"));
+  PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->scene.title));
+  PetscCall(MpmPluginsLoad(options));
+  PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, dim, NULL));
+  PetscCall(MpmOptionsText(options, "physics",
+                           "what is solved: solid, " MPM_STRESS_POINT
+                           " (one point in the laboratory), or what a plugin brings",
+                           "solid", MPM_OPTIONAL, physics));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How the grid's equations are made. */
+static PetscErrorCode ReadDiscretization(MpmModel model, const MpmOptions *options, PetscInt dim, const char *physics)
+{
+  PetscInt shape = MPM_SHAPE_GIMP, edge = MPM_EDGE_LINEAR, jacobian = MPM_JACOBIAN_AUTO;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
+  model->scene.shape = (MpmShapeType)shape;
+  PetscCall(MpmOptionsWord(options, "shape_edge", "how splines end at the grid's edges and at walls", MpmEdgeTypes,
+                           MPM_OPTIONAL, &edge, NULL));
+  model->scene.edge = (MpmEdgeType)edge;
+  PetscCall(
+    MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
+  model->solver.jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
+  PetscCall(MpmStabilizationRead(model, options));
+  PetscCall(CreatePhysics(model, physics, dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The results' folder must be there and take files. */
+static PetscErrorCode CheckPrefix(MpmModel model)
+{
+  char      folder[PETSC_MAX_PATH_LEN] = ".", *slash;
+  PetscBool there;
+  size_t    length;
+
+  PetscFunctionBeginUser;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(model->scene.prefix[0] && strlen(model->scene.prefix) < sizeof(folder) - 64,
+                "-mpm_output_prefix: must be a name of 1 to %d characters", (int)sizeof(folder) - 65);
+  slash  = strrchr(model->scene.prefix, '/');
+  length = strlen(slash ? slash + 1 : model->scene.prefix);
+  MpmCheckInput(length > 0 && length <= 200,
+                "-mpm_output_prefix: the name behind the folder has %d characters, must have 1 to 200", (int)length);
+  if (slash) PetscCall(PetscStrncpy(folder, model->scene.prefix, (size_t)(slash - model->scene.prefix) + 2));
+  PetscCall(PetscTestDirectory(folder, 'w', &there));
+  MpmCheckInput(there, "-mpm_output_prefix %s: the folder %s is not there or cannot be written", model->scene.prefix,
+                folder);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What all runs have. */
+static PetscErrorCode ReadPrefix(MpmModel model, const MpmOptions *options, const MpmOptions *block)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(block, "Output"));
+  PetscCall(MpmOptionsText(block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->scene.prefix));
+  PetscCall(CheckPrefix(model));
+  PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->results->quiet, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
+{
+  const MpmOptions block = {options->comm, "mpm_output_", options->record};
+  char            *view;
+
+  PetscFunctionBeginUser;
+  model->results->output_every = 1;
+  PetscCall(ReadPrefix(model, options, &block));
+  PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
+                          PETSC_INT_MAX, MPM_OPTIONAL, &model->results->output_every, NULL));
+  PetscCall(MpmOutputSetFromOptions(model, &block));
+  PetscCall(MpmOptionsText(options, "view",
+                           "at the end of the run, what the model consists of: alone to the terminal, or ascii:FILE",
+                           NULL, MPM_OPTIONAL, &view));
+  if (view && *view) {
+    PetscBool text, file;
+
+    PetscCall(PetscStrcmp(view, "ascii", &text));
+    PetscCall(PetscStrbeginswith(view, "ascii:", &file));
+    MpmCheckInput(text || file || MpmOptionsHelp(), "-mpm_view %.100s: must be alone, ascii or ascii:FILE", view);
+  }
+  PetscCall(PetscFree(view));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Fields whose nodes stand some cells apart need a grid that such a lattice fits. */
+static PetscErrorCode CheckLattices(const MpmGrid *grid, const MpmLayout *layout)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt c = 0; c < layout->block && !MpmOptionsHelp(); c++) {
+    const PetscInt spacing = layout->shape[layout->shape_of[c]].spacing;
+
+    for (PetscInt a = 0; a < grid->dim; a++)
+      MpmCheckInput(grid->cells[a] % spacing == 0,
+                    "-mpm_grid_cells %" PetscInt_FMT ": the nodes of %s stand %" PetscInt_FMT
+                    " cells apart on axis %c, must be a multiple of %" PetscInt_FMT,
+                    grid->cells[a], layout->component_name[c], spacing, "xyz"[a], spacing);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *options)
+{
+  PetscReal stiffest = 0.;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED,
+                             &model->scene.materials->count, &model->scene.materials->names));
+  PetscCall(PetscCalloc1(model->scene.materials->count, &model->scene.materials->at));
+  model->solver.symmetric = PETSC_TRUE;
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    PetscCall(
+      MpmMaterialCreate(options, model->scene.materials->names[m], model->disc.dim, &model->scene.materials->at[m]));
+    PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, &model->scene.materials->at[m]));
+    if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
+    stiffest = PetscMax(stiffest, model->scene.materials->at[m].stiffness);
+  }
+  if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
+  model->disc.diagonal = stiffest * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
+  PetscCall(MpmOptionsBlocks(options, "bodies",
+                             "names of the body blocks; bodies must not overlap, and are welded where they share "
+                             "nodes",
+                             MPM_REQUIRED, &model->scene.bodies->count, &model->scene.bodies->names));
+  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->scene.bodies->at));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscCall(MpmBodyCreate(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->count,
+                            model->scene.materials->at, &model->scene.bodies->at[b]));
+    PetscCall(MpmReadBodyFile(model, options, b));
+    MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
+
+    material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
+  }
+  PetscCall(MpmContactsRead(model, (PetscBool)(MpmPressureComponent(model->disc.layout) >= 0), options));
+  PetscCall(MpmMemoryCheck(options, model->disc.grid, model->scene.bodies->count, model->scene.bodies->at,
+                           model->scene.bodies->names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reactions are columns by name: a boundary must not be called like a condition. */
+static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsBlocks(options, "boundaries", "names of the boundaries that do not follow the grid", MPM_OPTIONAL,
+                             &model->scene.boundaries->count, &model->scene.boundaries->names));
+  PetscCall(PetscCalloc1(model->scene.boundaries->count, &model->scene.boundaries->at));
+  PetscCall(PetscCalloc1(model->scene.boundaries->count, &model->state.placements));
+  for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
+    for (PetscInt b = 0; b < model->scene.bcs->count && !MpmOptionsHelp(); b++) {
+      MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.bcs->names[b]),
+                    "-mpm_boundaries %s: there is a condition of this name", model->scene.boundaries->names[k]);
+    }
+    for (PetscInt p = 0; p < model->scene.pairs->count && !MpmOptionsHelp(); p++) {
+      MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.pairs->names[p]),
+                    "-mpm_boundaries %s: there is a contact of this name", model->scene.boundaries->names[k]);
+    }
+    for (PetscInt m = 0; m < model->scene.motions->count && !MpmOptionsHelp(); m++) {
+      MpmCheckInput(strcmp(model->scene.boundaries->names[k], model->scene.motions->names[m]),
+                    "-mpm_boundaries %s: there is a motion of this name", model->scene.boundaries->names[k]);
+    }
+    PetscCall(
+      MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
+    if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
+      model->solver.symmetric = PETSC_FALSE;
+    MpmCheckInput((!model->scene.boundaries->at[k].drained && !model->scene.boundaries->at[k].led) ||
+                    MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
+                  "-mpm_boundary_%s_%s: there is no water in the scene's physics", model->scene.boundaries->names[k],
+                  model->scene.boundaries->at[k].drained ? "drained" : "pressure");
+    if (MpmPressureBounds(
+          model, model->scene.boundaries->at[k].friction,
+          (PetscBool)(model->scene.boundaries->at[k].stick && !model->scene.boundaries->at[k].bilateral)))
+      model->solver.at_rest.serves = PETSC_TRUE;
+  }
+  MpmRigidStart(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Their reactions are columns by name, too. */
+static PetscErrorCode ReadMotions(MpmModel model, const MpmOptions *options)
+{
+  MpmBodyMotions *motions = model->scene.motions;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(motions->count, &motions->at));
+  for (PetscInt m = 0; m < motions->count; m++) {
+    for (PetscInt b = 0; b < model->scene.bcs->count && !MpmOptionsHelp(); b++)
+      MpmCheckInput(strcmp(motions->names[m], model->scene.bcs->names[b]),
+                    "-mpm_motions %s: there is a condition of this name", motions->names[m]);
+    PetscCall(MpmBodyMotionCreate(options, motions->names[m], model->disc.grid, model->scene.bodies, &motions->at[m]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define EARTH 9.81
+
+/* The largest of the scene's gravity loads, or that of the Earth, m/s2. */
+static PetscReal Gravity(const MpmLoads *loads, PetscInt dim)
+{
+  PetscReal most = 0.;
+
+  for (PetscInt l = 0; l < loads->count; l++) {
+    PetscReal square = 0.;
+
+    for (PetscInt a = 0; loads->at[l].type == MPM_LOAD_GRAVITY && a < dim; a++)
+      square += PetscSqr(loads->at[l].value[a]);
+    most = PetscMax(most, PetscSqrtReal(square));
+  }
+  return most > 0. ? most : EARTH;
+}
+
+static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsBlocks(options, "bcs", "names of the conditions on nodes", MPM_OPTIONAL, &model->scene.bcs->count,
+                             &model->scene.bcs->names));
+  PetscCall(MpmOptionsBlocks(options, "motions", "names of the motions of bodies", MPM_OPTIONAL,
+                             &model->scene.motions->count, &model->scene.motions->names));
+  PetscCall(MpmOptionsBlocks(options, "loads", "names of the loads", MPM_OPTIONAL, &model->scene.loads->count,
+                             &model->scene.loads->names));
+  PetscCall(MpmOptionsBlocks(options, "surfaces", "names of the surfaces of bodies on which something acts",
+                             MPM_OPTIONAL, &model->scene.surfaces->count, &model->scene.surfaces->names));
+  PetscCall(MpmStagesReadLists(&model->scene, options));
+  PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
+  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
+  PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+    PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
+                                 &model->scene.bcs->at[b]));
+  PetscCall(ReadMotions(model, options));
+  PetscCall(
+    PetscCalloc1(((model->scene.bcs->count + model->scene.motions->count) * model->disc.block), &model->disc.reaction));
+  PetscCall(ReadBoundaries(model, options));
+  PetscCall(PetscCalloc1(model->scene.loads->count, &model->scene.loads->at));
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    PetscCall(MpmLoadCreate(options, model->scene.loads->names[l], model->disc.grid, &model->scene.loads->at[l]));
+    MpmCheckInput(model->scene.loads->at[l].type != MPM_LOAD_FLUX || MpmPressureComponent(model->disc.layout) >= 0 ||
+                    MpmOptionsHelp(),
+                  "-mpm_load_%s_type flux: there is no water in the scene's physics", model->scene.loads->names[l]);
+    for (PetscInt m = 0;
+         model->scene.loads->at[l].type == MPM_LOAD_GRAVITY && m < model->scene.materials->count && !MpmOptionsHelp();
+         m++) {
+      MpmCheckInput(model->scene.materials->at[m].density > 0.,
+                    "-mpm_material_%s_density: must be > 0, kg/m3: load %s is gravity",
+                    model->scene.materials->names[m], model->scene.loads->names[l]);
+    }
+  }
+  PetscCall(MpmSurfacesRead(model, options));
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
+                                 &model->scene.materials->at[m]));
+  if (!MpmSceneIsSymmetric(model)) model->solver.symmetric = PETSC_FALSE;
+  PetscCall(MpmWaterRead(model, options));
+  PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
+                             &model->results->tracks.count, &model->results->tracks.names));
+  PetscCall(PetscCalloc1(model->results->tracks.count, &model->results->tracks.at));
+  for (PetscInt t = 0; t < model->results->tracks.count; t++) {
+    PetscCall(
+      MpmTrackCreate(options, model->results->tracks.names[t], model->disc.grid, &model->results->tracks.at[t]));
+  }
+  PetscCall(MpmLinesRead(model, options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* About how many unknowns the material needs: the cells that its volume fills, and as many nodes. */
+static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
+{
+  PetscReal volume = 0., *volume0;
+  PetscInt  count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
+  PetscCall(MpmParticlesGetField(model->state.particles, "volume0", &volume0));
+  for (PetscInt p = 0; p < count; p++) volume += volume0[p];
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &volume0));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt a = 0; a < model->disc.dim; a++) volume /= model->disc.h[a];
+  *unknowns = volume * (PetscReal)model->disc.block;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The options that are the model's, unless they were given as text. */
+static PetscErrorCode TakeOptions(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!HasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
+  if (!model->caller.own) PetscCall(MpmDatabaseTake(model->database, model->caller.prefix));
+  else model->record->sources = model->database->sources;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A scene of bodies on a grid. */
+static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options, PetscInt dim, const char *physics)
+{
+  PetscBool particular;
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadDiscretization(model, options, dim, physics));
+  PetscCall(MpmGridSetFromOptions(model->disc.grid, options, model->disc.layout->dim));
+  PetscCall(MpmDiscretizationSize(&model->disc));
+  PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
+  PetscCall(ReadMaterialsAndBodies(model, options));
+  PetscCall(ReadConditions(model, options));
+  PetscCall(MpmMovingGridRead(model, options));
+  PetscCall(MpmStagesRead(model, options));
+  PetscCall(MpmDynamicsRead(model, options));
+  PetscCall(MpmStabilizationSettle(model));
+  PetscCall(ReadOutput(model, options));
+  PetscCall(MpmCheckpointSetFromOptions(model, options));
+  PetscCall(MpmSolverSetFromOptions(&model->solver, options));
+  PetscCall(MpmOptionsHas(options, "dim", &particular));
+  if (MpmOptionsHelp() && !particular) PetscCall(MpmLaboratoryPrintHelp(model, options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadScene(MpmModel model)
+{
+  const MpmOptions options = {model->comm, "mpm_", model->record}, output = {model->comm, "mpm_output_", model->record};
+  PetscLogDouble   since;
+  PetscInt         dim;
+  char            *physics, *warning;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
+  PetscCall(ReadKind(model, &options, &dim, &physics));
+  if (!model->scene.physics.name && !strcmp(physics, MPM_STRESS_POINT)) {
+    PetscCall(MpmLaboratoryRead(model, &options, dim));
+    PetscCall(ReadPrefix(model, &options, &output));
+  } else PetscCall(ReadBodiesOnGrid(model, &options, dim, physics));
+  PetscCall(PetscFree(physics));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsCheckUnknown(&options, &warning));
+  if (warning) PetscCall(MpmTerminalWarn(model, "warning: %s", warning));
+  PetscCall(PetscFree(warning));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetFromOptions(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(TakeOptions(model));
+  MpmModelCall(model, ReadScene(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points, discretization and solver of the scene that has been read. */
+static PetscErrorCode SetUp(MpmModel model)
+{
+  const MpmOptions options = {model->comm, "mpm_", model->record};
+  PetscLogDouble   since;
+  PetscReal        unknowns = 0.;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
+  PetscCall(MpmRestartOpen(model));
+  PetscCall(MpmPointsCreate(model));
+  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
+                                   model->scene.pairs, model->state.placements, model->state.particles->state_size));
+  PetscCall(MpmSurfacesAdd(model));
+  model->solver.cache.minimisation.on = MpmStagesMinimise(model);
+  PetscCall(MpmCheckpointKeepOptions(model, &options));
+  PetscCall(EstimateUnknowns(model, &unknowns));
+  if (MpmStagesSolve(model)) PetscCall(MpmSolverChoose(&model->solver, unknowns, MpmStagesAreImplicit(model)));
+  else {
+    PetscCall(PetscFree(model->solver.name));
+    PetscCall(PetscStrallocpy("none", &model->solver.name));
+  }
+  PetscCall(MpmRestartApply(model));
+  model->caller.set_up = PETSC_TRUE;
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetUp(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->caller.set_up) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->laboratory) {
+    MpmModelCall(model, MpmLaboratorySetUp(model));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCheck(model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetFromOptions() comes first");
+  MpmModelCall(model, SetUp(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,307 @@
+/*
+  The steps of a model: one at a time for who calls the library, and the run of all of them with its results.
+*/
+#include "options/options.h"
+#include "particles/particles.h"
+#include "query/model.h"
+#include "scene/scene_read.h"
+#include "step/water_state.h"
+#include "integrators/consolidation.h"
+#include "schedule/geostatic.h"
+#include "schedule/schedule.h"
+#include "schedule/stage.h"
+#include "observe/lines.h"
+#include "observe/results.h"
+#include "checkpoint/checkpoint.h"
+#include "model/build.h"
+#include "model/laboratory.h"
+
+/* ---- one step ---- */
+
+static PetscBool AtStageEnd(const MpmModel model)
+{
+  return (PetscBool)(!model->state.scheme.rescuing.on && model->state.time >= model->state.time_end * (1. - 1e-12));
+}
+
+/* Has the last stage come to its end? */
+static PetscBool AtEnd(const MpmModel model)
+{
+  return (PetscBool)(AtStageEnd(model) && model->state.stage + 1 >= model->scene.stage_count);
+}
+
+/*
+  The next step, in the next stage where this one has ended; a geostatic stage is a single step for the results. Where a relaxation
+  goes on in place of a step it is one of that, and there is nothing to tell until it has come to rest.
+*/
+static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
+{
+  const PetscBool begins = (PetscBool)!model->state.scheme.rescuing.on;
+  const char    **why    = &model->caller.why;
+  PetscInt        before;
+  const MpmStage *stage;
+
+  PetscFunctionBeginUser;
+  *why = NULL;
+  if (AtStageEnd(model)) {
+    PetscCall(MpmStageFinish(model, why));
+    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmStageBegin(model, model->state.stage + 1));
+  }
+  before = model->state.step;
+  stage  = &model->scene.stages[model->state.stage];
+  if (begins && stage->name && model->state.time == model->state.time_start)
+    PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
+  if (begins && model->state.time == model->state.time_start) {
+    PetscCall(MpmWaterTellStage(model));
+    PetscCall(MpmSurfacesTellHeld(model));
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  if (begins && model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
+  if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
+    PetscCall(MpmGeostaticRun(model, why));
+    *dt = model->state.time - model->state.time_start;
+  } else PetscCall(MpmAdvance(model, dt, why));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  if (*why) PetscCall(MpmWaterFindClosed(model, why));
+  if (!*why && !model->state.scheme.rescuing.on && model->state.step > before && model->caller.after)
+    PetscCall((*model->caller.after)(model, model->caller.after_ctx));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode StepOnce(MpmModel model)
+{
+  PetscReal dt;
+
+  PetscFunctionBeginUser;
+  model->caller.stop = PETSC_FALSE;
+  do PetscCall(TakeStep(model, &dt));
+  while (model->state.scheme.rescuing.on && !model->caller.why);
+  if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
+  if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->laboratory, model->comm, PETSC_ERR_SUP, "a stress point is run, not stepped");
+  PetscCall(MpmModelSetUp(model));
+  *status = MPM_COMPLETED;
+  if (AtEnd(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmModelCall(model, StepOnce(model));
+  *status = model->caller.why    ? MPM_GAVE_UP
+            : AtEnd(model)       ? MPM_COMPLETED
+            : model->caller.stop ? MPM_STOPPED
+                                 : MPM_RUNNING;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the run ---- */
+
+/* Has the step a number for which results are wanted? */
+static PetscBool IsDue(const MpmModel model)
+{
+  const MpmResults *results = model->results;
+
+  return (PetscBool)(results->output_every && model->state.step % results->output_every == 0);
+}
+
+/* Does the state wait until the run's last stage has been finished? */
+static PetscBool Waits(const MpmModel model)
+{
+  return (PetscBool)(AtEnd(model) && MpmStageHasFinish(model));
+}
+
+/* What a step alone can tell, and no checkpoint: forces in cuts, stresses along lines, the grid. */
+static PetscErrorCode WriteStep(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmLinesWrite(model));
+  PetscCall(MpmModelWriteGrid(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* That, and the points. */
+static PetscErrorCode WriteDue(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (!IsDue(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WriteStep(model));
+  if (!Waits(model)) PetscCall(MpmModelWriteState(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Result files, new or those of the run that goes on; a new one starts with the present state. */
+static PetscErrorCode OpenResults(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->results->output_every) {
+    PetscCall(MpmOutputCreate(model->comm, model->scene.prefix, &model->results->output));
+    PetscCall(MpmOutputSetSingle(model->results->output, model->results->output_single));
+  }
+  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
+  PetscCall(MpmModelCreateHistory(model));
+  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
+  if (Waits(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->results->output && !MpmOutputStarted(model->results->output)) {
+    PetscCall(MpmModelWriteState(model));
+    PetscCall(WriteStep(model));
+  } else if (IsDue(model) && !AtEnd(model) && model->results->output_step != model->state.step)
+    PetscCall(MpmModelWriteState(model)); /* of a run that has ended here, and goes on */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options of PETSc's that nobody has used by now. */
+static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
+{
+  const MpmOptions options = {model->comm, NULL, model->record};
+
+  PetscFunctionBeginUser;
+  if (model->caller.terminal) PetscCall(MpmOptionsWarnUnused(&options, moment));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a converged step leaves: its row, its line, and at times the points. */
+static PetscErrorCode Report(MpmModel model, PetscReal dt)
+{
+  char boils[MPM_WATER_TEXT];
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelWriteHistory(model, dt));
+  PetscCall(MpmTerminalStep(model, dt));
+  PetscCall(MpmWaterFindTension(model, boils));
+  if (boils[0]) PetscCall(MpmTerminalWarn(model, "%s", boils));
+  if (model->solver.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
+  PetscCall(WriteDue(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the end of a run leaves, whatever has ended it. */
+static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
+{
+  const MpmResults *results = model->results;
+  const char       *why;
+  PetscBool         gone, step;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
+  why  = model->caller.why;
+  gone = model->state.particles->gone;
+  step = (PetscBool)(results->output && (!IsDue(model) || !MpmOutputStarted(results->output)));
+  if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
+  if (!interrupted && results->output_every && results->output_step != model->state.step && !gone) {
+    PetscCall(MpmModelWriteState(model));
+    if (step) PetscCall(WriteStep(model));
+  }
+  if (why) {
+    PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
+                              (double)model->state.time, why));
+  }
+  PetscCall(MpmModelWriteSummary(model, why                  ? why
+                                        : interrupted        ? "interrupted"
+                                        : model->caller.stop ? "stopped"
+                                                             : "completed"));
+  PetscCall(WarnUnused(model, MPM_AT_END));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All steps with their results. */
+static PetscErrorCode Run(MpmModel model)
+{
+  PetscBool interrupted; /* by a signal */
+  PetscReal dt;
+
+  PetscFunctionBeginUser;
+  model->caller.why = NULL;
+  PetscCall(MpmTerminalBegin(model, NULL));
+  PetscCall(OpenResults(model));
+  PetscCall(MpmCheckpointStep(model, &interrupted));
+  while (!interrupted && !model->caller.stop && !AtEnd(model)) {
+    const PetscInt before = model->state.step;
+
+    PetscCall(TakeStep(model, &dt));
+    if (model->caller.why && model->state.step == before) break;
+    if (!model->state.scheme.rescuing.on && model->state.step > before) PetscCall(Report(model, dt));
+    if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
+    if (model->caller.why) break;
+    PetscCall(MpmCheckpointStep(model, &interrupted));
+  }
+  if (AtEnd(model)) model->caller.stop = PETSC_FALSE;
+  PetscCall(Finish(model, interrupted));
+  PetscCall(MpmModelViewFromOptions(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelRun(MpmModel model, int *status)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelSetUp(model));
+  PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
+  if (model->laboratory) {
+    MpmModelCall(model, MpmLaboratoryRun(model, status));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmModelCall(model, Run(model));
+  *status = model->caller.why ? MPM_EXIT_GAVEUP : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what the caller asks and sets ---- */
+
+PetscErrorCode MpmModelStop(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  model->caller.stop = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetReason(MpmModel model, const char **why)
+{
+  PetscFunctionBeginUser;
+  *why = model->caller.why;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetTime(MpmModel model, PetscReal *time, PetscInt *step)
+{
+  PetscFunctionBeginUser;
+  if (time) *time = model->state.time;
+  if (step) *step = model->state.step;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelGetTimeStep(MpmModel model, PetscReal *dt)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(model->caller.set_up, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  *dt = model->state.dt_wanted;
+  if (!AtStageEnd(model)) (void)MpmNextTime(model, model->state.dt_wanted, dt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetTimeStep(MpmModel model, PetscReal dt)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(model->caller.set_up, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  PetscCheck(dt > 0. && !PetscIsInfOrNanReal(dt), model->comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "a step of %g: must be a finite number > 0", (double)dt);
+  model->state.dt_wanted = dt;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetBeforeStep(MpmModel model, MpmStepHook hook, void *ctx)
+{
+  PetscFunctionBeginUser;
+  model->caller.before     = hook;
+  model->caller.before_ctx = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelSetAfterStep(MpmModel model, MpmStepHook hook, void *ctx)
+{
+  PetscFunctionBeginUser;
+  model->caller.after     = hook;
+  model->caller.after_ctx = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

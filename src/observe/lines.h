@@ -1,0 +1,35 @@
+#pragma once
+/*
+  Forces in cuts and stresses along lines, in the history and in files of their own.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "io/io.h"
+#include "observe/profile.h"
+#include "talus/talus.h"
+
+/* Profiles with the names of their blocks, and the files: of the sections with a row of cuts, then of the profiles. */
+typedef struct {
+  PetscInt    profile_count;
+  char      **profile_names;
+  MpmProfile *profiles;
+  PetscInt    file_count;
+  MpmHistory *files;
+} MpmLines;
+
+/* Reads the sections and the profiles of a scene. */
+PetscErrorCode MpmLinesRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmLinesDestroy(MpmModel model);
+/* How many fields of the particles they need at most, and their names, appended. */
+PetscInt MpmLinesFieldCount(const MpmModel model);
+void     MpmLinesAddFields(const MpmModel model, const char *fields[], PetscInt *count);
+/* Finds their points, in the initial state. */
+PetscErrorCode MpmLinesSelect(MpmModel model);
+/* Columns of the history: their number and names, appended (allocated), and the numbers of the present state. */
+PetscInt       MpmLinesColumnCount(const MpmModel model);
+PetscErrorCode MpmLinesAddColumns(const MpmModel model, char *names[], PetscInt *count);
+PetscErrorCode MpmLinesAddValues(MpmModel model, PetscReal row[], PetscInt *count);
+/* The files: opened, or taken up again where a run goes on; the rows of the present state; where they stand. */
+PetscErrorCode MpmLinesOpen(MpmModel model);
+PetscErrorCode MpmLinesWrite(MpmModel model);
+PetscErrorCode MpmLinesMark(MpmModel model, MpmTextFile *places);

@@ -1,0 +1,90 @@
+#pragma once
+/*
+  What a run leaves behind: results, progress, and the numbers that checkpoints need of them.
+*/
+#include "base/types.h"
+#include "options/database.h"
+#include "io/io.h"
+#include "query/model.h"
+#include "observe/lines.h"
+#include "observe/tracks.h"
+
+/* The checkpoint that a run restarts from (restart.c). */
+typedef struct _p_MpmRestart *MpmRestart;
+
+/* When checkpoints are written, and the one that the run has started from. */
+typedef struct {
+  PetscInt    every, keep;
+  PetscReal   wall;       /* s between them, 0: not by wall time */
+  PetscReal   collective; /* bytes from which all ranks read and write together */
+  char       *from;       /* the option -mpm_restart, or NULL */
+  PetscInt64  run;        /* a number of its own for each run; it stays the same over restarts */
+  PetscInt    step;       /* of the last one, -1: none yet */
+  PetscReal   since;      /* wall time of the last one, or of the start */
+  MpmTextFile options;    /* rank 0: those that continue the run */
+  PetscBool   options_written;
+  MpmRestart  restart;          /* NULL: the run starts at the beginning */
+  const char *path, *histories; /* of that, borrowed: its file, and where tables stood */
+} MpmCheckpoint;
+
+/* ---- progress.c ---- */
+
+/* What the line of a step needs to know of the steps before. */
+typedef struct {
+  PetscLogDouble since;             /* the end of the step before */
+  PetscReal      seconds, progress; /* wall time and time of the run, fading */
+  PetscInt       lines;
+} MpmTerminal;
+
+/* Does the model show its progress? Not with -mpm_quiet, and not unless its caller wants it. */
+PetscBool MpmTerminalShows(const MpmModel model);
+/* A line on stderr, behind the program's name; with -mpm_quiet, too. */
+PetscErrorCode MpmTerminalWarn(MpmModel model, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
+/* Header, with a line on `what` is run unless that is NULL: a scene on a grid; line of a step, and a line between two steps. */
+PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what);
+PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt);
+/* The table of where the time went, and the sizes, for the terminal. */
+PetscErrorCode MpmTerminalSummary(MPI_Comm comm, const MpmSummary *summary);
+/* The listener to the model's monitor. */
+PetscErrorCode MpmTerminalMessage(void *model, PetscBool line, const char text[]);
+/* "0:02:05", "4 d 4 h" */
+#define MPM_DURATION_TEXT 32
+void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
+
+/* ---- results ---- */
+
+/* The points' fields that the scene asks for (point_fields.c): do they exist? Into the output. */
+PetscErrorCode MpmFieldsCheck(MpmModel model);
+PetscErrorCode MpmFieldsWrite(MpmModel model);
+/* Active nodes and cells into the output (grid_fields.c). */
+PetscErrorCode MpmLatticeWrite(MpmModel model);
+struct MpmResults {
+  PetscInt      output_every;
+  PetscInt      output_step; /* of the last written state */
+  PetscBool     output_grid, output_single;
+  PetscInt      output_field_count; /* 0: all */
+  char        **output_fields;
+  MpmOutput     output;
+  MpmHistory    history;
+  PetscReal    *history_row;
+  PetscInt      history_columns;
+  PetscReal     start;
+  PetscBool     quiet;
+  MpmTracks     tracks;
+  MpmLines      lines;
+  MpmCheckpoint checkpoint;
+  MpmTerminal   terminal;
+};
+
+/* Results (results.c). */
+PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
+PetscErrorCode MpmModelWriteState(MpmModel model); /* the points */
+PetscErrorCode MpmModelWriteGrid(MpmModel model);  /* where it is wanted */
+PetscErrorCode MpmModelCreateHistory(MpmModel model);
+PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
+PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);
+/* The history (number 0) or a file of the lines, where the checkpoint has it. */
+PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt number, PetscInt columns,
+                                const char *const names[], MpmHistory *table);
+/* A line of the run's header where bodies share nodes (welds.c). */
+PetscErrorCode MpmWeldsPrint(MpmModel model);

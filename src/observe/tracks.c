@@ -1,0 +1,109 @@
+/*
+  Tracks: sets of points whose mean displacement stands in the history. They are picked in the initial state; each
+  point's share travels with it in a field of the particles. Points that are taken away, or leave the grid, are no
+  longer in the mean; without any it is not a number, and before the first of them joins a stage 0.
+*/
+#include "options/options.h"
+#include "geometry/geometry.h"
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "particles/selection.h"
+#include "observe/tracks.h"
+
+#define ROUNDING 1e-9 /* of the shares' sum, which is 1 while all points are there */
+
+PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)
+{
+  char       prefix[256], field[256];
+  MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(track, sizeof(*track)));
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_track_%s_", name));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "track_%s", name));
+  PetscCall(PetscStrallocpy(name, &track->name));
+  PetscCall(PetscStrallocpy(field, &track->share_field));
+  PetscCall(MpmOptionsHeading(&block, "Track"));
+  PetscCall(MpmSelectionRead(&block, grid, &track->where));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackDestroy(MpmTrack *track)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(track->name));
+  PetscCall(PetscFree(track->share_field));
+  PetscCall(MpmRegionDestroy(&track->where.region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles)
+{
+  MpmPoints  points;
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(MpmParticlesGetField(particles, track->share_field, &share));
+  PetscCall(MpmSelectionShare(&track->where, grid, &points, particles->total, "track", track->name, share));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The mean over the points of `field`, less `base` unless that is NULL, and their share of those that were picked. The
+  mean is over the points that are there; 0 where there are none.
+*/
+static PetscErrorCode Mean(const MpmTrack *track, MpmParticles *particles, const char *field, const char *base,
+                           PetscReal mean[], PetscReal *there)
+{
+  const PetscInt dim = particles->dim;
+  PetscReal     *share, *x, *x0 = NULL, sum[MPM_MAX_DIM + 1] = {0.};
+  PetscInt       count;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
+  PetscCall(MpmParticlesGetField(particles, track->share_field, &share));
+  PetscCall(MpmParticlesGetField(particles, field, &x));
+  if (base) PetscCall(MpmParticlesGetField(particles, base, &x0));
+  for (PetscInt p = 0; p < count; p++) {
+    if (share[p] == 0.) continue;
+    for (PetscInt a = 0; a < dim; a++) sum[a] += share[p] * (x0 ? x[p * dim + a] - x0[p * dim + a] : x[p * dim + a]);
+    sum[dim] += share[p];
+  }
+  if (base) PetscCall(MpmParticlesRestoreField(particles, &x0));
+  PetscCall(MpmParticlesRestoreField(particles, &x));
+  PetscCall(MpmParticlesRestoreField(particles, &share));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)dim + 1, MPIU_REAL, MPIU_SUM,
+                           PetscObjectComm((PetscObject)particles->swarm)));
+  *there = sum[dim];
+  for (PetscInt a = 0; a < dim; a++) mean[a] = *there > 0. && *there < 1. - ROUNDING ? sum[a] / *there : sum[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackEvaluate(MpmTrack *track, MpmParticles *particles, PetscBool waiting, PetscReal displacement[],
+                                PetscBool *fewer)
+{
+  PetscReal there;
+
+  PetscFunctionBeginUser;
+  PetscCall(Mean(track, particles, "position", "position0", displacement, &there));
+  *fewer      = (PetscBool)(there < track->there - ROUNDING);
+  track->gone = (PetscBool)(there == 0. && (track->there > 0. || track->gone || !waiting));
+  if (track->gone) *fewer = (PetscBool)(*fewer || !track->told);
+  if (track->gone) track->told = PETSC_TRUE;
+  track->there = there;
+  for (PetscInt a = 0; track->gone && a < particles->dim; a++) displacement[a] = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTrackVelocity(const MpmTrack *track, MpmParticles *particles, PetscReal velocity[])
+{
+  PetscReal there;
+
+  PetscFunctionBeginUser;
+  PetscCall(Mean(track, particles, "velocity", NULL, velocity, &there));
+  for (PetscInt a = 0; track->gone && a < particles->dim; a++) velocity[a] = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,27 @@
+#pragma once
+/*
+  Reading of contacts, surfaces and stabilization.
+*/
+#include "base/types.h"
+#include "query/model.h"
+
+/* Does the pressure bound what acts along a surface that may part? Where it sticks, the strength of a material may do so instead. */
+PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool stick);
+/* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); is there water? */
+PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options);
+/*
+  Surfaces of bodies (surfaces_read.c): their blocks, behind the boundaries'; which points are those of their bodies, once they are there;
+  and their part in the discretization, once that is set up.
+*/
+PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options);
+void           MpmSurfacesSetBodies(MpmModel model);
+PetscErrorCode MpmSurfacesAdd(MpmModel model);
+/* Lines on faces of surfaces on all sides that are left out in the stage that begins. Collective. */
+PetscErrorCode MpmSurfacesTellHeld(MpmModel model);
+/*
+  Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
+  bodies, conditions and stages are known.
+*/
+PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmStabilizationSettle(MpmModel model);
+PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[]);
