@@ -12,6 +12,9 @@
 extern const MpmTerm MpmTermContact;     /* rigid surfaces (rigid_contact.c); ctx: MpmContacts */
 extern const MpmTerm MpmTermRigidBodies; /* those whose place is solved for (rigid_body.c); ctx: MpmContacts */
 
+/* So far off a face's normal a direction is along it: no step of a lattice. */
+#define MPM_ALIGNED 1e-6
+
 /* What a piece's point keeps from step to step. */
 typedef enum {
   MPM_PIECE_GAP,

@@ -32,17 +32,16 @@
 #include "contact/contact_search.h"
 #include "contact/rigid_body.h"
 
-#define TOUCH   1e-12 /* of a cell: rounding of a face that stands on the boundary */
-#define TILT    0.25  /* of a cell */
-#define SOFT    10.   /* penalty on materials that flow, unless one is given */
-#define ROUND   20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
-#define CUT     0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
-#define DRAWN   1.25  /* by this factor has a face's area changed that is drawn out or crowded */
-#define FACING  0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
-#define ASKEW   0.1   /* cosine at which a face that looks past the surface counts by half */
-#define HAIR    2e-3  /* of a half-length: so far from a surface a face rests on it all the same */
-#define NUDGE   1e-3  /* of a cell: so far before a surface lies the cell beside it */
-#define ALIGNED 1e-6  /* off a face's normal: no step of a lattice */
+#define TOUCH  1e-12 /* of a cell: rounding of a face that stands on the boundary */
+#define TILT   0.25  /* of a cell */
+#define SOFT   10.   /* penalty on materials that flow, unless one is given */
+#define ROUND  20.   /* and on round bodies: the way of a disc that rolls is the same to 0.2 % from 5 to 100 */
+#define CUT    0.05  /* of a half-length: so deep a facet starts where a surface cut the lattice */
+#define DRAWN  1.25  /* by this factor has a face's area changed that is drawn out or crowded */
+#define FACING 0.2   /* cosine between the normals of a surface and of a face that meets it with an edge */
+#define ASKEW  0.1   /* cosine at which a face that looks past the surface counts by half */
+#define HAIR   2e-3  /* of a half-length: so far from a surface a face rests on it all the same */
+#define NUDGE  1e-3  /* of a cell: so far before a surface lies the cell beside it */
 
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts)
 {
@@ -145,7 +144,7 @@ static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, Pets
 /* Does a face of the lattice look straight at a surface? Then it is no step where the surface cut the lattice. */
 static PetscBool Aligned(const PetscReal normal[], PetscInt face)
 {
-  return (PetscBool)((face % 2 ? -1. : 1.) * normal[face / 2] > 1. - ALIGNED);
+  return (PetscBool)((face % 2 ? -1. : 1.) * normal[face / 2] > 1. - MPM_ALIGNED);
 }
 
 /* Which boundaries cut the lattice of points: some of the faces start well behind them. */
@@ -226,79 +225,6 @@ PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt pa
   MpmGridFindCell(grid, x, cell);
   for (PetscInt a = grid->dim - 1; a >= 0; a--) number = number * grid->cells[a] + cell[a];
   return number;
-}
-
-PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet)
-{
-  PetscFunctionBeginUser;
-  if (contacts->facet_count == contacts->capacity) {
-    contacts->capacity = 2 * contacts->capacity + 64;
-    PetscCall(PetscRealloc((size_t)contacts->capacity * sizeof(MpmFacet), &contacts->facet));
-  }
-  contacts->facet[contacts->facet_count++] = *facet;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmContactsDistance(const MpmContacts *contacts, PetscInt b, const PetscReal x[], MpmSurface *surface)
-{
-  const MpmRigidBody *body = MpmContactsBody(contacts, b);
-
-  if (body) MpmRigidDistance(body, &contacts->boundaries[b], &contacts->before[b], x, surface);
-  else MpmBoundaryDistance(&contacts->boundaries[b], &contacts->before[b], x, surface);
-}
-
-#define ENTRY_STEP  0.02 /* of a cell, at least */
-#define ENTRY_STEPS 100
-
-/*
-  Distance of a facet inside a boundary with flat faces, from the plane of the face that it came through: the first on the way back along
-  its outward normal, which another one may be nearer than; no further than a cell: a face in a plane of symmetry under the middle of a
-  footing did not come through the footing's side. The way goes from place to place by what is free of the surface.
-*/
-static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[], const MpmFacet *facet,
-                          MpmSurface *surface)
-{
-  const MpmBoundary *boundary        = &contacts->boundaries[facet->boundary];
-  const PetscInt     dim             = boundary->dim;
-  PetscReal          at[MPM_MAX_DIM] = {0., 0., 0.}, size = 0., way = 0.;
-  MpmSurface         there = *surface;
-
-  for (PetscInt a = 0; a < dim; a++) size += PetscSqr(outward[a]);
-  size = PetscSqrtReal(size);
-  for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a];
-  for (PetscInt k = 0; there.distance < -contacts->touch; k++) {
-    const PetscReal step = PetscMax(-there.distance, ENTRY_STEP * contacts->cell) / size;
-
-    way += step * size;
-    if (k == ENTRY_STEPS || !(size > 0.) || way > contacts->cell) return;
-    for (PetscInt a = 0; a < dim; a++) at[a] -= step * outward[a];
-    MpmBoundaryDistance(boundary, &contacts->before[facet->boundary], at, &there);
-  }
-  *surface = there;
-  for (PetscInt a = 0; a < dim; a++) surface->distance += (facet->place[a] - at[a]) * there.normal[a];
-}
-
-void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
-                              MpmSurface *surface)
-{
-  const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
-  const MpmPose     *before   = &contacts->before[facet->boundary];
-  const MpmPose      rest     = {.growth = 0.};
-  PetscReal          curved = 0., normal[MPM_MAX_DIM] = {0., 0., 0.};
-  PetscInt           axis = 0;
-
-  facet->side = 0;
-  MpmContactsDistance(contacts, facet->boundary, facet->place, surface);
-  if (MpmContactsBody(contacts, facet->boundary) || !MpmSolidHasFaces(&boundary->solid)) return;
-  EntryDistance(contacts, outward, facet, surface);
-  for (PetscInt a = 0; a < boundary->dim; a++)
-    for (PetscInt c = 0; c < boundary->dim; c++) curved += PetscAbsReal(surface->second[a][c]);
-  facet->distance = surface->distance;
-  if (curved > 0.) return;
-  MpmPoseTurn(boundary->dim, before, &rest, surface->normal, normal);
-  for (PetscInt a = 1; a < boundary->dim; a++)
-    if (PetscAbsReal(normal[a]) > PetscAbsReal(normal[axis]) * (1. + ALIGNED)) axis = a;
-  facet->side = 2 * axis + (normal[axis] > 0. ? 2 : 1);
 }
 
 /* What of a point's faces meets a boundary from two sides or more: its edge or corner stands out. */

@@ -24,6 +24,8 @@ KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
 GENERATED = re.compile(r"mpm_\w+\.h")
 FUNCTION_LINES, FUNCTION_ARGUMENTS, STRUCT_MEMBERS, FILE_LINES = 80, 7, 30, 800
+FOLDER_LINES = {"contact": 7000, "space": 4200}  # others: 4000
+CALL_CIRCLE = 6  # files that call each other in a circle: Newton's method, its searches and the solver
 SHARE = 1 / 3  # of the .c files of src/: as many may see a header, by whatever way; base/ is what all stand on
 CALLBACKS = ("HandleError",)  # functions whose arguments are PETSc's
 
@@ -178,6 +180,47 @@ def check_symbols(objects):
                 yield Fault("symbol", source, f"uses {name} of {home[name]}")
 
 
+def call_circles(objects):
+    """Sets of files of the engine that call each other by whatever way (Tarjan's strongly connected components)."""
+    home = {name: source for source, (defined, _) in objects.items() for name in defined}
+    calls = {source: {home[name] for name in used & home.keys()} - {source} for source, (_, used) in objects.items()}
+    number, low, stack, found = {}, {}, [], []
+
+    def visit(file):
+        number[file] = low[file] = len(number)
+        stack.append(file)
+        for other in calls[file]:
+            if other not in number:
+                visit(other)
+            if other in stack:
+                low[file] = min(low[file], low[other])
+        if low[file] == number[file]:
+            place = stack.index(file)
+            found.append(stack[place:])
+            del stack[place:]
+
+    for file in calls:
+        if file not in number:
+            visit(file)
+    return [circle for circle in found if len(circle) > 1]
+
+
+def check_calls(objects):
+    for circle in call_circles(objects):
+        if len(circle) > CALL_CIRCLE:
+            yield Fault("calls", circle[0], f"calls in a circle, {len(circle)} files: {' '.join(sorted(circle))}")
+
+
+def check_folders(sources):
+    lines = {}
+    for path, text in sources.text.items():
+        if path.startswith("src/"):
+            lines[layer(path)] = lines.get(layer(path), 0) + text.count("\n")
+    for folder, count in lines.items():
+        if count > FOLDER_LINES.get(folder, 4000):
+            yield Fault("folder", f"src/{folder}", f"{count} lines, more than {FOLDER_LINES.get(folder, 4000)}")
+
+
 def check_homes(sources, objects):
     """What a header declares is defined in its folder."""
     home = {name: source for source, (defined, _) in objects.items() for name in defined}
@@ -189,8 +232,9 @@ def check_homes(sources, objects):
 
 
 def find_faults(sources, objects):
-    for check in (check_includes, check_shares, check_sizes):
+    for check in (check_includes, check_shares, check_sizes, check_folders):
         yield from check(sources)
+    yield from check_calls(objects)
     yield from check_symbols(objects)
     yield from check_homes(sources, objects)
 
@@ -220,12 +264,16 @@ def plant(folder, objects):
     add("src/grid/grid.h", "\nvoid MpmStageBegin(int stage);\n")
     objects = {source: (set(defined), set(used)) for source, (defined, used) in objects.items()}
     objects["src/bc/dirichlet.c"][1].add("MpmStageBegin")
+    add("src/bc/constraints.c", "\n" * 4000)
+    for k in range(CALL_CIRCLE + 1):
+        objects[f"src/run/circle{k}.c"] = ({f"MpmCircle{k}"}, {f"MpmCircle{(k + 1) % (CALL_CIRCLE + 1)}"})
     objects["physics/solid.c"][1].add("MpmRealText")
     return objects, (("include", "src/grid/shape.c"), ("include", "materials/j2.c"), ("circle", "src/io/xdmf.h"),
                      ("circle", "src/io/hdf5_rows.h"), ("share", "src/run/planted.h"), ("share", "src/grid/grid.h"),
                      ("arguments", "src/bc/dirichlet.c"), ("function", "src/bc/node_frames.c"),
                      ("struct", "src/bc/bc.h"), ("file", "src/base/monitor.c"), ("symbol", "src/bc/dirichlet.c"),
-                     ("symbol", "physics/solid.c"), ("home", "src/grid/grid.h"))
+                     ("symbol", "physics/solid.c"), ("home", "src/grid/grid.h"),
+                     ("folder", "src/bc"), ("calls", "src/run/circle0.c"))
 
 
 def main():
@@ -237,7 +285,7 @@ def main():
         faults = list(find_faults(sources, objects))
         for fault in faults:
             print(f"{fault.path}: {fault.text}")
-        for kind in ("include", "circle", "symbol", "home", "share", "function", "arguments", "struct", "file"):
+        for kind in ("include", "circle", "symbol", "home", "share", "function", "arguments", "struct", "file", "folder", "calls"):
             test.check(f"{kind}_faults", sum(fault.kind == kind for fault in faults), upper=0)
 
         folder = test.folder()
