@@ -232,10 +232,25 @@ MPM_FN double Noise(const Trial *trial, double p, double p_min)
   return ELASTIC_STRAIN_NOISE * (K * (fabs(p) + trial->size) + trial->shear * sqrt(trial->q2) / trial->M2);
 }
 
+/* From the trial strain's trace and the square of its deviator. */
+MPM_FN Trial TrialOf(const Real *parameter, double strain, double square, double size)
+{
+  const double shear = 6. * RealValue(parameter[SHEAR]);
+  const Trial  trial = {.M2        = RealValue(parameter[CRITICAL] * parameter[CRITICAL]),
+                        .shear     = shear,
+                        .kappa     = RealValue(parameter[KAPPA]),
+                        .hardening = RealValue(parameter[LAMBDA] - parameter[KAPPA]),
+                        .strain    = strain,
+                        .q2        = shear * RealValue(parameter[SHEAR]) * square,
+                        .size      = size};
+
+  return trial;
+}
+
 MPM_FN int MpmMaterialEvaluate_modified_cam_clay(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Real *parameter = point->parameter;
-  const Real  square = parameter[CRITICAL] * parameter[CRITICAL], shear = 6. * parameter[SHEAR];
+  const Real  shear     = 6. * parameter[SHEAR];
   const Real  hardening = parameter[LAMBDA] - parameter[KAPPA], size = SizeAtStart(parameter, point->state_n);
   Sym         b = SymPush(dF, &point->state_n[STATE_B]), e, dev;
   Scalar      given[2];
@@ -251,14 +266,8 @@ MPM_FN int MpmMaterialEvaluate_modified_cam_clay(const MpmLawPoint *point, const
   x[0] = x[1] = DualConstant(0.);
   p           = Pressure(parameter, input[0]);
 
-  trial.M2        = RealValue(square);
-  trial.shear     = RealValue(shear);
-  trial.kappa     = RealValue(parameter[KAPPA]);
-  trial.hardening = RealValue(hardening);
-  trial.strain    = ScalarValue(given[0]);
-  trial.q2        = RealValue(shear * parameter[SHEAR]) * ScalarValue(given[1]);
-  trial.size      = RealValue(size);
-  yields          = trial.q2 / trial.M2 + DualValue(p) * (DualValue(p) - trial.size) >
+  trial  = TrialOf(parameter, ScalarValue(given[0]), ScalarValue(given[1]), RealValue(size));
+  yields = trial.q2 / trial.M2 + DualValue(p) * (DualValue(p) - trial.size) >
            Noise(&trial, DualValue(p), RealValue(parameter[PRESSURE_MIN]));
   dev = SymScaleBy(shear / 3., &dev);
   if (yields) {

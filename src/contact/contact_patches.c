@@ -336,6 +336,16 @@ static PetscErrorCode SlicesOfFace(MpmContacts *contacts, PetscReal margin, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static void AddToCorner(PetscInt dim, const PetscReal arm[], const PetscReal outward[], PetscReal area, Corner *corner)
+{
+  corner->count++;
+  corner->area += area;
+  for (PetscInt a = 0; a < dim; a++) {
+    corner->arm[a] += arm[a];
+    corner->outward[a] += outward[a];
+  }
+}
+
 /* The facets of a point that may touch the boundary in this step. */
 static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmGrid *grid,
                                     const MpmPoints *points, const MpmFacet *start)
@@ -371,12 +381,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     slices = surface.distance > margin ? 0 : MpmContactsAtEdge(contacts, grid->h, sides, &surface, &facet);
     if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(size)) {
-      corner.count++;
-      corner.area += facet.area;
-      for (PetscInt a = 0; a < dim; a++) {
-        corner.arm[a] += arm[a];
-        corner.outward[a] += area[a];
-      }
+      AddToCorner(dim, arm, area, facet.area, &corner);
       corner.initial[face / 2] = (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
     }
     if (!boundary->bilateral && surface.distance > margin) continue;

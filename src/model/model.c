@@ -164,6 +164,50 @@ PetscErrorCode MpmModelLeave(MpmModel model)
 
 /* ---- its end ---- */
 
+static PetscErrorCode DestroyScene(MpmScene *scene)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; scene->materials->at && k < scene->materials->count; k++)
+    PetscCall(MpmMaterialDestroy(&scene->materials->at[k]));
+  for (PetscInt k = 0; scene->bodies->at && k < scene->bodies->count; k++)
+    PetscCall(MpmBodyDestroy(&scene->bodies->at[k]));
+  for (PetscInt k = 0; scene->bcs->at && k < scene->bcs->count; k++) PetscCall(MpmConditionDestroy(&scene->bcs->at[k]));
+  for (PetscInt k = 0; scene->motions->at && k < scene->motions->count; k++)
+    PetscCall(MpmBodyMotionDestroy(&scene->motions->at[k]));
+  for (PetscInt k = 0; scene->boundaries->at && k < scene->boundaries->count; k++)
+    PetscCall(MpmBoundaryDestroy(&scene->boundaries->at[k]));
+  for (PetscInt k = 0; scene->loads->at && k < scene->loads->count; k++)
+    PetscCall(MpmLoadDestroy(&scene->loads->at[k]));
+  PetscCall(PetscFree(scene->materials->at));
+  PetscCall(PetscFree(scene->bodies->at));
+  PetscCall(PetscFree(scene->bodies->part));
+  PetscCall(PetscFree(scene->bcs->at));
+  PetscCall(PetscFree(scene->boundaries->at));
+  PetscCall(PetscFree(scene->loads->at));
+  PetscCall(MpmNamesDestroy(scene->materials->count, &scene->materials->names));
+  PetscCall(PetscFree(scene->materials));
+  PetscCall(MpmNamesDestroy(scene->bodies->count, &scene->bodies->names));
+  PetscCall(PetscFree(scene->bodies));
+  PetscCall(MpmNamesDestroy(scene->bcs->count, &scene->bcs->names));
+  PetscCall(PetscFree(scene->bcs));
+  PetscCall(MpmNamesDestroy(scene->motions->count, &scene->motions->names));
+  PetscCall(PetscFree(scene->motions->at));
+  PetscCall(PetscFree(scene->motions));
+  PetscCall(MpmNamesDestroy(scene->boundaries->count, &scene->boundaries->names));
+  PetscCall(PetscFree(scene->boundaries));
+  PetscCall(MpmPairsDestroy(scene->pairs));
+  PetscCall(PetscFree(scene->pairs));
+  PetscCall(MpmNamesDestroy(scene->loads->count, &scene->loads->names));
+  PetscCall(PetscFree(scene->loads));
+  PetscCall(MpmWaterTableDestroy(scene->water));
+  PetscCall(PetscFree(scene->water));
+  PetscCall(MpmBodySurfacesDestroy(scene->surfaces));
+  PetscCall(PetscFree(scene->surfaces));
+  PetscCall(PetscFree(scene->title));
+  PetscCall(PetscFree(scene->prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelDestroy(MpmModel *handle)
 {
   MpmModel model = *handle;
@@ -185,26 +229,8 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(PetscFree(model->disc.grid));
   PetscCall(PetscFree(model->disc.layout));
   PetscCall(PetscFree(model->state.particles));
-  for (PetscInt k = 0; model->scene.materials->at && k < model->scene.materials->count; k++)
-    PetscCall(MpmMaterialDestroy(&model->scene.materials->at[k]));
-  for (PetscInt k = 0; model->scene.bodies->at && k < model->scene.bodies->count; k++)
-    PetscCall(MpmBodyDestroy(&model->scene.bodies->at[k]));
-  for (PetscInt k = 0; model->scene.bcs->at && k < model->scene.bcs->count; k++)
-    PetscCall(MpmConditionDestroy(&model->scene.bcs->at[k]));
-  for (PetscInt k = 0; model->scene.motions->at && k < model->scene.motions->count; k++)
-    PetscCall(MpmBodyMotionDestroy(&model->scene.motions->at[k]));
-  for (PetscInt k = 0; model->scene.boundaries->at && k < model->scene.boundaries->count; k++)
-    PetscCall(MpmBoundaryDestroy(&model->scene.boundaries->at[k]));
-  for (PetscInt k = 0; model->scene.loads->at && k < model->scene.loads->count; k++)
-    PetscCall(MpmLoadDestroy(&model->scene.loads->at[k]));
   for (PetscInt k = 0; model->results->tracks.at && k < model->results->tracks.count; k++)
     PetscCall(MpmTrackDestroy(&model->results->tracks.at[k]));
-  PetscCall(PetscFree(model->scene.materials->at));
-  PetscCall(PetscFree(model->scene.bodies->at));
-  PetscCall(PetscFree(model->scene.bodies->part));
-  PetscCall(PetscFree(model->scene.bcs->at));
-  PetscCall(PetscFree(model->scene.boundaries->at));
-  PetscCall(PetscFree(model->scene.loads->at));
   PetscCall(PetscFree(model->results->tracks.at));
   PetscCall(PetscFree(model->state.bcs));
   PetscCall(PetscFree(model->state.loads));
@@ -213,29 +239,9 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmSdirkDestroy(&model->state.scheme.sdirk));
   PetscCall(MpmDynamicsDestroy(&model->state.scheme.dynamics));
   PetscCall(MpmStagesDestroy(model));
-  PetscCall(MpmNamesDestroy(model->scene.materials->count, &model->scene.materials->names));
-  PetscCall(PetscFree(model->scene.materials));
-  PetscCall(MpmNamesDestroy(model->scene.bodies->count, &model->scene.bodies->names));
-  PetscCall(PetscFree(model->scene.bodies));
-  PetscCall(MpmNamesDestroy(model->scene.bcs->count, &model->scene.bcs->names));
-  PetscCall(PetscFree(model->scene.bcs));
-  PetscCall(MpmNamesDestroy(model->scene.motions->count, &model->scene.motions->names));
-  PetscCall(PetscFree(model->scene.motions->at));
-  PetscCall(PetscFree(model->scene.motions));
-  PetscCall(MpmNamesDestroy(model->scene.boundaries->count, &model->scene.boundaries->names));
-  PetscCall(PetscFree(model->scene.boundaries));
-  PetscCall(MpmPairsDestroy(model->scene.pairs));
-  PetscCall(PetscFree(model->scene.pairs));
-  PetscCall(MpmNamesDestroy(model->scene.loads->count, &model->scene.loads->names));
-  PetscCall(PetscFree(model->scene.loads));
-  PetscCall(MpmWaterTableDestroy(model->scene.water));
-  PetscCall(PetscFree(model->scene.water));
-  PetscCall(MpmBodySurfacesDestroy(model->scene.surfaces));
-  PetscCall(PetscFree(model->scene.surfaces));
+  PetscCall(DestroyScene(&model->scene));
   PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
   PetscCall(MpmNamesDestroy(model->results->output_field_count, &model->results->output_fields));
-  PetscCall(PetscFree(model->scene.title));
-  PetscCall(PetscFree(model->scene.prefix));
   PetscCall(MpmRecordDestroy(&model->record));
   PetscCall(MpmDatabaseDestroy(&model->database));
   PetscCall(PetscFree(model->caller.prefix));

@@ -259,15 +259,14 @@ static PetscBool NeedsBodies(const MpmModel model)
                      model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
-/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
-PetscErrorCode MpmPointsCreate(MpmModel model)
+/* The particles with the fields that the scene asks for, and no points yet. */
+static PetscErrorCode CreateFields(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0, shared;
   PetscBool parts       = (PetscBool)(model->disc.parts > 1);
   PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
                                       MpmStagesReduce(model) || model->scene.stabilization.divide > 0.);
-  const char  *why;
   const char **fields;
 
   PetscFunctionBeginUser;
@@ -317,6 +316,16 @@ PetscErrorCode MpmPointsCreate(MpmModel model)
                          .extra        = fields},
     model->state.particles));
   PetscCall(PetscFree(fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
+PetscErrorCode MpmPointsCreate(MpmModel model)
+{
+  const char *why;
+
+  PetscFunctionBeginUser;
+  PetscCall(CreateFields(model));
   if (!NeedsBodies(model)) {
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);

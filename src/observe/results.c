@@ -109,6 +109,50 @@ PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt numbe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What conditions, motions and boundaries exert, and bodies on one another. */
+static PetscErrorCode AddReactionNames(MpmModel model, char *names[], PetscInt *count)
+{
+  const PetscInt dim = model->disc.dim;
+  char           name[512];
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
+    for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->scene.bcs->names[b],
+                              ComponentName(model->disc.layout, model->scene.bcs->at[b].component[k])));
+      PetscCall(PetscStrallocpy(name, &names[(*count)++]));
+    }
+    if (model->scene.bcs->at[b].inclined) { /* along the normal */
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->scene.bcs->names[b]));
+      PetscCall(PetscStrallocpy(name, &names[(*count)++]));
+    }
+  }
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
+    for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.motions->names[m],
+                              "xyz"[model->scene.motions->at[m].component[k]]));
+      PetscCall(PetscStrallocpy(name, &names[(*count)++]));
+    }
+  }
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.boundaries->names[b], "xyz"[a]));
+      PetscCall(PetscStrallocpy(name, &names[(*count)++]));
+    }
+    PetscCall(PetscSNPrintf(name, sizeof(name), "depth_%s", model->scene.boundaries->names[b]));
+    PetscCall(PetscStrallocpy(name, &names[(*count)++]));
+    for (PetscInt a = dim == 2 ? 2 : 0; a < 3; a++)
+      PetscCall(AddColumn("moment", model->scene.boundaries->names[b], a, count, names));
+    for (PetscInt a = 0; model->scene.boundaries->at[b].freedom && a < dim; a++)
+      PetscCall(AddColumn("position", model->scene.boundaries->names[b], a, count, names));
+    for (PetscInt a = dim == 2 ? 2 : 0; model->scene.boundaries->at[b].freedom && a < 3; a++)
+      PetscCall(AddColumn("rotation", model->scene.boundaries->names[b], a, count, names));
+  }
+  for (PetscInt k = 0; k < model->scene.pairs->count * dim; k++)
+    PetscCall(AddColumn("force", model->scene.pairs->names[k / dim], k % dim, count, names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Names the columns; returns how many there are. Names are allocated. */
 static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***names)
 {
@@ -125,40 +169,7 @@ static PetscErrorCode HistoryColumns(MpmModel model, PetscInt *count, char ***na
   PetscCall(PetscCalloc1(capacity, names));
   *count = 0;
   for (PetscInt k = 0; k < fixed; k++) PetscCall(PetscStrallocpy(first[k], &(*names)[(*count)++]));
-  for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
-    for (PetscInt k = 0; k < model->scene.bcs->at[b].component_count; k++) {
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%s", model->scene.bcs->names[b],
-                              ComponentName(model->disc.layout, model->scene.bcs->at[b].component[k])));
-      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
-    }
-    if (model->scene.bcs->at[b].inclined) { /* along the normal */
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_n", model->scene.bcs->names[b]));
-      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
-    }
-  }
-  for (PetscInt m = 0; m < model->scene.motions->count; m++) {
-    for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++) {
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.motions->names[m],
-                              "xyz"[model->scene.motions->at[m].component[k]]));
-      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
-    }
-  }
-  for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
-    for (PetscInt a = 0; a < dim; a++) {
-      PetscCall(PetscSNPrintf(name, sizeof(name), "reaction_%s_%c", model->scene.boundaries->names[b], "xyz"[a]));
-      PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
-    }
-    PetscCall(PetscSNPrintf(name, sizeof(name), "depth_%s", model->scene.boundaries->names[b]));
-    PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
-    for (PetscInt a = dim == 2 ? 2 : 0; a < 3; a++)
-      PetscCall(AddColumn("moment", model->scene.boundaries->names[b], a, count, *names));
-    for (PetscInt a = 0; model->scene.boundaries->at[b].freedom && a < dim; a++)
-      PetscCall(AddColumn("position", model->scene.boundaries->names[b], a, count, *names));
-    for (PetscInt a = dim == 2 ? 2 : 0; model->scene.boundaries->at[b].freedom && a < 3; a++)
-      PetscCall(AddColumn("rotation", model->scene.boundaries->names[b], a, count, *names));
-  }
-  for (PetscInt k = 0; k < model->scene.pairs->count * dim; k++)
-    PetscCall(AddColumn("force", model->scene.pairs->names[k / dim], k % dim, count, *names));
+  PetscCall(AddReactionNames(model, *names, count));
   for (PetscInt k = 0; k < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; k++) {
     PetscCall(PetscSNPrintf(name, sizeof(name), "outflow_%s", model->scene.surfaces->names[k]));
     PetscCall(PetscStrallocpy(name, &(*names)[(*count)++]));
@@ -242,22 +253,9 @@ static PetscErrorCode AddTracks(MpmModel model, PetscReal row[], PetscInt *k)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
+/* The values of AddReactionNames() from row[k] on; where they end. */
+static PetscInt AddReactions(const MpmModel model, PetscReal row[], PetscInt k)
 {
-  PetscReal     *row = model->results->history_row;
-  PetscInt       k   = 0;
-  PetscLogDouble since;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
-  row[k++] = (PetscReal)model->state.step;
-  row[k++] = model->state.time;
-  row[k++] = dt;
-  row[k++] = (PetscReal)model->solver.newton;
-  row[k++] = (PetscReal)model->solver.linear;
-  row[k++] = (PetscReal)model->state.cuts;
-  row[k++] =
-    model->scene.loads->count + model->scene.surfaces->named ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const PetscReal *reaction = &model->disc.reaction[b * model->disc.block];
 
@@ -282,6 +280,26 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   }
   for (PetscInt p = 0; p < model->scene.pairs->count * model->disc.dim; p++)
     row[k++] = model->disc.pairs->force[p / model->disc.dim][p % model->disc.dim];
+  return k;
+}
+
+PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
+{
+  PetscReal     *row = model->results->history_row;
+  PetscInt       k   = 0;
+  PetscLogDouble since;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
+  row[k++] = (PetscReal)model->state.step;
+  row[k++] = model->state.time;
+  row[k++] = dt;
+  row[k++] = (PetscReal)model->solver.newton;
+  row[k++] = (PetscReal)model->solver.linear;
+  row[k++] = (PetscReal)model->state.cuts;
+  row[k++] =
+    model->scene.loads->count + model->scene.surfaces->named ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
+  k = AddReactions(model, row, k);
   for (PetscInt s = 0; s < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; s++)
     row[k++] = model->state.loads[model->scene.loads->count + s].outflow;
   PetscCall(AddTracks(model, row, &k));

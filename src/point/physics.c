@@ -108,6 +108,32 @@ static PetscBool UsesBasis(const MpmField *field, PetscInt dim, PetscInt basis)
   return (PetscBool)((basis == MPM_DEVIATION(dim) ? field->deviation : basis <= dim && field->gradient) != 0);
 }
 
+/* What the layout has beside its fields, which are there, and whether these are what the kernel takes. */
+static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
+{
+  const PetscInt dim = layout->dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt s = 0; s < physics->state_count; s++) layout->own_size += MpmStateComponents(&physics->states[s], dim);
+  layout->taken_up = physics->taken_up - 1;
+  for (int k = 0; physics->taken_up && k < physics->parameter_count; k++)
+    layout->taken_up += MpmParameterPlaces(&physics->parameters[k]);
+  layout->means  = layout->kernel->mean ? 1 : 0;
+  layout->ghost  = physics->ghost;
+  layout->saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
+  layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
+  layout->biot   = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
+  PetscCheck(!layout->biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
+                               layout->component_first[dim] == dim * dim && layout->inputs == dim * dim + dim + 2),
+             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: its fields are not those of MPM_PHYSICS_BIOT",
+             physics->name);
+  PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
+               layout->kernel->direction && layout->kernel->tangent,
+             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,
+             physics->name, layout->kernel->inputs, layout->inputs);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout)
 {
   PetscFunctionBeginUser;
@@ -121,7 +147,6 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
     PetscInt        shape;
 
     PetscCall(FindShape(physics, f, layout, &shape));
-
     for (PetscInt c = 0; c < components; c++) {
       const PetscInt b = layout->block++;
 
@@ -151,23 +176,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
       layout->component_first[b + 1] = layout->inputs;
     }
   }
-  for (PetscInt s = 0; s < physics->state_count; s++) layout->own_size += MpmStateComponents(&physics->states[s], dim);
-  layout->taken_up = physics->taken_up - 1;
-  for (int k = 0; physics->taken_up && k < physics->parameter_count; k++)
-    layout->taken_up += MpmParameterPlaces(&physics->parameters[k]);
-  layout->means  = layout->kernel->mean ? 1 : 0;
-  layout->ghost  = physics->ghost;
-  layout->saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
-  layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
-  layout->biot   = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
-  PetscCheck(!layout->biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
-                               layout->component_first[dim] == dim * dim && layout->inputs == dim * dim + dim + 2),
-             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: its fields are not those of MPM_PHYSICS_BIOT",
-             physics->name);
-  PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
-               layout->kernel->direction && layout->kernel->tangent,
-             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,
-             physics->name, layout->kernel->inputs, layout->inputs);
+  PetscCall(SetTraits(physics, layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
