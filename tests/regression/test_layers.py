@@ -133,26 +133,49 @@ def check_shares(sources):
             yield Fault("share", header, f"is seen by {number} of {len(files)} files, more than {SHARE:.0%}")
 
 
-def check_sizes(sources):
+def sizes(sources):
+    """(kind, size, path, name) of files, functions with their arguments, structs and folders of src/."""
+    folders = {}
     for path, text in sources.plain.items():
         lines = text.count("\n")
-        if lines > FILE_LINES:
-            yield Fault("file", path, f"{lines} lines, more than {FILE_LINES}")
+        yield "file", lines, path, "the file"
+        if path.startswith("src/"):
+            folders[layer(path)] = folders.get(layer(path), 0) + lines
         for match in BODY.finditer(text):
-            head, lines = match.group("head"), match.group().count("\n") + 1
+            head = match.group("head")
             called = re.search(r"(\w+)\s*\((.*)\)\s*$", re.sub(r"(?m)^#.*\n", "", head), re.DOTALL)
             if not called:
                 continue
-            if lines > FUNCTION_LINES:
-                yield Fault("function", path, f"{called.group(1)}() has {lines} lines, more than {FUNCTION_LINES}")
-            count = len(pieces(called.group(2), ","))
-            if count > FUNCTION_ARGUMENTS and called.group(1) not in CALLBACKS:
-                yield Fault("arguments", path, f"{called.group(1)}() has {count} arguments, more than {FUNCTION_ARGUMENTS}")
+            yield "function", match.group().count("\n") + 1, path, called.group(1) + "()"
+            if called.group(1) not in CALLBACKS:
+                yield "arguments", len(pieces(called.group(2), ",")), path, called.group(1) + "()"
         for match in STRUCT.finditer(text):
             count = sum(len(pieces(member, ",")) for member in pieces(match.group(1), ";"))
-            if count > STRUCT_MEMBERS:
-                name = re.match(r"\s*(\w*)", text[match.end():]).group(1)
-                yield Fault("struct", path, f"{name or 'a struct'} has {count} members, more than {STRUCT_MEMBERS}")
+            yield "struct", count, path, re.match(r"\s*(\w*)", text[match.end():]).group(1) or "a struct"
+    for folder, lines in folders.items():
+        yield "folder", lines, f"src/{folder}", "the folder"
+
+
+def bound(kind, path):
+    if kind == "folder":
+        return FOLDER_LINES.get(path.split("/")[1], 4000)
+    return {"file": FILE_LINES, "function": FUNCTION_LINES, "arguments": FUNCTION_ARGUMENTS, "struct": STRUCT_MEMBERS}[kind]
+
+
+def check_sizes(sources):
+    for kind, size, path, name in sizes(sources):
+        if size > bound(kind, path):
+            unit = {"arguments": "arguments", "struct": "members"}.get(kind, "lines")
+            yield Fault(kind, path, f"{name} has {size} {unit}, more than {bound(kind, path)}")
+
+
+def print_nearest(sources):
+    """The ten of each kind that are nearest to their bound."""
+    found = list(sizes(sources))
+    for kind in ("file", "function", "struct", "folder"):
+        nearest = sorted((entry for entry in found if entry[0] == kind), key=lambda entry: -entry[1] / bound(kind, entry[2]))[:10]
+        print(f"nearest to the bound of a {kind}:", ", ".join(
+            f"{path}{'' if name.startswith('the ') else ' ' + name} {size} of {bound(kind, path)}" for _, size, path, name in nearest))
 
 
 def read_objects(build):
@@ -211,16 +234,6 @@ def check_calls(objects):
             yield Fault("calls", circle[0], f"calls in a circle, {len(circle)} files: {' '.join(sorted(circle))}")
 
 
-def check_folders(sources):
-    lines = {}
-    for path, text in sources.text.items():
-        if path.startswith("src/"):
-            lines[layer(path)] = lines.get(layer(path), 0) + text.count("\n")
-    for folder, count in lines.items():
-        if count > FOLDER_LINES.get(folder, 4000):
-            yield Fault("folder", f"src/{folder}", f"{count} lines, more than {FOLDER_LINES.get(folder, 4000)}")
-
-
 def check_homes(sources, objects):
     """What a header declares is defined in its folder."""
     home = {name: source for source, (defined, _) in objects.items() for name in defined}
@@ -232,7 +245,7 @@ def check_homes(sources, objects):
 
 
 def find_faults(sources, objects):
-    for check in (check_includes, check_shares, check_sizes, check_folders):
+    for check in (check_includes, check_shares, check_sizes):
         yield from check(sources)
     yield from check_calls(objects)
     yield from check_symbols(objects)
@@ -283,6 +296,7 @@ def main():
         test.check("files", len(compiled), lower=60)
         test.check("files_without_object", len(set(compiled) - objects.keys()), upper=0)
         faults = list(find_faults(sources, objects))
+        print_nearest(sources)
         for fault in faults:
             print(f"{fault.path}: {fault.text}")
         for kind in ("include", "circle", "symbol", "home", "share", "function", "arguments", "struct", "file", "folder", "calls"):
