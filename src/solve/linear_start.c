@@ -67,13 +67,18 @@ static PetscErrorCode Start(MpmSolver *solver, Vec x, PetscReal most, PetscBool 
 
 PetscErrorCode MpmSolverStartLinear(MpmSolver *solver, Vec x, PetscBool *made)
 {
-  PetscReal most;
+  PetscReal     *seconds = solver->monitor->seconds, before, most;
+  PetscLogDouble since, now;
 
   PetscFunctionBeginUser;
   *made = PETSC_FALSE;
   if (solver->disc->layout->field_count > 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecNorm(x, NORM_INFINITY, &most));
   if (!(most > DIFFERENCE * solver->disc->h[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscTime(&since));
+  before = seconds[MPM_TIME_RESIDUAL] + seconds[MPM_TIME_JACOBIAN];
   MpmDatabaseCall(solver->database, Start(solver, x, most, made));
+  PetscCall(PetscTime(&now));
+  seconds[MPM_TIME_SOLVE] += now - since - (seconds[MPM_TIME_RESIDUAL] + seconds[MPM_TIME_JACOBIAN] - before);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
