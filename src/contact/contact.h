@@ -1,7 +1,7 @@
 #pragma once
 /*
-  Contact of the faces that bound the material with rigid surfaces: facets and patches of a step (contact_patches.c), and
-  the term (rigid_contact.c).
+  Contact of the faces that bound the material with rigid surfaces: facets and patches of a step (contact_patches.c),
+  and the term (rigid_contact.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -98,8 +98,8 @@ typedef struct MpmContacts {
 } MpmContacts;
 
 /*
-  For explicit steps dt: patches become so soft that none pushes further than out of its surface in a step, by the masses of the
-  local nodes (contact_patch.c).
+  For explicit steps dt: patches become so soft that none pushes further than out of its surface in a step, by the
+  masses of the local nodes (contact_patch.c).
 */
 void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 /* That whose place is solved for, or NULL. */
@@ -110,13 +110,13 @@ PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *
                                      PetscReal *squares);
 /*
   Method augmented, after Newton's: where the worst depth over what is wanted, at the local unknowns u, is above 1, the
-  pressures become those that the patches have there, and Newton's method has to go on. `worst` holds the last one on entry,
-  infinity before the first. Collective.
+  pressures become those that the patches have there, and Newton's method has to go on. `worst` holds the last one on
+  entry, infinity before the first. Collective.
 */
 PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst);
 /*
-  Adds the work, J, of the forces that this rank's patches have at the displacement `at`, at the boundaries whose motion is
-  prescribed: on the material, in its displacement u, and in the boundaries' own motion.
+  Adds the work, J, of the forces that this rank's patches have at the displacement `at`, at the boundaries whose motion
+  is prescribed: on the material, in its displacement u, and in the boundaries' own motion.
 */
 PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal at[],
                                const PetscReal u[], PetscReal *material, PetscReal *boundary);
@@ -138,16 +138,17 @@ typedef struct {
 } MpmPatchWork;
 
 /*
-  What patches do from one of Newton's iterates to the next (contact_states.c). Begin: at the first one, with the local unknowns u; with
-  care, secants are taken. Follow: at another one, which has been accepted. End: all by the law, with its derivative. Collective.
+  What patches do from one of Newton's iterates to the next (contact_states.c). Begin: at the first one, with the local
+  unknowns u; with care, secants are taken. Follow: at another one, which has been accepted. End: all by the law, with
+  its derivative. Collective.
 */
 PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool careful);
 PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
 void           MpmContactsEnd(MpmContacts *contacts);
 
 /*
-  For another try at a step: what may slide gives by `give` times as much until it does, from the tractions with which the step starts; the
-  next `prepare` ends it (contact_states.c).
+  For another try at a step: what may slide gives by `give` times as much until it does, from the tractions with which
+  the step starts; the next `prepare` ends it (contact_states.c).
 */
 void MpmContactsGive(MpmContacts *contacts, PetscReal give);
 /* By how much a boundary gives. */
@@ -209,16 +210,17 @@ PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints
 PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
                                    const MpmFacet *start);
 /*
-  Faces near an edge of the boundary (edge_facets.c), in cells of sizes h, m; `sides`: the vectors of half of a face's dim - 1 sides. AtEdge:
-  is the facet single, and into how many slices is its face cut, or 0? SlicePlace: from the face's middle to the slice's.
+  Faces near an edge of the boundary (edge_facets.c), in cells of sizes h, m; `sides`: the vectors of half of a face's
+  dim - 1 sides. AtEdge: is the facet single, and into how many slices is its face cut, or 0? SlicePlace: from the
+  face's middle to the slice's.
 */
 PetscInt       MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],
                                  const MpmSurface *surface, MpmFacet *facet);
 void           MpmContactsSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice);
 PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);
 /*
-  A step whose forces balance at `part` of it: round facets of boundaries whose motion is prescribed touch where they are then, by the nodes'
-  velocities v at the step's start, m/s, dim a node, as they turn until its end.
+  A step whose forces balance at `part` of it: round facets of boundaries whose motion is prescribed touch where they
+  are then, by the nodes' velocities v at the step's start, m/s, dim a node, as they turn until its end.
 */
 PetscErrorCode MpmContactsTurn(MpmContacts *contacts, const MpmSum *sum, const PetscReal v[], PetscReal part);
 /* The number of the cell of a place, of a part of the material. */
@@ -229,8 +231,9 @@ void MpmContactsDistance(const MpmContacts *contacts, PetscInt boundary, const P
 PetscErrorCode MpmSurfaceShares(MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
                                 const MpmPoints *points);
 /*
-  Pieces of surfaces along which material slides (surface_pieces.c). Spread: the facets that are such pieces are replaced by those at
-  the nodes, with those of neighbouring ranks. Boxes: of the neighbours' nodes. Load: what their points keep. All but boxes collective.
+  Pieces of surfaces along which material slides (surface_pieces.c). Spread: the facets that are such pieces are
+  replaced by those at the nodes, with those of neighbouring ranks. Boxes: of the neighbours' nodes. Load: what their
+  points keep. All but boxes collective.
 */
 PetscBool      MpmContactsSpreads(const MpmContacts *contacts, PetscInt boundary);
 PetscErrorCode MpmPiecesSpread(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,

@@ -17,9 +17,10 @@ void MpmContactsDistance(const MpmContacts *contacts, PetscInt b, const PetscRea
 }
 
 /*
-  Distance of a facet inside a boundary with flat faces, from the plane of the face that it came through: the first on the way back along
-  its outward normal, which another one may be nearer than; no further than a cell: a face in a plane of symmetry under the middle of a
-  footing did not come through the footing's side. The way goes from place to place by what is free of the surface.
+  Distance of a facet inside a boundary with flat faces, from the plane of the face that it came through: the first on
+  the way back along its outward normal, which another one may be nearer than; no further than a cell: a face in a plane
+  of symmetry under the middle of a footing did not come through the footing's side. The way goes from place to place by
+  what is free of the surface.
 */
 static void EntryDistance(const MpmContacts *contacts, const PetscReal outward[], const MpmFacet *facet,
                           MpmSurface *surface)

@@ -58,7 +58,8 @@ static PetscErrorCode AddWork(MpmModel model)
 }
 
 /*
-  Supports that move do their work by the mean of their forces over the step: those of the balance are of a time further on, by
+  Supports that move do their work by the mean of their forces over the step: those of the balance are of a time further
+  on, by
   (1/2 - alpha_f) of the step, and a condition's force went there from what it was a step before.
 */
 static void CorrectSupports(MpmModel model)

@@ -9,7 +9,8 @@
 
 typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION, MPM_LOAD_FLUX } MpmLoadType;
 
-/* A load on the material, or a source of water. Forces, fluxes and tractions keep each point's share in a field of the particles. */
+/* A load on the material, or a source of water. Forces, fluxes and tractions keep each point's share in a field of the
+   particles. */
 typedef struct {
   char        *name, *share_field;
   MpmLoadType  type;
@@ -43,15 +44,16 @@ PetscErrorCode MpmLoadDestroy(MpmLoad *load);
 /* Finds the points that carry the load, in the initial state. */
 PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles);
 
-/* The axis along which gravity acts most, of all loads, and which way is up on it, 1 or -1; the last axis without any. */
+/* The axis along which gravity acts most, of all loads, and which way is up on it, 1 or -1; the last axis without any.
+   */
 void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, PetscInt *up);
 
 /* Adds `factor` times the load to the external force at the local nodes. */
 PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
                             MpmParticles *particles, PetscReal force[]);
 /*
-  Adds to the external force `part` times that of `mass`, a share of each point's mass that gravity pulls, less that of a Cauchy stress of the
-  points: fields xx, yy, xy (, zz, yz, xz), Pa.
+  Adds to the external force `part` times that of `mass`, a share of each point's mass that gravity pulls, less that of
+  a Cauchy stress of the points: fields xx, yy, xy (, zz, yz, xz), Pa.
 */
 PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const PetscReal mass[],
                                   const PetscReal *const stress[], PetscReal force[]);

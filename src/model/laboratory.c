@@ -139,7 +139,7 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is tested, in a line. */
+/* One line on the test. */
 static PetscErrorCode Describe(MpmModel model, size_t length, char text[])
 {
   const MpmLaboratory *laboratory = model->laboratory;

@@ -109,7 +109,7 @@ PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt numbe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What conditions, motions and boundaries exert, and bodies on one another. */
+/* Columns of the forces of conditions, motions and boundaries, and of bodies on one another. */
 static PetscErrorCode AddReactionNames(MpmModel model, char *names[], PetscInt *count)
 {
   const PetscInt dim = model->disc.dim;

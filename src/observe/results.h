@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What a run leaves behind: results, progress, and the numbers that checkpoints need of them.
+  Results and progress of a run, and the numbers that checkpoints need of them.
 */
 #include "base/types.h"
 #include "options/database.h"
@@ -40,7 +40,8 @@ typedef struct {
 PetscBool MpmTerminalShows(const MpmModel model);
 /* A line on stderr, behind the program's name; with -mpm_quiet, too. */
 PetscErrorCode MpmTerminalWarn(MpmModel model, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
-/* Header, with a line on `what` is run unless that is NULL: a scene on a grid; line of a step, and a line between two steps. */
+/* Header, with a line on `what` is run unless that is NULL: a scene on a grid; line of a step, and a line between two
+   steps. */
 PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what);
 PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt);
 /* The table of where the time went, and the sizes, for the terminal. */

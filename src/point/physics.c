@@ -108,7 +108,7 @@ static PetscBool UsesBasis(const MpmField *field, PetscInt dim, PetscInt basis)
   return (PetscBool)((basis == MPM_DEVIATION(dim) ? field->deviation : basis <= dim && field->gradient) != 0);
 }
 
-/* What the layout has beside its fields, which are there, and whether these are what the kernel takes. */
+/* Sets the rest of a layout that has its fields, and checks that the kernel takes these. */
 static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
 {
   const PetscInt dim = layout->dim;

@@ -26,17 +26,18 @@ PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmIn
 /*
   F and state with the Cauchy stress `stress` (xx, yy, zz, xy (, yz, xz); on exit the stress of that state), from the
   history state_n on. Returns 0; 1 where the stress is outside the yield surface and the law's return has moved it; 2
-  where there is no such state. `across`, where it is not NULL: the part of stress_zz in plane strain that F cannot carry,
-  Kirchhoff's (of a small-strain law Cauchy's), Pa; it stays, for nothing moves across the plane, and the stress on exit includes it.
-  NULL: stress_zz is that of F.
+  where there is no such state. `across`, where it is not NULL: the part of stress_zz in plane strain that F cannot
+  carry, Kirchhoff's (of a small-strain law Cauchy's), Pa; it stays, for nothing moves across the plane, and the stress
+  on exit includes it. NULL: stress_zz is that of F.
 */
 int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscReal stress[], PetscReal F[],
                    PetscReal state[], PetscReal *across);
 /*
-  The Cauchy stress (xx, yy, zz, xy (, yz, xz)), Pa, that the law returns from this F and history without any motion; zz in plane strain
-  as F carries it. Non-zero, and no stress, where the law has no answer.
+  The Cauchy stress (xx, yy, zz, xy (, yz, xz)), Pa, that the law returns from this F and history without any motion; zz
+  in plane strain as F carries it. Non-zero, and no stress, where the law has no answer.
 */
 int MpmInitialReturn(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], PetscReal stress[]);
-/* `across` of a point with this F and history, whose Cauchy stress is `stress`. Non-zero where the law has no answer. */
+/* `across` of a point with this F and history, whose Cauchy stress is `stress`. Non-zero where the law has no answer.
+   */
 int MpmInitialAcross(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], const PetscReal stress[],
                      PetscReal *across);

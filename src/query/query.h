@@ -10,7 +10,8 @@
 /* Does any stage change what a point weighs per stress-free volume? */
 PetscBool MpmStagesKeepMass(const MpmModel model);
 PetscBool MpmStagesAreGeostatic(const MpmModel model);
-/* Does any stage reduce strengths, relax, control the error in time of its steps, or end at a degree of consolidation? */
+/* Does any stage reduce strengths, relax, control the error in time of its steps, or end at a degree of consolidation?
+   */
 PetscBool MpmStagesReduce(const MpmModel model);
 PetscBool MpmStagesRelax(const MpmModel model);
 PetscBool MpmStagesControlError(const MpmModel model);

@@ -1,6 +1,7 @@
 #pragma once
 /*
-  Rigid boundaries whose place is solved for: what is read of them (rigid_freedom.c), and how they and what is fixed to them move
+  Rigid boundaries whose place is solved for: what is read of them (rigid_freedom.c), and how they and what is fixed to
+  them move
   (rigid_motion.c).
 */
 #include "base/base.h"
@@ -17,7 +18,8 @@ typedef struct MpmFreedom {
   MpmRamp   ramp;
 } MpmFreedom;
 
-/* How far a body has come besides its prescribed motion: x -> c + shift + Q (x - c), c the reference point; Q a quaternion. */
+/* How far a body has come besides its prescribed motion: x -> c + shift + Q (x - c), c the reference point; Q a
+   quaternion. */
 struct MpmPlacement {
   PetscReal shift[MPM_MAX_DIM], turn[4];
   PetscReal last[6];                      /* the unknowns of the last step, without the way to the material */
@@ -48,7 +50,8 @@ typedef struct {
   PetscReal force[MPM_MAX_DIM], stiffness[MPM_MAX_DIM][MPM_MAX_DIM];
 } MpmFacetLaw;
 
-/* What a facet does to the nodes (0), the body's translation (1) and its rotation (2): residuals and their derivatives. */
+/* What a facet does to the nodes (0), the body's translation (1) and its rotation (2): residuals and their derivatives.
+   */
 typedef struct {
   PetscReal residual[3][3], derivative[3][3][3][3]; /* [of][component][by][component] */
 } MpmRigidAnswer;
@@ -67,7 +70,8 @@ PetscBool MpmFreedomTurnsInPart(const MpmFreedom *freedom);
 void MpmRigidRotation(const PetscReal turn[4], PetscReal Q[3][3]);
 /* The reference point where the prescribed motion alone has it. */
 void MpmBoundaryReference(const MpmBoundary *boundary, const MpmPose *pose, PetscReal x[]);
-/* Where the prescribed motion and, of a free boundary, the placement carry a place x of the boundary at rest; in place. */
+/* Where the prescribed motion and, of a free boundary, the placement carry a place x of the boundary at rest; in place.
+   */
 void MpmRigidCarry(const MpmBoundary *boundary, const MpmPose *pose, const MpmPlacement *placement, PetscReal x[]);
 /* Distance and normal at the step's start of a body with its placement. */
 void MpmRigidDistance(const MpmRigidBody *body, const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[],
@@ -78,8 +82,8 @@ void MpmRigidIncrementMake(const MpmRigidBody *body, const PetscReal values[6], 
 /* The placement after an increment. */
 void MpmRigidMove(const MpmRigidIncrement *q, MpmPlacement *placement);
 /*
-  A facet in the frame of its body: its place and normal at the step's start are put there once. `arm` is what it stands away
-  from the reference point along the axes, at the step's start, or at its end where its displacement is u.
+  A facet in the frame of its body: its place and normal at the step's start are put there once. `arm` is what it stands
+  away from the reference point along the axes, at the step's start, or at its end where its displacement is u.
 */
 void MpmRigidPull(const MpmRigidBody *body, MpmFacet *facet);
 void MpmRigidPullVector(const MpmRigidBody *body, PetscReal vector[3]);
@@ -97,8 +101,8 @@ void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmFacet
 void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
                     const MpmFacetLaw *answer, PetscBool derivative, MpmRigidAnswer *coupled);
 /*
-  How c . (displacement seen) changes with the body's translation and rotation; c along the axes, at the arm y. With `rows`: what c
-  is in their rows, which differs where some rotations are held.
+  How c . (displacement seen) changes with the body's translation and rotation; c along the axes, at the arm y. With
+  `rows`: what c is in their rows, which differs where some rotations are held.
 */
 void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3], const PetscReal c[3],
                       PetscBool rows, PetscReal by[2][3]);
@@ -106,6 +110,7 @@ void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, cons
 void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal residual[2][3],
                   PetscReal derivative[3][3]);
 
-/* A rigid motion of all, as the body's two nodes have it: translation `along`, and rotation by `turn` about the origin. */
+/* A rigid motion of all, as the body's two nodes have it: translation `along`, and rotation by `turn` about the origin.
+   */
 void MpmRigidMode(const MpmRigidBody *body, const PetscReal origin[], const PetscReal along[3], const PetscReal turn[3],
                   PetscReal mode[2][3]);

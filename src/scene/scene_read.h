@@ -5,13 +5,15 @@
 #include "base/types.h"
 #include "query/model.h"
 
-/* Does the pressure bound what acts along a surface that may part? Where it sticks, the strength of a material may do so instead. */
+/* Does the pressure bound what acts along a surface that may part? Where it sticks, the strength of a material may do
+   so instead. */
 PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool stick);
-/* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); is there water? */
+/* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); is there water?
+   */
 PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options);
 /*
-  Surfaces of bodies (surfaces_read.c): their blocks, behind the boundaries'; which points are those of their bodies, once they are there;
-  and their part in the discretization, once that is set up.
+  Surfaces of bodies (surfaces_read.c): their blocks, behind the boundaries'; which points are those of their bodies,
+  once they are there; and their part in the discretization, once that is set up.
 */
 PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options);
 void           MpmSurfacesSetBodies(MpmModel model);

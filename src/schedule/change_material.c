@@ -3,8 +3,8 @@
 
   Strength, hardening and the like change where the law and its elasticity stay: F and history are kept, and the next
   step's return does the rest (strength reduction). Otherwise the Cauchy stress is kept: F and history of the new law
-  that give it are searched (stress_inversion.c); history variables that both laws know by name are carried over. Volume and
-  domain stay, mass goes with the density.
+  that give it are searched (stress_inversion.c); history variables that both laws know by name are carried over. Volume
+  and domain stay, mass goes with the density.
 
   Beside it, what a run falls back to for all materials where steps fail.
 */
@@ -151,6 +151,7 @@ static PetscErrorCode ForgetRests(MpmModel model)
   PetscInt        count;
 
   PetscFunctionBeginUser;
+  if (!MpmChangeFieldCount(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
   PetscCall(MpmChangeGet(model, field));
   for (PetscInt p = 0; p < count; p++) MpmChangeNote(model, field, p, 0., none);

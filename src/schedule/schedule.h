@@ -7,8 +7,8 @@
 #include "talus/talus.h"
 
 /*
-  One step from model->time to `time`, dt later; `again`: the points have not moved since the last call, the space stands. `why` is NULL when it converged, otherwise the
-  reason (static text); `retryable`: a shorter step may help.
+  One step from model->time to `time`, dt later; `again`: the points have not moved since the last call, the space
+  stands. `why` is NULL when it converged, otherwise the reason (static text); `retryable`: a shorter step may help.
 */
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
                        PetscBool *retryable);
@@ -23,9 +23,10 @@ PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
 /* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why);
 /*
-  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, where `why` becomes the reason for which it is suspected, and
-  `retryable` false once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the last steps been; Explain adds what was suspected to the reason for which a
-  run gives up.
+  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, where `why` becomes the reason for
+  which it is suspected, and
+  `retryable` false once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the
+  last steps been; Explain adds what was suspected to the reason for which a run gives up.
 */
 void           MpmSlideBegin(MpmModel model);
 PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable);

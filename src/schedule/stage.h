@@ -10,8 +10,10 @@ PetscErrorCode MpmStagesDestroy(MpmModel model);
 /* Once the points are there: finds those that carry loads, and puts those aside that later stages add. */
 PetscErrorCode MpmStagesSelect(MpmModel model);
 /*
-  Bodies that go by a ramp (removal.c): Begin starts it for one, false where it goes at once; Set applies the parts at a time, and
-  `why` becomes NULL or the reason for which points are lost; Commit after a step that was accepted; Resume for a run that goes on.
+  Bodies that go by a ramp (removal.c): Begin starts it for one, false where it goes at once; Set applies the parts at a
+  time, and
+  `why` becomes NULL or the reason for which points are lost; Commit after a step that was accepted; Resume for a run
+  that goes on.
 */
 PetscBool      MpmRemovalBegin(MpmModel model, const MpmStage *stage, PetscInt body);
 PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, const char **why);
@@ -24,8 +26,8 @@ PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
 /*
-  What the integrator leaves to the end of a stage, before the next one begins or the run ends (step_control.c). Not in a run's
-  checkpoints: should the stage end later than it was thought, then it goes on as if nothing had happened.
+  What the integrator leaves to the end of a stage, before the next one begins or the run ends (step_control.c). Not in
+  a run's checkpoints: should the stage end later than it was thought, then it goes on as if nothing had happened.
 */
 PetscErrorCode MpmStageFinish(MpmModel model, const char **why);
 PetscBool      MpmStageHasFinish(const MpmModel model);

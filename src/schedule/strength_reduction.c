@@ -3,29 +3,31 @@
 
     stage_fail: {reduction: "0:1,1:2", time: {end: 1, step: 0.02}}
 
-  Which parameters are strengths the law's table says (MPM_STRENGTH, MPM_STRENGTH_ANGLE; of angles it is the tangent that
-  is divided); all others, elasticity among them, stay. So do F and history of the points: the return of the next step
-  brings the stress to the smaller yield surface, and Newton's method the forces into balance again.
+  Which parameters are strengths the law's table says (MPM_STRENGTH, MPM_STRENGTH_ANGLE; of angles it is the tangent
+  that is divided); all others, elasticity among them, stay. So do F and history of the points: the return of the next
+  step brings the stress to the smaller yield surface, and Newton's method the forces into balance again.
 
   Parameters belong to the time of a step's end. Apply() sets them when a step is tried, and again for the step's start
   when it is rolled back. In stages without a reduction F is 1.
 
   The factor of safety is F when the first point has moved `reduction_limit` times the slope's height since its stage
   began: between the ends of two steps, in proportion to the longest ways. Where the points stood as the stage began
-  travels with them and stands in checkpoints. Elastic ground moves before it fails, and ground that slides stiffens as it changes
-  its shape: the limit is the strain that a layer of the slope's height has by its own weight, between bounds, unless the scene sets it.
+  travels with them and stands in checkpoints. Elastic ground moves before it fails, and ground that slides stiffens as
+  it changes its shape: the limit is the strain that a layer of the slope's height has by its own weight, between
+  bounds, unless the scene sets it.
 
-  Steps without inertia bracket it. A step fails where Newton's method finds no equilibrium, or where a point would pass the limit: it
-  is rolled back and halved, until its factors are as close as `reduction_tolerance`. What then fails beyond the last state that
-  stood is the slope, and the stage ends in that state, or goes on with `reduction_slide`. Where the solver alone fails the last factor is
-  a lower bound. The rate of movement by F grows, so that the limit would be passed no later than at the last step's rate: where that is
-  within a hundredth the factor is known, and otherwise the run gives up.
+  Steps without inertia bracket it. A step fails where Newton's method finds no equilibrium, or where a point would pass
+  the limit: it is rolled back and halved, until its factors are as close as `reduction_tolerance`. What then fails
+  beyond the last state that stood is the slope, and the stage ends in that state, or goes on with `reduction_slide`.
+  Where the solver alone fails the last factor is a lower bound. The rate of movement by F grows, so that the limit
+  would be passed no later than at the last step's rate: where that is within a hundredth the factor is known, and
+  otherwise the run gives up.
 
-  Where the ramp begins with another factor than the last stage ended with, these steps take the difference over their first step's
-  nominal length, so that a slope that fails there is bracketed from the state before.
+  Where the ramp begins with another factor than the last stage ended with, these steps take the difference over their
+  first step's nominal length, so that a slope that fails there is bracketed from the state before.
 
-  Order of calls: Begin() once its bodies are there; Look() at a solution before it is accepted, Observe() after each step; after a
-  step that failed Narrows(), and Close() once that is false.
+  Order of calls: Begin() once its bodies are there; Look() at a solution before it is accepted, Observe() after each
+  step; after a step that failed Narrows(), and Close() once that is false.
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
@@ -43,7 +45,8 @@
 /* Largest part of the mass that a reduction may leave as it is. */
 #define MOST_UNREDUCED 0.5
 
-/* Where the solver alone fails: how far above the last factor, relative, the slope may pass the limit by its last rate if it slides. */
+/* Where the solver alone fails: how far above the last factor, relative, the slope may pass the limit by its last rate
+   if it slides. */
 #define RUNS_AWAY 0.01
 
 const char *const MpmReductionFields[MPM_MAX_DIM] = {"reduction_start_x", "reduction_start_y", "reduction_start_z"};
@@ -78,7 +81,8 @@ PetscErrorCode MpmModelSetOwn(MpmModel model)
 
 /* ---- materials that stay as they are ---- */
 
-/* Adds the mass of points to that of all, and of each material without strength; `material`: of a body's points, or NULL. */
+/* Adds the mass of points to that of all, and of each material without strength; `material`: of a body's points, or
+   NULL. */
 static PetscErrorCode AddMasses(MpmModel model, const MpmPoints *points, const PetscInt material[], PetscReal mass[])
 {
   const MpmMaterials *materials = model->scene.materials;
@@ -185,7 +189,8 @@ PetscErrorCode MpmReductionCheck(MpmModel model)
 #define LEAST_WAY 0.001
 #define MOST_WAY  0.01
 
-/* Mean weight of a volume over 3 G, E at nu = 1/2, of the softest point with a strength, 1/m. Laws without a shear modulus count by their
+/* Mean weight of a volume over 3 G, E at nu = 1/2, of the softest point with a strength, 1/m. Laws without a shear
+   modulus count by their
    stiffness. */
 static PetscErrorCode FindSoftness(MpmModel model, const MpmPoints *points, PetscReal *softness)
 {
@@ -284,7 +289,8 @@ static PetscErrorCode FindHeight(MpmModel model, const MpmPoints *points, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the points stand as the stage begins, into their fields; or with `moved` the square of their way to where they are and, with
+/* Where the points stand as the stage begins, into their fields; or with `moved` the square of their way to where they
+   are and, with
    `more`, go. */
 static PetscErrorCode EachAxis(MpmModel model, const MpmPoints *points, const PetscReal more[], PetscReal moved[])
 {
@@ -422,7 +428,8 @@ PetscBool MpmReductionNarrows(MpmModel model, PetscReal next)
                      model->scene.stages[model->state.stage].reduction.tolerance * safety->reduced);
 }
 
-/* F at which the way would pass the limit by the last step's rate: an upper bound, since the rate grows as strength goes. */
+/* F at which the way would pass the limit by the last step's rate: an upper bound, since the rate grows as strength
+   goes. */
 static PetscReal FactorByRate(const MpmSafety *safety, PetscReal limit)
 {
   return safety->rate > 0. ? safety->reduced + (limit - safety->moved) / safety->rate : PETSC_INFINITY;

@@ -3,15 +3,17 @@
 
     stage_weaken: {materials: "layer:weak", change: "0:0,1:1", time: {end: 1, step: 0.1}}
 
-  A point has its new law and mass m from the stage's beginning on (change_material.c). The part s of its stress that these do not bear, since
-  the stress is outside the new yield surface, and the part d of its mass by which it was heavier stay as loads that fade: at the factor r
+  A point has its new law and mass m from the stage's beginning on (change_material.c). The part s of its stress that
+  these do not bear, since the stress is outside the new yield surface, and the part d of its mass by which it was
+  heavier stay as loads that fade: at the factor r
 
     f = (1 - r) (d m g N - V s grad N)
 
-  with the weights of the points as they stand, so that forces are in balance as they were at r = 0. Shorter steps are thus smaller changes.
+  with the weights of the points as they stand, so that forces are in balance as they were at r = 0. Shorter steps are
+  thus smaller changes.
 
-  Without the option the ramp is 0:0,1:1, or to the end of a shorter stage. Geostatic stages, and those with inertia, change at once. Stress in the
-  output is the law's.
+  Without the option the ramp is 0:0,1:1, or to the end of a shorter stage. Geostatic stages, and those with inertia,
+  change at once. Stress in the output is the law's.
 
   Order of calls: Note() for each point as its material changes; Add() as a step's loads are made.
 */
@@ -52,7 +54,9 @@ PetscErrorCode MpmChangeRestore(MpmModel model, PetscReal *field[])
 
 void MpmChangeNote(const MpmModel model, PetscReal *const field[], PetscInt p, PetscReal mass, const PetscReal stress[])
 {
-  for (PetscInt f = 0; f < MpmChangeFieldCount(model); f++) field[f][p] = f ? stress[component[f - 1]] : mass;
+  const PetscInt count = MpmChangeFieldCount(model);
+
+  for (PetscInt f = 0; f < count; f++) field[f][p] = f ? stress[component[f - 1]] : mass;
 }
 
 PetscErrorCode MpmChangeAdd(MpmModel model, PetscReal time, PetscReal force[])

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What a way to take a step is.
+  Functions of an integrator.
 */
 #include "base/base.h"
 #include "base/types.h"

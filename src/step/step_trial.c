@@ -1,5 +1,5 @@
 /*
-  What Newton starts from in a step, and what its solution says of the points: parts that the integrators share.
+  Start of Newton in a step, and the points by its solution: parts that the integrators share.
 */
 #include "point/layout.h"
 #include "grid/grid.h"
