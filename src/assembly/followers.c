@@ -16,21 +16,23 @@ typedef struct {
   const MpmFrame *frame;
 } Target;
 
-/* The k-th target of a node: 0 is itself, whose components that do not follow stay. */
-static Target TargetOf(const MpmPattern *pattern, const MpmSpace *space, PetscInt node, PetscInt k)
+/* The k-th target of a node: 0 is itself, whose components that do not follow stay. PETSC_FALSE where nothing goes there. */
+static PetscBool TargetOf(const MpmPattern *pattern, const MpmSpace *space, PetscInt node, PetscInt k, Target *target)
 {
   const MpmConstraints *constraints = pattern->constraints;
   const MpmExtension   *extension   = &space->extension;
   const PetscInt        f = extension->of[node], bs = pattern->block, at = f < 0 ? 0 : extension->offset[f] + k - 1;
-  Target                target = {.node = k ? extension->master[at] : node};
+  PetscBool             any = PETSC_FALSE;
 
-  if (k) target.frame = MpmConstraintsFrame(constraints, target.node);
+  target->node  = k ? extension->master[at] : node;
+  target->frame = k ? MpmConstraintsFrame(constraints, target->node) : NULL;
   for (PetscInt c = 0; c < bs; c++) {
     const PetscBool follows = (PetscBool)(constraints->condition[node * bs + c] == MPM_FOLLOWS);
 
-    target.factor[c] = k ? (follows ? extension->weight[at] : 0.) : (follows ? 0. : 1.);
+    target->factor[c] = k ? (follows ? extension->weight[at] : 0.) : (follows ? 0. : 1.);
+    if (target->factor[c] != 0.) any = PETSC_TRUE;
   }
-  return target;
+  return any;
 }
 
 static PetscInt TargetCount(const MpmSpace *space, PetscInt node)
@@ -80,6 +82,7 @@ static void Move(MpmPattern *pattern, const MpmSpace *space, PetscInt i, PetscIn
   const PetscInt rows = TargetCount(space, i), columns = TargetCount(space, j);
   PetscReal     *from = pattern->value[i] + MpmPatternPosition(pattern, space, i, j) * bs;
   PetscReal      block[MPM_MAX_BLOCK * MPM_MAX_BLOCK];
+  Target         row, column;
   PetscBool      any = PETSC_FALSE;
 
   for (PetscInt k = 0; k < bs * bs; k++) {
@@ -87,14 +90,10 @@ static void Move(MpmPattern *pattern, const MpmSpace *space, PetscInt i, PetscIn
     if (block[k] != 0.) any = PETSC_TRUE;
     from[k / bs * width + k % bs] = 0.;
   }
-  for (PetscInt r = 0; any && r < rows; r++) {
-    const Target row = TargetOf(pattern, space, i, r);
-
-    for (PetscInt q = 0; q < columns; q++) {
-      const Target column = TargetOf(pattern, space, j, q);
-
-      AddBlock(pattern, space, &row, &column, block);
-    }
+  for (PetscInt q = 0; any && q < columns; q++) {
+    if (!TargetOf(pattern, space, j, q, &column)) continue;
+    for (PetscInt r = 0; r < rows; r++)
+      if (TargetOf(pattern, space, i, r, &row)) AddBlock(pattern, space, &row, &column, block);
   }
 }
 

@@ -46,7 +46,7 @@ static const struct {
   MODEL("indefinite", BOOL, solver.indefinite),
   MODEL("careful", BOOL, solver.careful),
   MODEL("touched", BOOL, solver.at_rest.touched),
-  MODEL("jacobians_last", INT, solver.cache.made_count_last),
+  MODEL("jacobians_last", INT, solver.cache.needed_count_last),
   RESULTS("output_step", INT, output_step),
   RESULTS("run", INT64, checkpoint.run),
   MODEL("stage", INT, state.stage),

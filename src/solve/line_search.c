@@ -39,7 +39,7 @@ static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetIterationNumber(snes, &it));
-  solver->cache.ahead = (PetscBool)(solver->cache.solving && it + 1 < solver->cache.made_count_last);
+  solver->cache.ahead = (PetscBool)(solver->cache.solving && it + 1 < solver->cache.needed_count_last);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -147,7 +147,6 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   if (!MpmPlaceIsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
   solver->cache.summed.id = 0;
   solver->cache.assembled = PETSC_TRUE;
-  solver->cache.made_count++;
   PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
   if (solver->factorises) PetscCall(MpmJacobianLift(solver, P));
   if (solver->symmetric || solver->at_rest.count)
@@ -161,10 +160,9 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   distance of the last iterate; a new one squares it. So the old one is kept for one iteration where that brings the
   residual to its tolerance with some room.
 */
-static PetscBool KeepJacobian(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
+static PetscBool LastWillDo(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
 {
-  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged || !solver->cache.assembled)
-    return PETSC_FALSE;
+  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged) return PETSC_FALSE;
   return (PetscBool)(fnorm * fnorm <= 0.3 * target * solver->cache.fnorm_last);
 }
 
@@ -174,7 +172,7 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscLogDouble since;
   PetscReal      fnorm = 0., rtol;
   PetscInt       it;
-  PetscBool      keep;
+  PetscBool      last;
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetIterationNumber(snes, &it));
@@ -182,11 +180,12 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
   if (solver->disc->layout->field_count > 1) {
     fnorm = solver->cache.fields.excess;
-    keep  = KeepJacobian(solver, it, fnorm, 1.);
-  } else keep = KeepJacobian(solver, it, fnorm, rtol * solver->cache.reference);
+    last  = LastWillDo(solver, it, fnorm, 1.);
+  } else last = LastWillDo(solver, it, fnorm, rtol * solver->cache.reference);
   solver->cache.fnorm_last = fnorm;
-  solver->cache.lagged     = keep;
-  if (keep) PetscFunctionReturn(PETSC_SUCCESS);
+  solver->cache.lagged     = (PetscBool)(last && solver->cache.assembled);
+  if (solver->cache.lagged) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!last) solver->cache.needed_count++;
   PetscCall(MpmMonitorBegin(solver->monitor, MPM_TIME_JACOBIAN, &since));
   if (solver->jacobian) PetscCall(AssembleJacobian(solver, x, P));
   if (solver->shell) PetscCall(MpmMatfreeSetState(J, x));

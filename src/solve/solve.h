@@ -52,8 +52,8 @@ typedef struct {
   MpmFieldNormsKept fields;
   MpmMinimisation   minimisation;
   PetscReal         imbalance;       /* of free bodies, at the last iterate */
-  PetscInt          made_count;      /* Jacobians of this solution, */
-  PetscInt          made_count_last; /* and of the last one */
+  PetscInt          needed_count;      /* Jacobians of this solution that an earlier one would not do for, */
+  PetscInt          needed_count_last; /* and of the last one */
 } MpmEvaluations;
 
 /* The preconditioner of two fields by blocks (fieldsplit.c). */

@@ -736,12 +736,12 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason)
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  solver->cache.made_count = 0;
+  solver->cache.needed_count = 0;
   MpmDatabaseCall(solver->database, Newton(solver, reason));
   PetscCall(PetscTime(&now));
   inside = solver->monitor->seconds[MPM_TIME_RESIDUAL] + solver->monitor->seconds[MPM_TIME_JACOBIAN] - before;
   solver->monitor->seconds[MPM_TIME_SOLVE] += now - since - inside;
-  solver->cache.made_count_last = *reason > 0 ? solver->cache.made_count : 0;
+  solver->cache.needed_count_last = *reason > 0 ? solver->cache.needed_count : 0;
   PetscCall(MpmGatherSolution(solver, solver->x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

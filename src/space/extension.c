@@ -143,13 +143,19 @@ static PetscReal Distance(PetscInt dim, PetscInt degree, const PetscInt node[], 
   return sum;
 }
 
+/* Pieces on either side of a node among which the ring `now` lies. */
+static PetscInt Radius(PetscInt degree, PetscInt now)
+{
+  return PetscMin(SEARCH + 1, now + (degree + 1) / 2);
+}
+
 /* Pieces of the ring `now`, from those of the last one; the first ring are the pieces that have the node. */
 static PetscInt GrowRing(const Search *search, const PetscInt node[], PetscInt now, Rings *rings)
 {
   const PetscInt dim = search->space->dim, degree = search->pieces.degree;
   PetscInt       d[MPM_MAX_DIM], grown            = 0;
 
-  FOR_BLOCK(dim, SEARCH + 1, d)
+  FOR_BLOCK(dim, Radius(degree, now), d)
   {
     PetscInt  piece[MPM_MAX_DIM] = {node[0] + d[0], node[1] + d[1], node[2] + d[2]}, e[MPM_MAX_DIM];
     char     *ring               = RingAt(dim, rings, piece);
@@ -191,7 +197,7 @@ static PetscInt FindNearest(const Search *search, const PetscInt node[], PetscIn
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) rings.lower[a] = a < dim ? node[a] - SEARCH - 1 : 0;
   for (PetscInt now = 0; now <= SEARCH && !count; now++) {
     if (!GrowRing(search, node, now, &rings)) return 0;
-    FOR_BLOCK(dim, SEARCH + 1, d)
+    FOR_BLOCK(dim, Radius(degree, now), d)
     {
       const PetscInt piece[MPM_MAX_DIM] = {node[0] + d[0], node[1] + d[1], node[2] + d[2]};
       const char    *ring               = RingAt(dim, &rings, piece);
