@@ -51,7 +51,7 @@ typedef struct {
   PetscInt          balances; /* iterations that only the balance of what pushes asked for */
   MpmFieldNormsKept fields;
   MpmMinimisation   minimisation;
-  PetscReal         imbalance;       /* of free bodies, at the last iterate */
+  PetscReal         imbalance;         /* of free bodies, at the last iterate */
   PetscInt          needed_count;      /* Jacobians of this solution that an earlier one would not do for, */
   PetscInt          needed_count_last; /* and of the last one */
 } MpmEvaluations;
