@@ -34,5 +34,5 @@ MPM_KERNEL(solid, MPM_DIM *MPM_DIM, SolidKernel)
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(solid, .summary = "quasi-static solid at finite strain", .field_count = MPM_ROWS(solid_fields),
-            .fields = solid_fields, .traits = MPM_PHYSICS_SYMMETRIC, .fbar = "solid_fbar")
+            .fields = solid_fields, .traits = MPM_PHYSICS_SYMMETRIC | MPM_PHYSICS_STRESS, .fbar = "solid_fbar")
 #endif

@@ -81,6 +81,49 @@ PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k)
   return (PetscBool)(terms->term[k]->idle && terms->term[k]->idle(terms->ctx[k]));
 }
 
+PetscBool MpmTermIsQuadratic(const void *ctx)
+{
+  (void)ctx;
+  return PETSC_TRUE;
+}
+
+PetscBool MpmTermsAreQuadratic(const MpmTerms *terms)
+{
+  for (PetscInt k = 0; k < terms->count; k++) {
+    const MpmTerm *term = terms->term[k];
+
+    if (!term->points && !(term->quadratic && term->quadratic(terms->ctx[k]))) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Forces of the points, or of all terms but those. */
+static PetscErrorCode AddResidual(const MpmTerms *terms, PetscBool points, const MpmSum *sum, const PetscReal u[],
+                                  PetscReal residual[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->points == points && !MpmTermsIdle(terms, k))
+      PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
+                                      PetscReal residual[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  PetscCall(AddResidual(terms, PETSC_TRUE, sum, u, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsResidualRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                    PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  PetscCall(AddResidual(terms, PETSC_FALSE, sum, u, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed)
 {
@@ -105,8 +148,9 @@ PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, con
                                    PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  for (PetscInt k = 1; k < terms->count; k++)
-    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (!terms->term[k]->points && !MpmTermsIdle(terms, k))
+      PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -12,6 +12,13 @@ struct MpmTermStep {
   MpmParticles   *particles;
 };
 
+/* Entries of the account of energy. */
+typedef enum {
+  MPM_ACCOUNT_NONE,      /* internal or kinetic energy, or work that contact reports by itself */
+  MPM_ACCOUNT_EXTERNAL,  /* work from outside, with opposite sign */
+  MPM_ACCOUNT_DISSIPATED /* heat */
+} MpmAccount;
+
 /*
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
   later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then has no such part.
@@ -26,9 +33,16 @@ struct MpmTermStep {
   link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
   stage     what the term keeps of the first of two stages (sdirk.c), which counts `theta` times in what has flowed
   commit    what the term keeps of the converged step
+
+  points     the term is the physics at the points: first in the list, with forms of the Jacobian of its own
+  quadratic  true where the term is linear in u with a symmetric matrix, with an energy of 1/2 u . (r(u) + r(0)) in a step; NULL: the
+             term has no energy. Energy of the points: MpmPotentialExists()
+  account    entry of the work that the term takes from the material
 */
 struct MpmTerm {
   const char *name;
+  PetscBool   points;
+  MpmAccount  account;
   PetscBool (*idle)(const void *ctx);
   PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
   PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
@@ -42,6 +56,7 @@ struct MpmTerm {
                              PetscInt *failed);
   PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
   PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+  PetscBool (*quadratic)(const void *ctx);
 };
 
 /* The terms of a problem; the first one is that of the points. */
@@ -63,6 +78,15 @@ PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 /* Has term k nothing to add on this rank? */
 PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k);
+/* True: `quadratic` of a term that always is. */
+PetscBool MpmTermIsQuadratic(const void *ctx);
+/* Have all terms but the points an energy? */
+PetscBool MpmTermsAreQuadratic(const MpmTerms *terms);
+/* Forces of the points alone, and of all others, added to `residual`. */
+PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
+                                      PetscReal residual[], PetscInt *failed);
+PetscErrorCode MpmTermsResidualRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                    PetscInt *failed);
 /* Sums over all terms; `blocks` starts from zero. */
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                 PetscInt *failed);

@@ -542,6 +542,7 @@ static PetscBool Idle(const void *ctx)
 }
 
 const MpmTerm MpmTermBodyContact = {.name     = "body contact",
+                                    .account  = MPM_ACCOUNT_DISSIPATED,
                                     .idle     = Idle,
                                     .boxes    = MpmPairPatchesFind,
                                     .prepare  = MpmPairPatchesPrepare,

@@ -733,6 +733,7 @@ static PetscBool Idle(const void *ctx)
 }
 
 const MpmTerm MpmTermRigidBodies = {.name     = "rigid bodies",
+                                    .account  = MPM_ACCOUNT_DISSIPATED,
                                     .idle     = Idle,
                                     .boxes    = Boxes,
                                     .link     = Link,

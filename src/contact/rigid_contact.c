@@ -599,12 +599,19 @@ static PetscBool Idle(const void *ctx)
   return (PetscBool) !((const MpmContacts *)ctx)->patch_count;
 }
 
-const MpmTerm MpmTermContact = {.name     = "rigid contact",
-                                .idle     = Idle,
-                                .boxes    = MpmContactsFind,
-                                .prepare  = MpmContactsPrepare,
-                                .residual = Residual,
-                                .tangent  = Tangent,
-                                .apply    = Apply,
-                                .diagonal = Diagonal,
-                                .commit   = Commit};
+/* Without boundaries there is nothing. */
+static PetscBool IsAbsent(const void *ctx)
+{
+  return (PetscBool) !((const MpmContacts *)ctx)->boundary_count;
+}
+
+const MpmTerm MpmTermContact = {.name      = "rigid contact",
+                                .quadratic = IsAbsent,
+                                .idle      = Idle,
+                                .boxes     = MpmContactsFind,
+                                .prepare   = MpmContactsPrepare,
+                                .residual  = Residual,
+                                .tangent   = Tangent,
+                                .apply     = Apply,
+                                .diagonal  = Diagonal,
+                                .commit    = Commit};

@@ -275,7 +275,6 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
 /* The part of the points' forces that is the step's start's stands among the loads. */
 static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, const char **why)
 {
-  const MpmTerm *points = model->disc.terms->term[0];
   const PetscInt count  = model->disc.inertia->local * model->disc.block;
   PetscInt       failed = 0;
   PetscReal     *still, *force;
@@ -287,7 +286,7 @@ static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, const char **w
   model->disc.sum->part  = 1.;
   model->disc.sum->rest  = (PetscBool)!model->disc.layout->means;
   model->disc.sum->trial = NULL;
-  PetscCall(points->residual(model->disc.terms->ctx[0], model->disc.sum, still, force, &failed));
+  PetscCall(MpmTermsResidualPoints(model->disc.terms, model->disc.sum, still, force, &failed));
   model->disc.sum->rest = PETSC_FALSE;
   model->disc.sum->part = 1. - alpha_f;
   for (PetscInt k = 0; k < count; k++) model->disc.force[k] -= alpha_f * force[k];

@@ -149,10 +149,10 @@ static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the physics take the points one by one, with stresses as a solid has them? */
+/* Does the physics take the points one by one, with the forces of their stress alone? */
 static PetscBool IsPlain(const MpmModel model)
 {
-  return (PetscBool)(!model->disc.layout->means && !strcmp(model->scene.physics.name, "solid"));
+  return (PetscBool)(!model->disc.layout->means && (model->scene.physics.traits & MPM_PHYSICS_STRESS));
 }
 
 /*
@@ -162,10 +162,9 @@ static PetscBool IsPlain(const MpmModel model)
 static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscBool still, PetscReal *force,
                                      const char **why)
 {
-  const MpmTerms *terms  = model->disc.terms;
-  MpmSum         *sum    = model->disc.sum;
-  PetscInt        failed = 0;
-  PetscLogDouble  since;
+  MpmSum        *sum    = model->disc.sum;
+  PetscInt       failed = 0;
+  PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_RESIDUAL, &since));
@@ -176,7 +175,7 @@ static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscB
     PetscReal *to = force ? force : model->state.scheme.dynamics->a_rest;
 
     PetscCall(PetscArrayzero(to, model->disc.space->local * model->disc.block));
-    PetscCall(terms->term[0]->residual(terms->ctx[0], sum, u, to, &failed));
+    PetscCall(MpmTermsResidualPoints(model->disc.terms, sum, u, to, &failed));
   }
   sum->rest  = PETSC_FALSE;
   sum->trial = NULL;
@@ -341,7 +340,6 @@ static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
 /* Their forces at the displacement that the step would have without them, which stays in a_start, are added to `force`. */
 static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
 {
-  const MpmTerms *terms    = model->disc.terms;
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
   const PetscInt  count    = model->disc.space->local * model->disc.dim;
   PetscReal      *other    = dynamics->a_rest;
@@ -358,8 +356,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   Displace(model, dynamics->v_new, dynamics->a_start);
   Quieten(model, LIGHT, model->disc.sum->dt, dynamics->a_start);
   PetscCall(PetscArrayzero(other, count));
-  for (PetscInt k = 1; k < terms->count; k++)
-    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, dynamics->a_start, other, &failed));
+  PetscCall(MpmTermsResidualRest(model->disc.terms, model->disc.sum, dynamics->a_start, other, &failed));
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, other));
   PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.dim, other));
   for (PetscInt k = 0; k < count; k++) force[k] -= other[k];

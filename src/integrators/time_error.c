@@ -111,7 +111,7 @@ static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelSt
   disc->sum->first = first;
   disc->sum->trial = NULL;
   disc->sum->dt    = 0.;
-  PetscCall(disc->terms->term[0]->residual(disc->terms->ctx[0], disc->sum, disc->u, residual, &failed));
+  PetscCall(MpmTermsResidualPoints(disc->terms, disc->sum, disc->u, residual, &failed));
   *disc->sum = sum;
   PetscCall(NodeVolumes(disc->sum, c, volume));
   PetscCall(MpmSurfaceFlowMark(disc->surfaces, disc->space, mark));

@@ -248,6 +248,7 @@ static PetscBool Idle(const void *ctx)
 }
 
 const MpmTerm MpmTermSurfaces = {.name     = "surfaces of bodies",
+                                 .account  = MPM_ACCOUNT_EXTERNAL,
                                  .idle     = Idle,
                                  .boxes    = MpmSurfaceFacesFind,
                                  .residual = Residual,

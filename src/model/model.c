@@ -272,8 +272,8 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Dimension and physics: what everything else depends on. Free the physics' name. */
-static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscInt *dim, char **physics)
+/* Dimension and physics, or the word for a stress point. Free the word. */
+static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscInt *dim, char **kind)
 {
   PetscFunctionBeginUser;
   *dim = 2;
@@ -284,7 +284,7 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscI
   PetscCall(MpmOptionsText(options, "physics",
                            "what is solved: solid, " MPM_STRESS_POINT
                            " (one point in the laboratory), or what a plugin brings",
-                           "solid", MPM_OPTIONAL, physics));
+                           "solid", MPM_OPTIONAL, kind));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -598,16 +598,16 @@ static PetscErrorCode ReadScene(MpmModel model)
   const MpmOptions options = {model->comm, "mpm_", model->record}, output = {model->comm, "mpm_output_", model->record};
   PetscLogDouble   since;
   PetscInt         dim;
-  char            *physics, *warning;
+  char            *kind, *warning;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
-  PetscCall(ReadKind(model, &options, &dim, &physics));
-  if (!model->scene.physics.name && !strcmp(physics, MPM_STRESS_POINT)) {
+  PetscCall(ReadKind(model, &options, &dim, &kind));
+  if (!model->scene.physics.name && !strcmp(kind, MPM_STRESS_POINT)) {
     PetscCall(MpmLaboratoryRead(model, &options, dim));
     PetscCall(ReadPrefix(model, &options, &output));
-  } else PetscCall(ReadBodiesOnGrid(model, &options, dim, physics));
-  PetscCall(PetscFree(physics));
+  } else PetscCall(ReadBodiesOnGrid(model, &options, dim, kind));
+  PetscCall(PetscFree(kind));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options, &warning));
   if (warning) PetscCall(MpmTerminalWarn(model, "warning: %s", warning));

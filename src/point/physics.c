@@ -57,7 +57,7 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(describe) && !*found; k++) {
     PetscCall(PetscMemzero(physics, sizeof(*physics)));
     describe[k](physics);
-    *found = (PetscBool)!strcmp(physics->name, name);
+    PetscCall(PetscStrcmp(physics->name, name, found));
   }
   for (PetscInt k = 0; !*found && MpmPhysicsRegistered(k); k++) {
     if (strcmp(MpmPhysicsRegistered(k)->name, name)) continue;
@@ -66,7 +66,8 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (size_t k = 0; *found && k < PETSC_STATIC_ARRAY_LENGTH(kernels); k++) {
-    if (!strcmp(kernels[k].name, name)) kernels[k].create(&physics->kernels[kernels[k].dim]);
+    if (strcmp(kernels[k].name, name)) continue;
+    kernels[k].create(&physics->kernels[kernels[k].dim]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

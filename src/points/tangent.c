@@ -179,9 +179,13 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermPoints = {
-  .name = "points", .residual = MpmPointsResidual, .tangent = Tangent, .diagonal = MpmPointsDiagonal};
+const MpmTerm MpmTermPoints    = {.name     = "points",
+                                  .points   = PETSC_TRUE,
+                                  .residual = MpmPointsResidual,
+                                  .tangent  = Tangent,
+                                  .diagonal = MpmPointsDiagonal};
 const MpmTerm MpmTermCellMeans = {.name     = "points with cell means",
+                                  .points   = PETSC_TRUE,
                                   .boxes    = MpmCellsBoxes,
                                   .residual = MpmCellsResidual,
                                   .tangent  = Tangent,

@@ -17,11 +17,7 @@
 #include "space/sum.h"
 #include "assembly/terms.h"
 #include "points/point_terms.h"
-#include "volume/damping.h"
 #include "volume/inertia.h"
-#include "volume/volume.h"
-#include "contact/contact.h"
-#include "loads/body_surface.h"
 #include "problem/discretization.h"
 #include "problem/potential.h"
 
@@ -40,14 +36,8 @@ PetscBool MpmPotentialExists(const MpmDiscretization *disc)
 {
   for (PetscInt m = 0; m < disc->material_count; m++)
     if (!HasPotential(&disc->sum->materials[m])) return PETSC_FALSE;
-  for (PetscInt k = 0; k < disc->terms->count; k++) {
-    const MpmTerm *term = disc->terms->term[k];
-
-    if (term != &MpmTermPoints && term != &MpmTermGhost && term != &MpmTermInertia && term != &MpmTermDamping &&
-        !(term == &MpmTermContact && !disc->contacts->boundary_count))
-      return PETSC_FALSE;
-  }
-  return (PetscBool)(disc->layout->solid && disc->block == disc->dim && disc->parts == 1);
+  return (PetscBool)(MpmTermsAreQuadratic(disc->terms) && disc->layout->solid && disc->block == disc->dim &&
+                     !disc->layout->means && disc->parts == 1);
 }
 
 /* What the points of this rank store, in the trial. */
@@ -83,17 +73,14 @@ static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
 /* 1/2 u . (r(u) + r(0)) of all terms but the points, on this rank. */
 static PetscErrorCode AddLinear(const MpmDiscretization *disc, PetscReal *value)
 {
-  const MpmTerms *terms  = disc->terms;
-  const PetscInt  count  = MpmNodesLocal(disc) * disc->block;
-  PetscInt        failed = 0;
-  PetscReal      *force, *zero;
+  const PetscInt count  = MpmNodesLocal(disc) * disc->block;
+  PetscInt       failed = 0;
+  PetscReal     *force, *zero;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(count, &force, count, &zero));
-  for (PetscInt k = 1; k < terms->count; k++)
-    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, disc->u, force, &failed));
-  for (PetscInt k = 1; disc->inertia->active && k < terms->count; k++)
-    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], disc->sum, zero, force, &failed));
+  PetscCall(MpmTermsResidualRest(disc->terms, disc->sum, disc->u, force, &failed));
+  if (disc->inertia->active) PetscCall(MpmTermsResidualRest(disc->terms, disc->sum, zero, force, &failed));
   for (PetscInt k = 0; k < count; k++) *value += 0.5 * disc->u[k] * force[k];
   PetscCall(PetscFree2(force, zero));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -30,7 +30,6 @@
 #include "contact/body_contact.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
-#include "loads/body_surface.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/energy.h"
@@ -172,8 +171,8 @@ static const PetscReal *At(const MpmStepWork *step)
   return step->at ? step->at : step->u;
 }
 
-/* What a term of the residual takes from the material. */
-static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const MpmStepWork *step, PetscReal *work)
+/* Work that the terms of one entry of the account take from the material. */
+static PetscErrorCode TakenBy(const MpmModel model, MpmAccount account, const MpmStepWork *step, PetscReal *work)
 {
   const MpmTerms *terms  = model->disc.terms;
   const PetscInt  local  = step->local;
@@ -183,9 +182,9 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const M
   PetscFunctionBeginUser;
   *work = 0.;
   for (PetscInt k = 0; k < terms->count; k++) {
-    if (terms->term[k] != term || MpmTermsIdle(terms, k)) continue;
+    if (terms->term[k]->account != account || MpmTermsIdle(terms, k)) continue;
     PetscCall(PetscCalloc1((local * model->disc.block), &force));
-    PetscCall(term->residual(terms->ctx[k], model->disc.sum, At(step), force, &failed));
+    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, At(step), force, &failed));
     *work += Work(model, local, force, Kick(step));
     PetscCall(PetscFree(force));
   }
@@ -194,11 +193,10 @@ static PetscErrorCode TakenBy(const MpmModel model, const MpmTerm *term, const M
 
 PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
 {
-  const MpmTerm *const takers[] = {&MpmTermRigidBodies, &MpmTermBodyContact, &MpmTermDamping};
-  const PetscInt       local    = work->local;
-  const PetscReal      part     = work->kick ? work->part : 1.;
-  MpmEnergy           *energy   = &model->state.scheme.energy;
-  PetscReal            sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
+  const PetscInt  local  = work->local;
+  const PetscReal part   = work->kick ? work->part : 1.;
+  MpmEnergy      *energy = &model->state.scheme.energy;
+  PetscReal       sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
 
   PetscFunctionBeginUser;
   if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
@@ -207,16 +205,14 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   if (!work->unstrained) sum[0] = BY_DIM(Internal, model->disc.dim, model);
   if (work->loads) sum[1] = Work(model, local, work->loads, work->u);
   sum[1] += part * Work(model, work->owned, work->supports, Kick(work));
-  PetscCall(TakenBy(model, &MpmTermSurfaces, work, &taken));
+  PetscCall(TakenBy(model, MPM_ACCOUNT_EXTERNAL, work, &taken));
   sum[1] -= part * taken;
   PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, At(work), Kick(work), &material, &boundary));
   pushed = MpmRigidPushWork(model->disc.contacts, model->disc.sum, Kick(work));
   sum[1] += part * (boundary + pushed);
   sum[2] += part * (work->taken + boundary - material + pushed);
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(takers); k++) {
-    PetscCall(TakenBy(model, takers[k], work, &taken));
-    sum[2] += part * taken;
-  }
+  PetscCall(TakenBy(model, MPM_ACCOUNT_DISSIPATED, work, &taken));
+  sum[2] += part * taken;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));
   energy->internal += sum[0];
   energy->external += sum[1];

@@ -462,8 +462,10 @@ static PetscBool FindPorosity(const MpmModel model, PetscInt *first)
 
   *first = 0;
   for (size_t k = 0; k < (size_t)physics->state_count; k++) {
-    if (!strcmp(physics->states[k].name, "porosity")) return PETSC_TRUE;
-    *first += MpmStateComponents(&physics->states[k], model->disc.dim);
+    const MpmStateVariable *variable = &physics->states[k];
+
+    if (!strcmp(variable->name, "porosity")) return PETSC_TRUE;
+    *first += MpmStateComponents(variable, model->disc.dim);
   }
   return PETSC_FALSE;
 }

@@ -419,10 +419,12 @@ static PetscBool Idle(const void *ctx)
   return (PetscBool) !((const MpmDamping *)ctx)->active;
 }
 
-const MpmTerm MpmTermDamping = {.name     = "damping",
-                                .idle     = Idle,
-                                .prepare  = Prepare,
-                                .residual = Residual,
-                                .tangent  = Tangent,
-                                .apply    = Apply,
-                                .diagonal = Diagonal};
+const MpmTerm MpmTermDamping = {.name      = "damping",
+                                .idle      = Idle,
+                                .prepare   = Prepare,
+                                .residual  = Residual,
+                                .tangent   = Tangent,
+                                .apply     = Apply,
+                                .diagonal  = Diagonal,
+                                .account   = MPM_ACCOUNT_DISSIPATED,
+                                .quadratic = MpmTermIsQuadratic};

@@ -757,9 +757,10 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermGhost = {.name     = "ghost penalty",
-                              .boxes    = Boxes,
-                              .residual = Residual,
-                              .tangent  = Tangent,
-                              .apply    = Apply,
-                              .diagonal = Diagonal};
+const MpmTerm MpmTermGhost = {.name      = "ghost penalty",
+                              .boxes     = Boxes,
+                              .residual  = Residual,
+                              .tangent   = Tangent,
+                              .apply     = Apply,
+                              .diagonal  = Diagonal,
+                              .quadratic = MpmTermIsQuadratic};

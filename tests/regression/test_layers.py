@@ -27,6 +27,7 @@ FUNCTION_LINES, FUNCTION_ARGUMENTS, STRUCT_MEMBERS, FILE_LINES = 60, 7, 30, 800
 FOLDER_LINES = {"contact": 7000, "space": 4200}  # others: 4000
 CALL_CIRCLE = 6  # files that call each other in a circle: Newton's method, its searches and the solver
 SHARE = 1 / 3  # of the .c files of src/: as many may see a header, by whatever way; base/ is what all stand on
+IDENTITY = (r"term\[0\]", r"[!=]= &MpmTerm", r"strcmp\(.*physics")  # a term by its place or address, a physics by its name
 CALLBACKS = ("HandleError",)  # functions whose arguments are PETSc's
 
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
@@ -131,6 +132,15 @@ def check_shares(sources):
             continue
         if number / len(files) > SHARE:
             yield Fault("share", header, f"is seen by {number} of {len(files)} files, more than {SHARE:.0%}")
+
+
+def check_identity(sources):
+    """Lines that know a term or a physics by what it is and not by a property of it."""
+    for path, text in sources.text.items():
+        for line in text.splitlines() if path.startswith("src/") else ():
+            for pattern in IDENTITY:
+                if re.search(pattern, line):
+                    yield Fault("identity", path, f"has {line.strip()}")
 
 
 def sizes(sources):
@@ -245,7 +255,7 @@ def check_homes(sources, objects):
 
 
 def find_faults(sources, objects):
-    for check in (check_includes, check_shares, check_sizes):
+    for check in (check_includes, check_shares, check_sizes, check_identity):
         yield from check(sources)
     yield from check_calls(objects)
     yield from check_symbols(objects)
@@ -281,12 +291,16 @@ def plant(folder, objects):
     for k in range(CALL_CIRCLE + 1):
         objects[f"src/run/circle{k}.c"] = ({f"MpmCircle{k}"}, {f"MpmCircle{(k + 1) % (CALL_CIRCLE + 1)}"})
     objects["physics/solid.c"][1].add("MpmRealText")
+    for name, line in (("energy", "terms->term[0]"), ("failure", "term == &MpmTermGhost"),
+                       ("water_state", 'strcmp(model->scene.physics.name, "solid")')):
+        add(f"src/step/{name}.c", f"\nstatic int Named = {line};\n")
     return objects, (("include", "src/grid/shape.c"), ("include", "materials/j2.c"), ("circle", "src/io/xdmf.h"),
                      ("circle", "src/io/hdf5_rows.h"), ("share", "src/run/planted.h"), ("share", "src/grid/grid.h"),
                      ("arguments", "src/bc/dirichlet.c"), ("function", "src/bc/node_frames.c"),
                      ("struct", "src/bc/bc.h"), ("file", "src/base/monitor.c"), ("symbol", "src/bc/dirichlet.c"),
                      ("symbol", "physics/solid.c"), ("home", "src/grid/grid.h"),
-                     ("folder", "src/bc"), ("calls", "src/run/circle0.c"))
+                     ("folder", "src/bc"), ("calls", "src/run/circle0.c"), ("identity", "src/step/energy.c"),
+                     ("identity", "src/step/failure.c"), ("identity", "src/step/water_state.c"))
 
 
 def main():
@@ -299,7 +313,8 @@ def main():
         print_nearest(sources)
         for fault in faults:
             print(f"{fault.path}: {fault.text}")
-        for kind in ("include", "circle", "symbol", "home", "share", "function", "arguments", "struct", "file", "folder", "calls"):
+        for kind in ("include", "circle", "symbol", "home", "share", "function", "arguments", "struct", "file", "folder", "calls",
+                     "identity"):
             test.check(f"{kind}_faults", sum(fault.kind == kind for fault in faults), upper=0)
 
         folder = test.folder()

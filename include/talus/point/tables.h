@@ -317,13 +317,16 @@ typedef struct {
                          deviation. The flux of the displacement's gradient depends on neither grad p nor the deviation, that
                          of p on neither, that of grad p not on p nor the deviation, that of the deviation on itself alone:
                          what the tangent has there is not looked at
+  MPM_PHYSICS_STRESS     one field, the displacement, whose flux is that of the stress which the points keep: an explicit step takes forces
+                         from that stress and does not call the kernel for them
 */
 typedef enum {
   MPM_PHYSICS_SYMMETRIC = 1,
   MPM_PHYSICS_INTERNAL  = 2,
   MPM_PHYSICS_STAGES    = 16,
   MPM_PHYSICS_SADDLE    = 32,
-  MPM_PHYSICS_BIOT      = 64
+  MPM_PHYSICS_BIOT      = 64,
+  MPM_PHYSICS_STRESS    = 128
 } MpmPhysicsTrait;
 
 /* A number of the scene, -mpm_<block>_<name>, that a physics' kernel needs at every point. */
