@@ -89,13 +89,13 @@ static PetscErrorCode CopyPoints(MpmModel from, MpmModel to)
 /* A quasi-static step from there, with displacements at which its residual is asked for. */
 static PetscErrorCode Prepare(Bench *bench, MpmModel from)
 {
-  MpmModel    model = bench->fixed;
-  const char *why;
+  MpmModel   model = bench->fixed;
+  MpmOutcome outcome;
 
   PetscFunctionBeginUser;
   PetscCall(CopyPoints(from, model));
-  PetscCall(MpmStepPrepare(model, model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &why));
-  PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
+  PetscCall(MpmStepPrepare(model, model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &outcome));
+  PetscCheck(!outcome.code, model->comm, PETSC_ERR_PLIB, "%s", outcome.text);
   for (PetscInt k = 0; k < 2; k++) {
     PetscInt     count;
     PetscScalar *u;
@@ -177,18 +177,17 @@ static PetscErrorCode Iterations(MpmModel model, const char *name)
   const MpmIntegrator *integrator = model->state.scheme.integrator;
   const PetscReal      points = (PetscReal)model->state.particles->total, dt = model->state.dt_nominal, since = Now();
   PetscReal            solve;
-  const char          *why;
-  PetscBool            retryable;
+  MpmOutcome           outcome;
 
   PetscFunctionBeginUser;
-  PetscCall(integrator->begin(model, model->state.time + dt, dt, PETSC_FALSE, &why));
-  PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
+  PetscCall(integrator->begin(model, model->state.time + dt, dt, PETSC_FALSE, &outcome));
+  PetscCheck(!outcome.code, model->comm, PETSC_ERR_PLIB, "%s", outcome.text);
   PetscCall(integrator->predict(model));
   if (name) PetscCall(SNESSetConvergenceTest(model->solver.snes, Enough, NULL, NULL));
   solve = Now();
-  PetscCall(integrator->solve(model, &why, &retryable));
+  PetscCall(integrator->solve(model, &outcome));
   solve = Now() - solve;
-  PetscCheck(!why, model->comm, PETSC_ERR_NOT_CONVERGED, "%s", why);
+  PetscCheck(!outcome.code, model->comm, PETSC_ERR_NOT_CONVERGED, "%s", outcome.text);
   PetscCall((name ? integrator->roll_back : integrator->accept)(model));
   if (!name) {
     model->state.time += dt;

@@ -110,22 +110,22 @@ static PetscErrorCode CreateModel(Bench *bench)
 static PetscErrorCode Deform(MpmModel model, PetscInt steps)
 {
   SNESConvergedReason reason;
-  const char         *why;
-  PetscBool           retryable;
+  MpmOutcome          outcome;
 
   PetscFunctionBeginUser;
   for (model->state.step = 0; model->state.step < steps; model->state.step++) {
     const PetscReal next = model->state.dt_nominal * (PetscReal)(model->state.step + 1);
 
     PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
-    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &retryable));
-    PetscCheck(!why, model->comm, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", model->state.step, why);
+    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &outcome));
+    PetscCheck(!outcome.code, model->comm, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", model->state.step,
+               outcome.text);
     model->state.time = next;
   }
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscCall(
-    MpmStepPrepare(model, model->state.time + model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &why));
-  PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
+    MpmStepPrepare(model, model->state.time + model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &outcome));
+  PetscCheck(!outcome.code, model->comm, PETSC_ERR_PLIB, "%s", outcome.text);
   PetscCall(MpmSolverSolve(&model->solver, &reason));
   PetscCheck(reason > 0, model->comm, PETSC_ERR_NOT_CONVERGED, "the last step did not converge");
   PetscFunctionReturn(PETSC_SUCCESS);

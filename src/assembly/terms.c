@@ -1,6 +1,7 @@
 /*
   The list of terms that a problem's residual consists of, and sums over it.
 */
+#include "base/outcome.h"
 #include "space/extension.h"
 #include "space/space.h"
 #include "space/sum.h"
@@ -31,11 +32,11 @@ PetscErrorCode MpmTermsDestroy(MpmTerms **terms)
 }
 
 PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
-                                  const MpmPoints *points, const char **why)
+                                  const MpmPoints *points, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmSpaceBegin(space, rules, points, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceBegin(space, rules, points, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < terms->count; k++)
     if (terms->term[k]->boxes) PetscCall(terms->term[k]->boxes(terms->ctx[k], rules, points, space));
   PetscCall(MpmExtensionBoxes(rules, points, space));

@@ -69,9 +69,9 @@ typedef struct MpmTerms {
 /* Makes the list with its first term. */
 PetscErrorCode MpmTermsAdd(MpmTerms **terms, const MpmTerm *term, void *ctx);
 PetscErrorCode MpmTermsDestroy(MpmTerms **terms);
-/* The space of the points with the boxes of all terms; `why` as for MpmSpaceBegin(). */
+/* The space of the points with the boxes of all terms; `outcome` as for MpmSpaceBegin(). */
 PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
-                                  const MpmPoints *points, const char **why);
+                                  const MpmPoints *points, MpmOutcome *outcome);
 PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
 PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space);
 PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta);

@@ -4,7 +4,8 @@
   their own folder, which a file includes when it looks inside. And choices of a scene that are handed around alike.
 */
 
-/* options, geometry */
+/* base, options, geometry */
+typedef struct MpmOutcome    MpmOutcome;
 typedef struct MpmDatabase   MpmDatabase;
 typedef struct MpmOptions    MpmOptions;
 typedef struct _p_MpmRecord *MpmRecord;

@@ -350,7 +350,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   MpmParticles *particles = model->state.particles;
   PetscInt      rows = restart->points, first = 0, count, *place, *id, *key;
   PetscBool     same, moved;
-  const char   *why; /* the next step tells of it */
+  MpmOutcome    outcome; /* the next step tells of it */
 
   PetscFunctionBeginUser;
   PetscCall(MpmScalarsRestore(&restart->scalars, "grid_", model)); /* the points are on the grid of their time */
@@ -368,7 +368,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   PetscCall(RestorePartition(model, &same));
   PetscCall(MpmParticlesRelease(particles));
   if (same && model->size > 1) PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
-  PetscCall(MpmMovingGridFollow(model, &why));
+  PetscCall(MpmMovingGridFollow(model, &outcome));
   if (!same) {
     PetscCall(MpmParticlesRebalance(particles, model->disc.grid, PETSC_TRUE, &moved));
     PetscCall(MpmParticlesMigrate(particles, model->disc.grid));

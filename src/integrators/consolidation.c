@@ -174,21 +174,21 @@ static PetscErrorCode FindExcess(MpmModel model, PetscReal *excess)
 }
 
 /* Pressures at the points after a step from here to loads and conditions of the stage's end, drained or so short that nothing flows. */
-static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal pressure[], const char **why)
+static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal pressure[], MpmOutcome *outcome)
 {
   const MpmIntegrator *integrator = &MpmIntegratorQuasistatic;
   const PetscReal      length     = model->state.time_end - model->state.time;
   MpmStage            *stage      = &model->scene.stages[model->state.stage];
-  PetscBool            retryable;
 
   PetscFunctionBeginUser;
   stage->drained = drained;
-  PetscCall((*integrator->begin)(model, model->state.time_end, drained ? length : SHORT * length, PETSC_FALSE, why));
-  if (!*why) {
+  PetscCall(
+    (*integrator->begin)(model, model->state.time_end, drained ? length : SHORT * length, PETSC_FALSE, outcome));
+  if (!outcome->code) {
     PetscCall((*integrator->predict)(model));
-    PetscCall((*integrator->solve)(model, why, &retryable));
+    PetscCall((*integrator->solve)(model, outcome));
   }
-  if (!*why) {
+  if (!outcome->code) {
     PetscCall(MpmStepFindTrial(model));
     PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.u, pressure));
   }
@@ -198,25 +198,25 @@ static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal press
 }
 
 /* The steady pressure, and the excess over it at the start and under the loads of the end at once. */
-static PetscErrorCode FindSteady(MpmModel model, PetscReal *most, const char **why)
+static PetscErrorCode FindSteady(MpmModel model, PetscReal *most, MpmOutcome *outcome)
 {
-  const PetscInt rates     = model->disc.layout->rates;
-  const char    *collapses = NULL;
+  const PetscInt rates = model->disc.layout->rates;
+  MpmOutcome     undrained;
   PetscReal     *steady, *pressure, excess;
   PetscInt       count;
 
   PetscFunctionBeginUser;
   PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &count));
   PetscCall(PetscMalloc1((count * rates), &pressure));
-  PetscCall(TryStep(model, PETSC_TRUE, pressure, why));
-  if (!*why) {
+  PetscCall(TryStep(model, PETSC_TRUE, pressure, outcome));
+  if (!outcome->code) {
     PetscCall(MpmParticlesGetField(model->state.particles, MpmConsolidationField, &steady));
     for (PetscInt p = 0; p < count; p++) steady[p] = pressure[p * rates];
     PetscCall(MpmParticlesRestoreField(model->state.particles, &steady));
     PetscCall(FindExcess(model, most));
-    PetscCall(TryStep(model, PETSC_FALSE, pressure, &collapses));
+    PetscCall(TryStep(model, PETSC_FALSE, pressure, &undrained));
   }
-  if (!*why && !collapses) {
+  if (!outcome->code && !undrained.code) {
     PetscCall(MeanExcess(model, pressure, &excess));
     *most = PetscMax(*most, excess);
   }
@@ -228,17 +228,17 @@ PetscErrorCode MpmConsolidationBegin(MpmModel model)
 {
   MpmWaterRun    *state = &model->state.scheme.water;
   const MpmStage *stage = &model->scene.stages[model->state.stage];
-  const char     *why   = NULL;
+  MpmOutcome      outcome;
 
   PetscFunctionBeginUser;
   if (!(stage->consolidation > 0.) || model->state.time > model->state.time_start) PetscFunctionReturn(PETSC_SUCCESS);
   state->most   = -1.;
   state->degree = 0.;
-  PetscCall(FindSteady(model, &state->most, &why));
+  PetscCall(FindSteady(model, &state->most, &outcome));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (why)
-    PetscCall(
-      MpmMonitorNote(&model->monitor, "no drained state at the stage's end (%s): the stage lasts its time", why));
+  if (outcome.code)
+    PetscCall(MpmMonitorNote(&model->monitor, "no drained state at the stage's end (%s): the stage lasts its time",
+                             outcome.text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -273,7 +273,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
 }
 
 /* The part of the points' forces that is the step's start's stands among the loads. */
-static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, const char **why)
+static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, MpmOutcome *outcome)
 {
   const PetscInt count  = model->disc.inertia->local * model->disc.block;
   PetscInt       failed = 0;
@@ -292,7 +292,8 @@ static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, const char **w
   for (PetscInt k = 0; k < count; k++) model->disc.force[k] -= alpha_f * force[k];
   PetscCall(PetscFree2(still, force));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
-  if (failed) *why = "a point's law has no answer at the step's start";
+  if (failed)
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_ANSWER, "a point's law has no answer at the step's start"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -358,7 +359,7 @@ static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_
 
 /* The space, loads and solver of a step, and by which method it is taken: that depends on whether contact is near. */
 static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool first, PetscBool again,
-                                  Method *method, const char **why)
+                                  Method *method, MpmOutcome *outcome)
 {
   PetscReal before;
 
@@ -366,31 +367,31 @@ static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, 
   if (first) model->state.scheme.met = PETSC_FALSE;
   *method = MethodOf(model);
   before = model->state.scheme.load_at_start = first ? 1. : method->alpha_f;
-  PetscCall(MpmStepPrepare(model, time, dt, again, why));
-  if (*why || !model->disc.contacts->newton.near) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepPrepare(model, time, dt, again, outcome));
+  if (outcome->code || !model->disc.contacts->newton.near) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.scheme.met = PETSC_TRUE;
   *method                 = MethodOf(model);
   if (method->alpha_f == before || first) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.scheme.load_at_start = method->alpha_f;
-  PetscCall(MpmStepPrepare(model, time, dt, PETSC_TRUE, why));
+  PetscCall(MpmStepPrepare(model, time, dt, PETSC_TRUE, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   const PetscBool first = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
   Method          method;
 
   PetscFunctionBeginUser;
   Stop(model);
-  PetscCall(PrepareStep(model, time, dt, first, again, &method, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PrepareStep(model, time, dt, first, again, &method, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Project(model));
   if (first) {
     PetscCall(FindAcceleration(model));
     model->state.scheme.load_at_start = method.alpha_f;
-    PetscCall(MpmStepPrepare(model, time, dt, PETSC_TRUE, why));
-    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmStepPrepare(model, time, dt, PETSC_TRUE, outcome));
+    if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(Project(model));
   }
   PetscCall(PetscArraycpy(model->state.scheme.dynamics->v_start, model->state.scheme.dynamics->v_old,
@@ -403,7 +404,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(
     MpmContactsTurn(model->disc.contacts, model->disc.sum, model->state.scheme.dynamics->v_start, 1. - method.alpha_f));
   PetscCall(KeepLoads(model, time, method.alpha_f));
-  PetscCall(AddStart(model, method.alpha_f, why));
+  PetscCall(AddStart(model, method.alpha_f, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -430,9 +431,9 @@ static PetscErrorCode Predict(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryable)
+static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
 {
-  return MpmIntegratorQuasistatic.solve(model, why, retryable);
+  return MpmIntegratorQuasistatic.solve(model, outcome);
 }
 
 /*

@@ -32,5 +32,5 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model);
 /* Room for the nodes of the step's space, in model->state.scheme.dynamics and in the inertia's arrays. */
 PetscErrorCode MpmDynamicsResize(MpmModel model);
 PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics);
-/* Finds how long the next explicit step may be; `why` as in MpmIntegrator. */
-PetscErrorCode MpmExplicitLength(MpmModel model, const char **why);
+/* Finds how long the next explicit step may be; `outcome` as in MpmIntegrator. */
+PetscErrorCode MpmExplicitLength(MpmModel model, MpmOutcome *outcome);

@@ -84,15 +84,15 @@ static PetscBool HasOthers(const MpmModel model)
                      MpmDampingAny(model->disc.damping));
 }
 
-static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
   model->disc.inertia->active       = PETSC_FALSE;
   model->disc.damping->active       = PETSC_FALSE;
   model->disc.sum->part             = 1.;
   model->state.scheme.load_at_start = 1.; /* a kick's middle is the step's start */
-  PetscCall(MpmStepBegin(model, time, dt, again, why));
-  if (!*why) PetscCall(Resize(model));
+  PetscCall(MpmStepBegin(model, time, dt, again, outcome));
+  if (!outcome->code) PetscCall(Resize(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,7 +160,7 @@ static PetscBool IsPlain(const MpmModel model)
   stress of the step's start, and the trial stays as it is.
 */
 static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscBool still, PetscReal *force,
-                                     const char **why)
+                                     MpmOutcome *outcome)
 {
   MpmSum        *sum    = model->disc.sum;
   PetscInt       failed = 0;
@@ -180,7 +180,7 @@ static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscB
   sum->rest  = PETSC_FALSE;
   sum->trial = NULL;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
-  if (failed) *why = "a point's law has no answer";
+  if (failed) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_ANSWER, "a point's law has no answer"));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_RESIDUAL, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -203,7 +203,7 @@ static void DisplaceLast(const MpmModel model, const PetscReal velocity[], Petsc
   Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.residual: in one pass over the
   points where their stress is known and the physics is a solid's.
 */
-static PetscErrorCode SumNodes(MpmModel model, const char **why)
+static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
 {
   const MpmTransfer *transfer = &MpmModelMotion(model)->transfer;
   const PetscBool    first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
@@ -217,7 +217,7 @@ static PetscErrorCode SumNodes(MpmModel model, const char **why)
     PetscCall(PrescribeStart(model, dynamics->v_old));
     if (first) DisplaceLast(model, dynamics->v_old, model->disc.trial->u);
     else PetscCall(PetscArrayzero(model->disc.trial->u, local * dim));
-    PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, why));
+    PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, outcome));
     for (PetscInt k = 0; k < local * dim; k++) force[k] = model->disc.force[k] - force[k];
     PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, force));
     PetscCall(MpmSpaceToGhosts(model->disc.space, dim, force));
@@ -409,13 +409,13 @@ static void GravityGain(const MpmModel model, PetscReal gain[])
 }
 
 /* The forces at the nodes, into disc.residual. */
-static PetscErrorCode FindForces(MpmModel model, const char **why)
+static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
 {
   PetscReal *force = model->disc.residual;
 
   PetscFunctionBeginUser;
-  PetscCall(SumNodes(model, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SumNodes(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   if (HasOthers(model)) {
     Accelerate(model, WholeKick(model), force);
     PetscCall(AddOthers(model, force));
@@ -457,13 +457,13 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
 }
 
 /* The stress that follows from the nodes' new velocities, or the points', into the trial. */
-static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, const char **why)
+static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
   if (MpmModelMotion(model)->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, again ? again : model->state.scheme.dynamics->v_new, model->disc.trial->u);
   if (!again && IsLinear(model)) QuietenGradients(model, KickLength(model), model->disc.sum->dt, model->disc.trial->u);
-  PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, why));
+  PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -487,25 +487,24 @@ static PetscErrorCode Relax(MpmModel model, PetscReal *again)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Solve(MpmModel model, const char **why, PetscBool *retryable)
+static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
 {
   const PetscReal kick     = KickLength(model);
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
   PetscReal      *again    = MpmModelMotion(model)->update == MPM_UPDATE_MUSL ? dynamics->v_rest : NULL;
 
   PetscFunctionBeginUser;
-  *why       = NULL;
-  *retryable = PETSC_FALSE;
-  PetscCall(FindForces(model, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmOutcomeClear(outcome);
+  PetscCall(FindForces(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   Accelerate(model, kick, model->disc.residual);
   FindSupports(model, kick);
   Displace(model, dynamics->v_new, model->disc.u);
-  PetscCall(MpmStepFindLost(model, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepFindLost(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(model, kick, again));
   PetscCall(Relax(model, again));
-  PetscCall(UpdateStress(model, again, why));
+  PetscCall(UpdateStress(model, again, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -607,16 +606,16 @@ static PetscErrorCode CatchUp(MpmModel model)
 {
   const PetscReal behind = model->state.scheme.behind, dt = 2. * behind;
   const PetscBool first = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
-  const char     *why   = NULL;
+  MpmOutcome      outcome;
   MpmDynamics    *dynamics;
   MpmStepWork     work = {.unstrained = (PetscBool)!first};
 
   PetscFunctionBeginUser;
   if (!(behind > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Begin(model, model->state.time + dt, dt, PETSC_FALSE, &why));
+  PetscCall(Begin(model, model->state.time + dt, dt, PETSC_FALSE, &outcome));
   dynamics = model->state.scheme.dynamics; /* a run that goes on at a stage's end has it from here on */
-  if (!why) PetscCall(FindForces(model, &why));
-  if (!why) {
+  if (!outcome.code) PetscCall(FindForces(model, &outcome));
+  if (!outcome.code) {
     Accelerate(model, behind, model->disc.residual);
     PetscCall(PrescribeAt(model, model->state.time, dynamics->v_new));
     FindSupports(model, behind);
@@ -631,7 +630,7 @@ static PetscErrorCode CatchUp(MpmModel model)
     model->state.scheme.behind = 0.;
   }
   PetscCall(RollBack(model));
-  model->disc.committed = (PetscBool)!why;
+  model->disc.committed = (PetscBool)!outcome.code;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

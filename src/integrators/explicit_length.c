@@ -115,7 +115,7 @@ static void ShareRest(MpmModel model)
   if (steps >= 1. && steps <= EVEN) model->state.dt_wanted = PetscMin(model->state.dt_wanted, left / steps);
 }
 
-PetscErrorCode MpmExplicitLength(MpmModel model, const char **why)
+PetscErrorCode MpmExplicitLength(MpmModel model, MpmOutcome *outcome)
 {
   const MpmMotionControl *motion = MpmModelMotion(model);
   const PetscReal         given  = GivenStep(model);
@@ -130,14 +130,14 @@ PetscErrorCode MpmExplicitLength(MpmModel model, const char **why)
   crossing *= MpmExplicitPart(motion);
   if (crossing > 0.) crossing = Shortened(&motion->damping, crossing);
   model->state.dt_wanted = motion->cfl * crossing;
-  if (!(crossing > 0.)) *why = "a point has no finite wave speed";
-  if (!*why && !(given > 0.) && !model->state.scheme.rescuing.on) ShareRest(model);
-  if (*why || !(given > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(crossing > 0.))
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE, "a point has no finite wave speed"));
+  if (!outcome->code && !(given > 0.) && !model->state.scheme.rescuing.on) ShareRest(model);
+  if (outcome->code || !(given > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   if (given > crossing * (1. + PETSC_SQRT_MACHINE_EPSILON)) {
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "the step %.4g is longer than a wave allows in a cell, %.4g", (double)given,
-                            (double)crossing));
-    *why = model->solver.lost;
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                             "the step %.4g is longer than a wave allows in a cell, %.4g", (double)given,
+                             (double)crossing));
   }
   model->state.dt_wanted = given;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -127,11 +127,11 @@ PetscErrorCode MpmSettleSet(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmStepPrepare(model, time, dt, again, why));
-  if (!*why) PetscCall(MpmSettleSet(model));
+  PetscCall(MpmStepPrepare(model, time, dt, again, outcome));
+  if (!outcome->code) PetscCall(MpmSettleSet(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

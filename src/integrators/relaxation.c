@@ -366,22 +366,23 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const char *MpmRelaxationOver(MpmModel model)
+PetscErrorCode MpmRelaxationOver(MpmModel model, MpmOutcome *outcome)
 {
   MpmState          *state    = &model->state;
   const MpmRelaxing *relaxing = &state->relaxing;
   PetscReal          still;
-  char               why[96] = "";
+  char               cause[96] = "";
 
+  PetscFunctionBeginUser;
   if (relaxing->rests) MpmStageEndHere(model);
-  if (relaxing->rests || state->time < state->time_end) return NULL;
+  if (relaxing->rests || state->time < state->time_end) PetscFunctionReturn(PETSC_SUCCESS);
   still = StillFrom(model);
-  if (!(relaxing->kinetic > 0.) && !relaxing->resets) (void)PetscSNPrintf(why, sizeof(why), ": nothing has moved");
+  if (!(relaxing->kinetic > 0.) && !relaxing->resets) (void)PetscSNPrintf(cause, sizeof(cause), ": nothing has moved");
   else if (still > state->time_start && state->time - still < 0.1 * (state->time_end - state->time_start))
-    (void)PetscSNPrintf(why, sizeof(why), ": loads, conditions or strengths change until %.6g", (double)still);
-  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                      "the relaxation has not come to rest%s; K_F is %.3g and K_E %.3g, with a tolerance of %g", why,
-                      (double)relaxing->force, (double)relaxing->energy,
-                      (double)model->scene.stages[state->stage].relaxation.tolerance);
-  return model->solver.lost;
+    (void)PetscSNPrintf(cause, sizeof(cause), ": loads, conditions or strengths change until %.6g", (double)still);
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION,
+                           "the relaxation has not come to rest%s; K_F is %.3g and K_E %.3g, with a tolerance of %g",
+                           cause, (double)relaxing->force, (double)relaxing->energy,
+                           (double)model->scene.stages[state->stage].relaxation.tolerance));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

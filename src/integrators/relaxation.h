@@ -21,5 +21,5 @@ PetscBool MpmCouldRelax(const MpmModel model);
 PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[]);
 PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped);
 PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[]);
-/* After a step: NULL, or that the stage's time is over and nothing is at rest. */
-const char *MpmRelaxationOver(MpmModel model);
+/* After a step. Failure: the stage's time is over and nothing is at rest. */
+PetscErrorCode MpmRelaxationOver(MpmModel model, MpmOutcome *outcome);

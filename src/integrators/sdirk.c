@@ -44,7 +44,7 @@ PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   MpmSdirk *sdirk;
 
@@ -55,7 +55,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   sdirk->dt   = dt;
 
   model->disc.sum->first = NULL;
-  PetscCall(MpmStepPrepare(model, model->state.time + GAMMA * dt, GAMMA * dt, again, why));
+  PetscCall(MpmStepPrepare(model, model->state.time + GAMMA * dt, GAMMA * dt, again, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,27 +132,27 @@ static PetscErrorCode StartSecond(MpmModel model, Vec first)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SolveStages(MpmModel model, const char **why, PetscBool *retryable)
+static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
 {
   MpmSdirk *sdirk = model->state.scheme.sdirk;
   PetscInt  newton, linear;
   Vec       first;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmIntegratorQuasistatic.solve(model, why, retryable));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   newton = model->solver.newton;
   linear = model->solver.linear;
   PetscCall(KeepFirst(model));
   PetscCall(VecDuplicate(model->solver.x, &first));
   PetscCall(VecCopy(model->solver.x, first));
   model->disc.sum->first = sdirk->stage;
-  PetscCall(MpmStepPrepare(model, sdirk->time, GAMMA * sdirk->dt, PETSC_TRUE, why));
+  PetscCall(MpmStepPrepare(model, sdirk->time, GAMMA * sdirk->dt, PETSC_TRUE, outcome));
+  outcome->retryable    = PETSC_TRUE;
   model->disc.sum->span = sdirk->dt;
-  if (!*why) {
-    *retryable = PETSC_TRUE;
+  if (!outcome->code) {
     PetscCall(StartSecond(model, first));
-    PetscCall(MpmIntegratorQuasistatic.solve(model, why, retryable));
+    PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
   }
   PetscCall(VecDestroy(&first));
   model->solver.newton = PetscMax(model->solver.newton, newton); /* of a solution; all of them count in the totals */

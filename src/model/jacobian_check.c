@@ -109,15 +109,15 @@ static PetscErrorCode Compare(MpmModel model, Vec x, MpmJacobianCheck *check)
 static PetscErrorCode Check(MpmModel model, PetscReal cells, MpmJacobianCheck *check)
 {
   const PetscReal dt = model->state.dt_wanted;
-  const char     *why;
+  MpmOutcome      outcome;
   Vec             x;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
-  PetscCheck(!why, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", why);
-  PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &why));
-  PetscCheck(!why, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", why);
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &outcome));
+  PetscCheck(!outcome.code, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", outcome.text);
+  PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &outcome));
+  PetscCheck(!outcome.code, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", outcome.text);
   PetscCheck(model->solver.jacobian, model->comm, PETSC_ERR_SUP,
              "the preconditioner does without a matrix: there is none to compare with");
   PetscCall(VecDuplicate(model->solver.x, &x));

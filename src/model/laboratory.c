@@ -233,7 +233,7 @@ static PetscErrorCode WriteHistory(MpmModel model, PetscReal dt)
 static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nominal, PetscReal *dt)
 {
   MpmLaboratory  *laboratory = model->laboratory;
-  const char    **why        = &model->caller.why;
+  MpmOutcome     *outcome    = &model->caller.outcome;
   MpmPointControl control;
   PetscReal       time;
   PetscLogDouble  since;
@@ -247,16 +247,16 @@ static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nomina
     *dt  = time - model->state.time;
     PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SOLVE, &since));
     MpmPointPathAt(&laboratory->path, time, &control);
-    PetscCall(MpmStressPointStep(&laboratory->point, &control, *dt, why));
+    PetscCall(MpmStressPointStep(&laboratory->point, &control, *dt, outcome));
     PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SOLVE, since));
     model->solver.newton_total += laboratory->point.newton;
     model->solver.linear_total += laboratory->point.linear;
-    if (!*why) break;
+    if (!outcome->code) break;
     if (0.5 * *dt < SHORTEST * nominal) PetscFunctionReturn(PETSC_SUCCESS);
     laboratory->fraction = 0.5 * *dt / nominal;
     model->state.cuts++;
     model->state.cuts_total++;
-    PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", *why, 0.5 * (double)*dt));
+    PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", outcome->text, 0.5 * (double)*dt));
   }
   laboratory->fraction = PetscMin(GROWTH * laboratory->fraction, 1.);
   model->state.time    = time;
@@ -291,7 +291,7 @@ static PetscErrorCode FollowRow(MpmModel model, PetscInt row, PetscBool *interru
 
     while (model->state.time < target) {
       PetscCall(Advance(model, target, nominal, &dt));
-      if (model->caller.why) PetscFunctionReturn(PETSC_SUCCESS);
+      if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
       PetscCall(WriteHistory(model, dt));
       PetscCall(MpmTerminalStep(model, dt));
       PetscCall(IsInterrupted(model, interrupted));
@@ -305,24 +305,23 @@ PetscErrorCode MpmLaboratoryRun(MpmModel model, int *status)
 {
   const MpmOptions options     = {model->comm, NULL, model->record};
   PetscBool        interrupted = PETSC_FALSE;
-  const char      *why;
+  MpmOutcome      *outcome     = &model->caller.outcome;
   char             text[512];
 
   PetscFunctionBeginUser;
-  model->caller.why           = NULL;
+  MpmOutcomeClear(outcome);
   model->laboratory->fraction = 1.;
   PetscCall(Describe(model, sizeof(text), text));
   PetscCall(MpmTerminalBegin(model, text));
   PetscCall(CreateHistory(model));
-  for (PetscInt row = 0; row + 1 < model->laboratory->path.rows && !model->caller.why && !interrupted; row++)
+  for (PetscInt row = 0; row + 1 < model->laboratory->path.rows && !outcome->code && !interrupted; row++)
     PetscCall(FollowRow(model, row, &interrupted));
-  why = model->caller.why;
-  if (why)
+  if (outcome->code)
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
-                              (double)model->state.time, why));
-  PetscCall(MpmModelWriteSummary(model, why ? why : interrupted ? "interrupted" : "completed"));
+                              (double)model->state.time, outcome->text));
+  PetscCall(MpmModelWriteSummary(model, outcome->code ? outcome->text : interrupted ? "interrupted" : "completed"));
   if (model->caller.terminal) PetscCall(MpmOptionsWarnUnused(&options, MPM_AT_END));
-  *status = why ? MPM_EXIT_GAVEUP : 0;
+  *status = outcome->code ? MPM_EXIT_GAVEUP : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

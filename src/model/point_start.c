@@ -322,7 +322,7 @@ static PetscErrorCode CreateFields(MpmModel model)
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 PetscErrorCode MpmPointsCreate(MpmModel model)
 {
-  const char *why;
+  MpmOutcome outcome;
 
   PetscFunctionBeginUser;
   PetscCall(CreateFields(model));
@@ -337,8 +337,8 @@ PetscErrorCode MpmPointsCreate(MpmModel model)
   PetscCall(MpmFillOwnStates(model));
   PetscCall(MpmFillFromFiles(model));
   PetscCall(MpmFillParts(model));
-  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &why));
-  MpmCheckInput(!why, "-mpm_bodies: %s", why);
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &outcome));
+  MpmCheckInput(!outcome.code, "-mpm_bodies: %s", outcome.text);
   PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));

@@ -16,6 +16,12 @@
 #include "model/build.h"
 #include "model/laboratory.h"
 
+/* Reason for which the last step was given up, or NULL. */
+static const char *Reason(const MpmModel model)
+{
+  return model->caller.outcome.code ? model->caller.outcome.text : NULL;
+}
+
 /* ---- one step ---- */
 
 static PetscBool AtStageEnd(const MpmModel model)
@@ -35,16 +41,16 @@ static PetscBool AtEnd(const MpmModel model)
 */
 static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
 {
-  const PetscBool begins = (PetscBool)!model->state.scheme.rescuing.on;
-  const char    **why    = &model->caller.why;
+  const PetscBool begins  = (PetscBool)!model->state.scheme.rescuing.on;
+  MpmOutcome     *outcome = &model->caller.outcome;
   PetscInt        before;
   const MpmStage *stage;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   if (AtStageEnd(model)) {
-    PetscCall(MpmStageFinish(model, why));
-    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmStageFinish(model, outcome));
+    if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStageBegin(model, model->state.stage + 1));
   }
   before = model->state.step;
@@ -58,12 +64,12 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (begins && model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
   if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
-    PetscCall(MpmGeostaticRun(model, why));
+    PetscCall(MpmGeostaticRun(model, outcome));
     *dt = model->state.time - model->state.time_start;
-  } else PetscCall(MpmAdvance(model, dt, why));
+  } else PetscCall(MpmAdvance(model, dt, outcome));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (*why) PetscCall(MpmWaterFindClosed(model, why));
-  if (!*why && !model->state.scheme.rescuing.on && model->state.step > before && model->caller.after)
+  if (outcome->code) PetscCall(MpmWaterFindClosed(model, outcome));
+  if (!outcome->code && !model->state.scheme.rescuing.on && model->state.step > before && model->caller.after)
     PetscCall((*model->caller.after)(model, model->caller.after_ctx));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -75,9 +81,9 @@ static PetscErrorCode StepOnce(MpmModel model)
   PetscFunctionBeginUser;
   model->caller.stop = PETSC_FALSE;
   do PetscCall(TakeStep(model, &dt));
-  while (model->state.scheme.rescuing.on && !model->caller.why);
-  if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
-  if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
+  while (model->state.scheme.rescuing.on && !model->caller.outcome.code);
+  if (!model->caller.outcome.code && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.outcome));
+  if (!model->caller.outcome.code) PetscCall(MpmWaterFindHeave(model, &model->caller.outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,10 +95,10 @@ PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
   *status = MPM_COMPLETED;
   if (AtEnd(model)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmModelCall(model, StepOnce(model));
-  *status = model->caller.why    ? MPM_GAVE_UP
-            : AtEnd(model)       ? MPM_COMPLETED
-            : model->caller.stop ? MPM_STOPPED
-                                 : MPM_RUNNING;
+  *status = model->caller.outcome.code ? MPM_GAVE_UP
+            : AtEnd(model)             ? MPM_COMPLETED
+            : model->caller.stop       ? MPM_STOPPED
+                                       : MPM_RUNNING;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,8 +191,8 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (!model->caller.why && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.why));
-  why  = model->caller.why;
+  if (!model->caller.outcome.code && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.outcome));
+  why  = Reason(model);
   gone = model->state.particles->gone;
   step = (PetscBool)(results->output && (!IsDue(model) || !MpmOutputStarted(results->output)));
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
@@ -213,7 +219,7 @@ static PetscErrorCode Run(MpmModel model)
   PetscReal dt;
 
   PetscFunctionBeginUser;
-  model->caller.why = NULL;
+  MpmOutcomeClear(&model->caller.outcome);
   PetscCall(MpmTerminalBegin(model, NULL));
   PetscCall(OpenResults(model));
   PetscCall(MpmCheckpointStep(model, &interrupted));
@@ -221,10 +227,10 @@ static PetscErrorCode Run(MpmModel model)
     const PetscInt before = model->state.step;
 
     PetscCall(TakeStep(model, &dt));
-    if (model->caller.why && model->state.step == before) break;
+    if (model->caller.outcome.code && model->state.step == before) break;
     if (!model->state.scheme.rescuing.on && model->state.step > before) PetscCall(Report(model, dt));
-    if (!model->caller.why) PetscCall(MpmWaterFindHeave(model, &model->caller.why));
-    if (model->caller.why) break;
+    if (!model->caller.outcome.code) PetscCall(MpmWaterFindHeave(model, &model->caller.outcome));
+    if (model->caller.outcome.code) break;
     PetscCall(MpmCheckpointStep(model, &interrupted));
   }
   if (AtEnd(model)) model->caller.stop = PETSC_FALSE;
@@ -243,7 +249,7 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmModelCall(model, Run(model));
-  *status = model->caller.why ? MPM_EXIT_GAVEUP : 0;
+  *status = model->caller.outcome.code ? MPM_EXIT_GAVEUP : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -259,7 +265,7 @@ PetscErrorCode MpmModelStop(MpmModel model)
 PetscErrorCode MpmModelGetReason(MpmModel model, const char **why)
 {
   PetscFunctionBeginUser;
-  *why = model->caller.why;
+  *why = Reason(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -259,15 +259,15 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
 @*/
 PetscErrorCode MpmLatticeWrite(MpmModel model)
 {
-  const char *why = NULL;
-  NodeArrays  arrays;
-  Cells       cells;
+  MpmOutcome outcome;
+  NodeArrays arrays;
+  Cells      cells;
 
   PetscFunctionBeginUser;
   if (!model->disc.committed) {
-    PetscCall(MpmStepSpace(model, &why));
-    if (why) PetscFunctionReturn(PETSC_SUCCESS);                  /* the step will say so */
-    PetscCall(MpmModelPrescribe(model, model->state.time, &why)); /* a contradiction the step tells of */
+    PetscCall(MpmStepSpace(model, &outcome));
+    if (outcome.code) PetscFunctionReturn(PETSC_SUCCESS);             /* the step will say so */
+    PetscCall(MpmModelPrescribe(model, model->state.time, &outcome)); /* a contradiction the step tells of */
   }
   PetscCall(NodeArraysCreate(model, &arrays));
   PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));

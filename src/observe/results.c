@@ -351,7 +351,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
   PetscLogDouble now;
 
   PetscFunctionBeginUser;
-  if (!(summary.factor_of_safety > 0.) && model->caller.why && MpmReductionSeeks(model))
+  if (!(summary.factor_of_safety > 0.) && model->caller.outcome.code && MpmReductionSeeks(model))
     summary.factor_of_safety = model->state.safety.reduced; /* a lower bound */
   PetscCall(PetscArraycpy(summary.changes, model->monitor.changes, MPM_CHANGE_COUNT));
   for (PetscInt a = 0; a < model->disc.dim; a++) summary.cells *= model->disc.grid->cells[a];

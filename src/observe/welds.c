@@ -98,14 +98,14 @@ PetscErrorCode MpmWeldsPrint(MpmModel model)
 {
   const PetscInt n     = model->scene.bodies->count;
   PetscInt       count = 0;
-  const char    *why;
+  MpmOutcome     outcome;
   char          *text = NULL;
   PetscBool     *welded;
 
   PetscFunctionBeginUser;
   if (n < 2 || model->results->checkpoint.restart) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmStepSpace(model, &why));
-  if (why) PetscFunctionReturn(PETSC_SUCCESS); /* the first step will say so */
+  PetscCall(MpmStepSpace(model, &outcome));
+  if (outcome.code) PetscFunctionReturn(PETSC_SUCCESS); /* the first step will say so */
   PetscCall(PetscCalloc1((n * n), &welded));
   PetscCall(FindWelded(model, welded));
   for (PetscInt k = 0; k < n * n; k++) {

@@ -7,6 +7,7 @@
 
   Every rank asks for its own points, with copies of those of other ranks that lie near enough to answer.
 */
+#include "base/outcome.h"
 #include "grid/grid.h"
 #include "particles/outer_faces.h"
 #include "particles/particles.h"
@@ -221,13 +222,13 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
 
 PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid)
 {
-  const char *why;
-  MpmPoints   points;
+  MpmOutcome outcome;
+  MpmPoints  points;
 
   PetscFunctionBeginUser;
   if (!MpmParticlesHaveField(particles, "faces")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesDistribute(particles, grid, &why));
-  MpmCheckInput(!why, "-mpm_bodies: %s", why);
+  PetscCall(MpmParticlesDistribute(particles, grid, &outcome));
+  MpmCheckInput(!outcome.code, "-mpm_bodies: %s", outcome.text);
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(MpmOuterFacesFind(grid, &points, points.part, NULL, points.faces));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));

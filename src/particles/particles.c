@@ -5,6 +5,7 @@
   Ownership is arithmetic on the grid: the rank that owns a cell's lower node owns the points in it, so a point goes to
   its rank in one message however far it moved.
 */
+#include "base/outcome.h"
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
@@ -418,7 +419,7 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, const char **why)
+PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, MpmOutcome *outcome)
 {
   PetscBool moved = PETSC_TRUE;
   PetscInt  count, most;
@@ -428,7 +429,8 @@ PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, co
   PetscCall(MpmParticlesMigrate(particles, grid));
   if (!particles->lost[0]) PetscCall(MpmParticlesRebalance(particles, grid, PETSC_FALSE, &moved));
   if (!particles->lost[0] && moved) PetscCall(MpmParticlesMigrate(particles, grid));
-  *why = particles->lost[0] ? particles->lost : NULL;
+  MpmOutcomeClear(outcome);
+  if (particles->lost[0]) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_OUTSIDE, "%s", particles->lost));
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   PetscCall(MPIU_Allreduce(&count, &most, 1, MPIU_INT, MPI_MAX, grid->comm));
   if (particles->total)

@@ -97,8 +97,8 @@ PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, 
   or `always`; `moved` tells.
 */
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
-/* Both: points at their ranks, ranks about equally full. `why` is NULL, or tells of a lost point. */
-PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, const char **why);
+/* Both: points at their ranks, ranks about equally full. Failure: a lost point. */
+PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, MpmOutcome *outcome);
 /* Displacements are counted from the points' places as they are. */
 PetscErrorCode MpmParticlesStartHere(MpmParticles *particles);
 /* The lowest and highest place of all points along each axis, m. Collective. The points' arrays are lent, if they were not yet. */

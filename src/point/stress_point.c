@@ -16,6 +16,7 @@
 */
 #include <petscsys.h>
 #include <petscblaslapack.h>
+#include "base/outcome.h"
 #include "base/newton_reason.h"
 #include "point/material.h"
 #include "point/registry.h"
@@ -452,7 +453,7 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
 /* ---- a step ---- */
 
 /* The unknown strains by Newton's method from those at the step's start, plus `time` times their rate in the last step. */
-static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, const char **why)
+static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, MpmOutcome *outcome)
 {
   PetscScalar         unknown[MPM_SPACE_SYM] = {0.}, *x;
   const PetscScalar  *found;
@@ -476,13 +477,13 @@ static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, const char **
   PetscCall(SNESGetLinearSolveIterations(point->snes, &linear));
   point->newton += newton;
   point->linear += linear;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   if (reason == SNES_DIVERGED_LINE_SEARCH) {
     PetscCall(SNESGetFunctionNorm(point->snes, &norm));
     if (norm <= STALLED * largest) reason = SNES_CONVERGED_FNORM_ABS;
   }
   if (reason <= 0) {
-    *why = MpmNewtonReason(reason);
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION, "%s", MpmNewtonReason(reason)));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(VecGetArrayRead(point->x, &found));
@@ -493,10 +494,11 @@ static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, const char **
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *control, PetscReal dt, const char **why)
+PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *control, PetscReal dt,
+                                  MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
-  *why           = NULL;
+  MpmOutcomeClear(outcome);
   point->control = *control;
   point->dt      = dt;
   point->newton = point->linear = 0;
@@ -505,13 +507,13 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
     PetscCall(MpmStrainFromDeformation(point->strain_measure, point->next.F, point->next.strain));
   } else {
     if (!point->count) PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
-    else PetscCall(Solve(point, 0., why));
-    if (*why) PetscCall(Solve(point, dt, why)); /* flow that goes on may be too far for an elastic guess */
-    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+    else PetscCall(Solve(point, 0., outcome));
+    if (outcome->code) PetscCall(Solve(point, dt, outcome)); /* flow that goes on may be too far for an elastic guess */
+    if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStretchFromStrain(point->strain_measure, point->next.strain, point->next.F));
   }
   if (!FindStress(point, point->next.F, point->next.stress, point->next.history)) {
-    *why = "the law has no answer";
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_ANSWER, "the law has no answer"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt k = 0; k < MPM_SPACE_SYM; k++)

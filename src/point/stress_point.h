@@ -85,8 +85,8 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
 - dt      - the step's time, s
 
   Output Parameter:
-. why - NULL, or the reason (static text) for which there was no answer: the point then stands where it was
+. outcome - failure where there was no answer: the point then stands where it was
 @*/
 PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *control, PetscReal dt,
-                                  const char **why);
+                                  MpmOutcome *outcome);
 PetscErrorCode MpmStressPointDestroy(MpmStressPoint *point);

@@ -3,6 +3,7 @@
   A model and its parts: what was read, what moves on, and what a step works with.
 */
 #include "base/base.h"
+#include "base/outcome.h"
 #include "base/types.h"
 #include "problem/discretization.h"
 #include "talus/talus.h"
@@ -20,7 +21,7 @@ typedef struct {
   PetscBool   busy;     /* in a call that must not be entered again */
   PetscBool   stop;     /* the caller asks for the end of the run */
   PetscBool   terminal; /* progress and warnings are shown */
-  const char *why;      /* the last step was given up */
+  MpmOutcome  outcome;  /* of the last step */
 } MpmCaller;
 
 /* Results and progress, and the test of a stress point, which are the run's. */

@@ -151,7 +151,7 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *retryable)
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, MpmOutcome *outcome)
 {
   MpmPoints points;
 
@@ -163,9 +163,9 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, con
   PetscCall(SetWater(model, rest, scale));
   model->state.scheme.load_scale = scale;
   model->state.dt_last           = 0.;
-  PetscCall(MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, why,
-                    retryable));
-  if (!*why) {
+  PetscCall(
+    MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, outcome));
+  if (!outcome->code) {
     PetscCall(PutBack(model, rest));
     PetscCall(MpmPairsPutBack(model->disc.pairs, rest->n, model->state.particles));
     model->disc.put_back = PETSC_TRUE;
@@ -197,7 +197,7 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
   `first` and `half`: their ways in the first iteration and after half of them, m.
 */
 static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solved, PetscReal first, PetscReal half,
-                              const char **why)
+                              MpmOutcome *outcome)
 {
   const MpmStage *stage = &model->scene.stages[model->state.stage];
   const PetscReal most = stage->geostatic.tolerance * rest->height, moved = rest->moved;
@@ -218,40 +218,35 @@ static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solv
     (void)PetscSNPrintf(text, sizeof(text),
                         "points go to and fro; -mpm_stage_%.40s_geostatic_tolerance %.2g would take that for rest",
                         stage->name, (double)(2. * moved / rest->height));
-  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                      "no equilibrium in %" PetscInt_FMT " iterations: points still move by %.3g m; %s", solved,
-                      (double)moved, text);
-  *why = model->solver.lost;
+  (void)MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION,
+                       "no equilibrium in %" PetscInt_FMT " iterations: points still move by %.3g m; %s", solved,
+                       (double)moved, text);
 }
 
 /* Says how much of the loads the ground bears, where they grow. */
-static void ExplainPart(MpmModel model, PetscReal part, const char **why)
+static void ExplainPart(PetscReal part, MpmOutcome *outcome)
 {
-  char text[sizeof(model->solver.lost)];
-
   if (part <= 0.) return;
-  (void)PetscStrncpy(text, *why, sizeof(text));
   if (part >= 1.)
-    (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                        "no equilibrium under the loads: %s; with the method gravity the line says which part of them "
-                        "the ground bears",
-                        text);
+    (void)MpmOutcomeExplain(
+      outcome,
+      "no equilibrium under the loads: %s; with the method gravity the line says which part of them "
+      "the ground bears",
+      outcome->text);
   else
-    (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                        "the ground collapses under its loads: it bears %.4g of them; beyond that %s", (double)part,
-                        text);
-  *why = model->solver.lost;
+    (void)MpmOutcomeExplain(outcome, "the ground collapses under its loads: it bears %.4g of them; beyond that %s",
+                            (double)part, outcome->text);
 }
 
 /* Steps until the points are in equilibrium; `solved` counts those under the full loads. */
-static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *solved, const char **why)
+static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *solved, MpmOutcome *outcome)
 {
   const MpmGeostatic *geostatic = &model->scene.stages[model->state.stage].geostatic;
   PetscReal           part      = geostatic->method == MPM_GEOSTATIC_K0 ? 1. : 0.; /* of the loads that act */
   PetscReal           grow  = PetscMin(model->state.dt_nominal / (model->state.time_end - model->state.time_start), 1.);
   PetscReal           first = 0., half = 0.;
   PetscInt            newton = 0, linear = 0;
-  PetscBool           retryable, again;
+  PetscBool           again;
 
   PetscFunctionBeginUser;
   *solved           = 0;
@@ -260,16 +255,16 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
     const PetscReal next = part + grow > 1. - 1e-9 ? 1. : part + grow;
 
     if (*solved == geostatic->iterations) {
-      ExplainIterations(model, rest, *solved, first, half, why);
+      ExplainIterations(model, rest, *solved, first, half, outcome);
       break;
     }
-    PetscCall(MpmRestSettle(model, rest, next, why, &retryable));
+    PetscCall(MpmRestSettle(model, rest, next, outcome));
     newton += model->solver.newton;
     linear += model->solver.linear;
-    if (*why) {
+    if (outcome->code) {
       again = PETSC_FALSE;
-      if (retryable) PetscCall(TryAgain(model, part, &grow, *why, &again));
-      if (!again && retryable) ExplainPart(model, part, why);
+      if (outcome->retryable) PetscCall(TryAgain(model, part, &grow, outcome->text, &again));
+      if (!again && outcome->retryable) ExplainPart(part, outcome);
       if (!again) break;
       continue;
     }
@@ -301,17 +296,17 @@ static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt so
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
+PetscErrorCode MpmGeostaticRun(MpmModel model, MpmOutcome *outcome)
 {
   PetscInt  solved;
   MpmPoints points;
   MpmRest   rest;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMovingGridFollow(model, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMovingGridFollow(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmEnergyMark(model));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(RestCreate(model, &points, &rest));
@@ -319,9 +314,9 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why)
   model->state.scheme.water_held = PETSC_TRUE;
   if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
-  PetscCall(FindEquilibrium(model, &rest, &solved, why));
+  PetscCall(FindEquilibrium(model, &rest, &solved, outcome));
   model->state.scheme.water_held = PETSC_FALSE;
-  if (!*why) {
+  if (!outcome->code) {
     PetscCall(PrintRest(model, &rest, solved));
     model->state.time = model->state.time_end;
     model->state.step++;

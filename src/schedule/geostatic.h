@@ -22,10 +22,10 @@ typedef struct {
 } MpmRest;
 
 /* One step under `scale` times the loads; stress and history stay, and the points go back to where they were. */
-PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, const char **why, PetscBool *retryable);
+PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, MpmOutcome *outcome);
 /* After a change of volume0 and F: the points' masses are what they were. */
 PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest);
 /* Gives all points the stage's stress of k0, and F and history with it (k0_balance.c). */
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
-/* The whole of a geostatic stage (geostatic.c); `why` is NULL, or the reason why it was given up. */
-PetscErrorCode MpmGeostaticRun(MpmModel model, const char **why);
+/* The whole of a geostatic stage (geostatic.c). */
+PetscErrorCode MpmGeostaticRun(MpmModel model, MpmOutcome *outcome);

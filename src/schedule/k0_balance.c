@@ -402,7 +402,7 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
   MpmModel            model  = balance->second;
   const PetscInt      size   = model->state.particles->stress_size;
   PetscInt            failed = 0;
-  const char         *why;
+  MpmOutcome          outcome;
   MpmPoints           points;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
 
@@ -411,9 +411,9 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
     for (PetscInt c = 0; c < size; c++) balance->history[p * (size + 1) + c] = balance->stress[p * size + c];
     balance->history[p * (size + 1) + size] = balance->ratio[p];
   }
-  PetscCall(
-    MpmStepPrepare(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, &why));
-  if (!why) {
+  PetscCall(MpmStepPrepare(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE,
+                           &outcome));
+  if (!outcome.code) {
     points                        = *model->disc.points;
     points.F                      = balance->F;
     points.volume0                = balance->volume0;
@@ -425,7 +425,7 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
     model->disc.trial->made = PETSC_FALSE;
     model->disc.sum->points = model->disc.points;
   }
-  *solved = (PetscBool)(!why && reason > 0);
+  *solved = (PetscBool)(!outcome.code && reason > 0);
   if (*solved) PetscCall(TakeStress(balance));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -19,14 +19,14 @@ PetscErrorCode MpmReductionApply(MpmModel model, PetscReal time);
 PetscErrorCode MpmModelSetOwn(MpmModel model);
 PetscErrorCode MpmReductionObserve(MpmModel model);
 /*
-  The bracket, in steps without inertia to `next`: do they raise the factor that is sought? Look: `why` becomes the
-  reason where a solution passes the limit. After a step that failed: is there a shorter one to try? Close: the factor
-  is known, and the stage ends in the state that stood, or goes on; or `why` becomes that the solver gave up, with the
-  lower bound.
+  The bracket, in steps without inertia to `next`: do they raise the factor that is sought? Look: a solution
+  beyond the limit is refused. After a step that failed: is there a shorter one to try? Close: the factor
+  is known, and the stage ends in the state that stood, or goes on; or the failure of the solver has the lower
+  bound.
 */
 PetscBool      MpmReductionBrackets(const MpmModel model, PetscReal next);
-PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why);
+PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, MpmOutcome *outcome);
 PetscBool      MpmReductionNarrows(MpmModel model, PetscReal next);
-PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **why);
+PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, MpmOutcome *outcome);
 /* The points' fields for it, one an axis. */
 extern const char *const MpmReductionFields[MPM_MAX_DIM];

@@ -111,18 +111,18 @@ static PetscErrorCode SetBody(MpmModel model, PetscInt body, PetscReal time, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, const char **why)
+PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, MpmOutcome *outcome)
 {
   PetscBool moved = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmEnergyMark(model));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     if (model->state.scheme.fading[b].ramp) PetscCall(SetBody(model, b, time, &moved));
   if (moved) {
-    PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
+    PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, outcome));
     PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   }
   PetscCall(MpmEnergyRebase(model));

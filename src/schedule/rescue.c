@@ -117,7 +117,7 @@ static PetscErrorCode Finish(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, const char **why)
+PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
 {
   MpmRescuing       *rescuing = &model->state.scheme.rescuing;
   const MpmRelaxing *relaxing = &model->state.relaxing;
@@ -130,12 +130,11 @@ PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, const char **why)
     *dt = rescuing->end - rescuing->start;
     PetscCall(Finish(model));
   } else if (rescuing->steps >= most) {
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "the relaxation that goes on to time %.6g has not come to rest in %" PetscInt_FMT
-                            " steps: K_F is %.3g and K_E %.3g, with a tolerance of %g",
-                            (double)rescuing->end, rescuing->steps, (double)relaxing->force, (double)relaxing->energy,
-                            (double)model->scene.stages[model->state.stage].relaxation.tolerance));
-    *why = model->solver.lost;
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION,
+                             "the relaxation that goes on to time %.6g has not come to rest in %" PetscInt_FMT
+                             " steps: K_F is %.3g and K_E %.3g, with a tolerance of %g",
+                             (double)rescuing->end, rescuing->steps, (double)relaxing->force, (double)relaxing->energy,
+                             (double)model->scene.stages[model->state.stage].relaxation.tolerance));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

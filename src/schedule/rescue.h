@@ -7,14 +7,14 @@
 
 /* Does the stage under way want it, and may its integrator give way? */
 PetscBool MpmRescueServes(const MpmModel model);
-/* Begins one, to the end of a whole step of the stage; `why`: what the step gave up for. */
+/* Begins one, to the end of a whole step of the stage; `why`: reason of the step's failure. */
 PetscErrorCode MpmRescueBegin(MpmModel model, const char *why);
 /* The run's time after the next step of the motion, whose length is state.dt_wanted. */
 PetscErrorCode MpmRescueNextTime(MpmModel model, PetscReal *time);
 /*
   After a step of it. At rest: the quasi-static step of length `dt` is done, and the next one may begin; no longer state.scheme.rescuing.on.
-  `why`: NULL, or that it has not come to rest in as many steps as it may take.
+  Failure: not at rest in as many steps as it may take.
 */
-PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, const char **why);
+PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, MpmOutcome *outcome);
 /* For a run that goes on within one. */
 void MpmRescueResume(MpmModel model);

@@ -8,28 +8,26 @@
 
 /*
   One step from model->time to `time`, dt later; `again`: the points have not moved since the last call, the space
-  stands. `why` is NULL when it converged, otherwise the reason (static text); `retryable`: a shorter step may help.
+  stands.
 */
-PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
-                       PetscBool *retryable);
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
 /* The points' places and their ranks, for a step that begins there. */
-PetscErrorCode MpmStepArrange(MpmModel model, const char **why);
+PetscErrorCode MpmStepArrange(MpmModel model, MpmOutcome *outcome);
 /* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
 void MpmStepAverageDilation(MpmModel model, PetscBool average);
 /* A time without the rounding errors of the sum that it is, where it is a decimal number but for them. */
 PetscReal MpmTimeRound(PetscReal time);
 /* The end of the step that starts now, and its length. */
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
-/* One step, cut as often as needed; `dt` is its length, `why` the reason when it was given up (step_control.c). */
-PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why);
+/* One step, cut as often as needed; `dt` is its length (step_control.c). */
+PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome);
 /*
-  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, where `why` becomes the reason for
-  which it is suspected, and
-  `retryable` false once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the
+  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, refused where it is
+  suspected, and not `retryable` once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the
   last steps been; Explain adds what was suspected to the reason for which a run gives up.
 */
 void           MpmSlideBegin(MpmModel model);
-PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable);
+PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, MpmOutcome *outcome);
 void           MpmSlideObserve(MpmModel model);
 PetscBool      MpmSlideSuspects(const MpmModel model);
-PetscErrorCode MpmSlideExplain(MpmModel model, const char **why);
+PetscErrorCode MpmSlideExplain(MpmModel model, MpmOutcome *outcome);

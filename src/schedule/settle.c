@@ -122,23 +122,22 @@ static PetscErrorCode Leave(MpmModel model, PetscBool back, Start *start)
 }
 
 /* Steps to `next` until one leaves the ground at rest; those that fail are taken with a shorter tau. */
-static PetscErrorCode Move(MpmModel model, PetscReal next, PetscReal dt, PetscReal crossing, const char **why)
+static PetscErrorCode Move(MpmModel model, PetscReal next, PetscReal dt, PetscReal crossing, MpmOutcome *outcome)
 {
   MpmSettling *settling = &model->state.scheme.settling;
   PetscReal    unrest = 1., most = PETSC_MAX_REAL;
   PetscInt     held = 0;
-  PetscBool    retryable;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < STEPS; k++) {
-    PetscCall(MpmStepArrange(model, why));
-    if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(MpmStep(model, next, dt, PETSC_FALSE, why, &retryable));
+    PetscCall(MpmStepArrange(model, outcome));
+    if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmStep(model, next, dt, PETSC_FALSE, outcome));
     settling->newton += model->solver.newton;
     settling->steps++;
-    if (*why && (model->state.safety.beyond > 0. || settling->tau < SHORTEST * crossing))
+    if (outcome->code && (model->state.safety.beyond > 0. || settling->tau < SHORTEST * crossing))
       PetscFunctionReturn(PETSC_SUCCESS);
-    if (*why) {
+    if (outcome->code) {
       settling->tau /= LONGER;
       most = settling->tau;
       held = 0;
@@ -155,14 +154,13 @@ static PetscErrorCode Move(MpmModel model, PetscReal next, PetscReal dt, PetscRe
       held = 0;
     }
   }
-  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                          "the ground has not come to rest in %d steps, %.2g of the loads are out of balance", STEPS,
-                          (double)unrest));
-  *why = model->solver.lost;
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION,
+                           "the ground has not come to rest in %d steps, %.2g of the loads are out of balance", STEPS,
+                           (double)unrest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, const char **why)
+PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, MpmOutcome *outcome)
 {
   MpmSettling    *settling = &model->state.scheme.settling;
   const PetscBool predict  = model->state.predict;
@@ -172,16 +170,16 @@ PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, const cha
   PetscFunctionBeginUser;
   PetscCall(FindCrossing(model, &crossing));
   PetscCall(Keep(model, &start));
-  *why             = NULL;
+  MpmOutcomeClear(outcome);
   settling->on     = PETSC_TRUE;
   settling->newton = 0;
   if (!(settling->tau > SHORTEST * crossing)) settling->tau = crossing;
   model->state.predict = PETSC_FALSE;
-  PetscCall(Move(model, next, dt, crossing, why));
+  PetscCall(Move(model, next, dt, crossing, outcome));
   model->state.predict = predict;
   settling->on         = PETSC_FALSE;
   PetscCall(MpmSettleSet(model));
-  PetscCall(Leave(model, (PetscBool)(*why != NULL), &start));
+  PetscCall(Leave(model, (PetscBool)(outcome->code != MPM_OUTCOME_DONE), &start));
   model->solver.newton = settling->newton;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,7 +7,7 @@
 #include "query/scene.h"
 
 /*
-  Goes on to `next`, by steps of `dt` for what rates there are, until the ground is at rest there: *why is NULL. Otherwise the reason: it passes the limit of
-  the reduction (state.safety.beyond > 0), or does not settle. The points are then on their way.
+  Goes on to `next`, by steps of `dt` for what rates there are, until the ground is at rest there. Failure: the ground
+  passes the limit of the reduction (state.safety.beyond > 0), or does not settle; the points are then where they were.
 */
-PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, const char **why);
+PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, MpmOutcome *outcome);

@@ -137,15 +137,15 @@ static PetscErrorCode FindFastest(MpmModel model, MpmFastest *fastest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Says what moves, how far and where, by a format of a name, a length and a place. */
-static void Describe(MpmModel model, const MpmFastest *fastest, const char format[])
+/* Failure: what moves, how far and where, by a format of a name, a length and a place. */
+static void Describe(MpmModel model, const MpmFastest *fastest, const char format[], MpmOutcome *outcome)
 {
   const char *body = fastest->body >= 0 ? model->scene.bodies->names[fastest->body] : "a body";
   char        place[96];
 
   (void)PetscSNPrintf(place, sizeof(place), model->disc.dim > 2 ? "(%.4g, %.4g, %.4g)" : "(%.4g, %.4g)",
                       (double)fastest->place[0], (double)fastest->place[1], (double)fastest->place[2]);
-  (void)PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost), format, body, (double)fastest->way, place);
+  (void)MpmOutcomeFail(outcome, MPM_OUTCOME_REFUSED, format, body, (double)fastest->way, place);
 }
 
 #define SLIDES "the ground slides: %.40s, %.3g m a step whatever the step, fastest at %s"
@@ -173,7 +173,7 @@ static PetscBool GoesOn(const MpmSlide *slide)
 }
 
 /* Ends the run where short steps far out of proportion have added up. */
-static PetscErrorCode LookAtSum(MpmModel model, const char **why, PetscBool *retryable)
+static PetscErrorCode LookAtSum(MpmModel model, MpmOutcome *outcome)
 {
   MpmSlide       *slide = &model->state.scheme.slide;
   const PetscReal most  = JUMP_WAY * model->disc.grid->h[0];
@@ -185,14 +185,13 @@ static PetscErrorCode LookAtSum(MpmModel model, const char **why, PetscBool *ret
   if (!GoesOn(slide) || slide->slid + slide->now.way <= most) PetscFunctionReturn(PETSC_SUCCESS);
   sum = slide->now;
   sum.way += slide->slid;
-  *retryable = PETSC_FALSE;
-  Describe(model, &sum, MOVES);
-  *why = model->solver.lost;
+  outcome->retryable = PETSC_FALSE;
+  Describe(model, &sum, MOVES, outcome);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Halves a step whose solution is suspected to be a jump, or ends the run. */
-static PetscErrorCode LookAtJump(MpmModel model, PetscReal next, const char **why, PetscBool *retryable)
+static PetscErrorCode LookAtJump(MpmModel model, PetscReal next, MpmOutcome *outcome)
 {
   MpmSlide       *slide = &model->state.scheme.slide;
   const PetscReal span = next - model->state.time, most = JUMP_RATIO * slide->force * slide->ways;
@@ -208,16 +207,15 @@ static PetscErrorCode LookAtJump(MpmModel model, PetscReal next, const char **wh
     slide->way  = slide->now.way;
   }
   slide->seen = slide->now;
-  Describe(model, &slide->now, JUMPS);
-  *why = model->solver.lost;
+  Describe(model, &slide->now, JUMPS, outcome);
   if (span <= 1.001 * PetscPowRealInt(0.5, JUMP_HALVES) * slide->span && slide->now.way >= JUMP_SHRINK * slide->way) {
-    *retryable = PETSC_FALSE;
-    Describe(model, &slide->now, SLIDES);
+    outcome->retryable = PETSC_FALSE;
+    Describe(model, &slide->now, SLIDES, outcome);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, PetscBool *retryable)
+PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, MpmOutcome *outcome)
 {
   MpmSlide *slide = &model->state.scheme.slide;
 
@@ -227,8 +225,8 @@ PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, const char **why, Pe
   PetscCall(FindLongest(model, &slide->now.way));
   slide->force = model->solver.cache.reference;
   slide->dt    = next - model->state.time;
-  PetscCall(LookAtJump(model, next, why, retryable));
-  if (!*why) PetscCall(LookAtSum(model, why, retryable));
+  PetscCall(LookAtJump(model, next, outcome));
+  if (!outcome->code) PetscCall(LookAtSum(model, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -257,19 +255,17 @@ PetscBool MpmSlideSuspects(const MpmModel model)
                      model->state.time <= model->state.scheme.slide.end + model->state.dt_nominal);
 }
 
-PetscErrorCode MpmSlideExplain(MpmModel model, const char **why)
+PetscErrorCode MpmSlideExplain(MpmModel model, MpmOutcome *outcome)
 {
   const MpmSlide   *slide   = &model->state.scheme.slide;
   const MpmFastest *fastest = MpmSlideSuspects(model) ? &slide->seen : &slide->last;
-  char              text[sizeof(model->solver.lost)];
+  char              text[MPM_OUTCOME_TEXT];
 
   PetscFunctionBeginUser;
   if (!MustStand(model) || (!MpmSlideSuspects(model) && !(slide->ratio > JUMP_RATIO)))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscStrncpy(text, strstr(*why, " jumps by ") ? "" : *why, sizeof(text)));
-  Describe(model, fastest, SLIDES);
-  if (text[0]) PetscCall(PetscStrlcat(model->solver.lost, "; ", sizeof(model->solver.lost)));
-  PetscCall(PetscStrlcat(model->solver.lost, text, sizeof(model->solver.lost)));
-  *why = model->solver.lost;
+  PetscCall(PetscStrncpy(text, strstr(outcome->text, " jumps by ") ? "" : outcome->text, sizeof(text)));
+  Describe(model, fastest, SLIDES, outcome);
+  PetscCall(MpmOutcomeExplain(outcome, "%s%s%s", outcome->text, text[0] ? "; " : "", text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

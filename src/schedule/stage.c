@@ -143,8 +143,8 @@ PetscErrorCode MpmStagesSelect(MpmModel model)
 
 static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
 {
-  PetscInt    first, end;
-  const char *why; /* the next step tells of it */
+  PetscInt   first, end;
+  MpmOutcome outcome; /* the next step tells of it */
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
@@ -159,7 +159,7 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
     if (model->state.stage) PetscCall(MpmGapClose(model, b, stage->name));
     PetscCall(MpmWaterFill(model, first, end));
   }
-  PetscCall(MpmMovingGridFollow(model, &why));
+  PetscCall(MpmMovingGridFollow(model, &outcome));
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,12 +11,11 @@ PetscErrorCode MpmStagesDestroy(MpmModel model);
 PetscErrorCode MpmStagesSelect(MpmModel model);
 /*
   Bodies that go by a ramp (removal.c): Begin starts it for one, false where it goes at once; Set applies the parts at a
-  time, and
-  `why` becomes NULL or the reason for which points are lost; Commit after a step that was accepted; Resume for a run
+  time, and fails where points are lost; Commit after a step that was accepted; Resume for a run
   that goes on.
 */
 PetscBool      MpmRemovalBegin(MpmModel model, const MpmStage *stage, PetscInt body);
-PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, const char **why);
+PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, MpmOutcome *outcome);
 PetscErrorCode MpmRemovalCommit(MpmModel model);
 void           MpmRemovalResume(MpmModel model);
 /* Closes the gap beneath a body that joins, or refuses the body (fill_gap.c). Its points are there. Collective. */
@@ -29,7 +28,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
   What the integrator leaves to the end of a stage, before the next one begins or the run ends (step_control.c). Not in
   a run's checkpoints: should the stage end later than it was thought, then it goes on as if nothing had happened.
 */
-PetscErrorCode MpmStageFinish(MpmModel model, const char **why);
+PetscErrorCode MpmStageFinish(MpmModel model, MpmOutcome *outcome);
 PetscBool      MpmStageHasFinish(const MpmModel model);
 /* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
 PetscErrorCode MpmStageResume(MpmModel model);

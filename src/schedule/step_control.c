@@ -37,7 +37,7 @@
   Is the error in time of the step that has been solved for too large? Not where a shorter step has not made it smaller: it
   then comes from something sudden, or where no shorter step may be tried; that is told.
 */
-static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, const char **why)
+static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, MpmOutcome *outcome)
 {
   MpmScheme      *scheme = &model->state.scheme;
   const PetscReal before = scheme->refused, part = before > 0. ? dt / scheme->refused_dt : 1.;
@@ -52,9 +52,7 @@ static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, const char **why
   if (shorter && !(before > 0. && scheme->estimate > PetscPowReal(part, STUBBORN) * before)) {
     scheme->refused    = scheme->estimate;
     scheme->refused_dt = dt;
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost), "the error in time is %.2g",
-                            (double)scheme->estimate));
-    *why = model->solver.lost;
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_REFUSED, "the error in time is %.2g", (double)scheme->estimate));
   } else {
     PetscCall(MpmMonitorNote(&model->monitor, "the error in time is %.2g, and no less in shorter steps",
                              (double)scheme->estimate));
@@ -62,33 +60,31 @@ static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, const char **why
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why,
-                       PetscBool *retryable)
+PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   const MpmIntegrator *integrator = model->state.scheme.integrator;
   const PetscBool      removes    = MpmRemovalGoesOn(model);
-  const char          *lost;
+  MpmOutcome           lost;
 
   PetscFunctionBeginUser;
-  *retryable = PETSC_FALSE;
-  *why       = NULL;
+  MpmOutcomeClear(outcome);
   if (!again) model->state.scheme.refused = 0.;
   PetscCall(MpmReductionApply(model, time));
-  if (removes) PetscCall(MpmRemovalSet(model, time, why));
-  if (!*why) PetscCall(integrator->begin(model, time, dt, (PetscBool)(again && !removes), why));
-  if (!*why) {
+  if (removes) PetscCall(MpmRemovalSet(model, time, outcome));
+  if (!outcome->code) PetscCall(integrator->begin(model, time, dt, (PetscBool)(again && !removes), outcome));
+  if (!outcome->code) {
     PetscCall(integrator->predict(model));
-    PetscCall(integrator->solve(model, why, retryable));
-    if (!*why) {
-      *retryable = PETSC_TRUE;
-      PetscCall(LookAtError(model, dt, why));
-      if (!*why) PetscCall(MpmReductionLook(model, time, why));
-      if (!*why) PetscCall(MpmSlideLook(model, time, why, retryable));
+    PetscCall(integrator->solve(model, outcome));
+    if (!outcome->code) {
+      outcome->retryable = PETSC_TRUE;
+      PetscCall(LookAtError(model, dt, outcome));
+      if (!outcome->code) PetscCall(MpmReductionLook(model, time, outcome));
+      if (!outcome->code) PetscCall(MpmSlideLook(model, time, outcome));
     } else model->state.scheme.refused = 0.;
-    PetscCall((*why ? integrator->roll_back : integrator->accept)(model));
+    PetscCall((outcome->code ? integrator->roll_back : integrator->accept)(model));
   }
-  if (*why) PetscCall(MpmReductionApply(model, model->state.time));
-  if (removes && *why) PetscCall(MpmRemovalSet(model, model->state.time, &lost));
+  if (outcome->code) PetscCall(MpmReductionApply(model, model->state.time));
+  if (removes && outcome->code) PetscCall(MpmRemovalSet(model, model->state.time, &lost));
   else if (removes) PetscCall(MpmRemovalCommit(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -185,26 +181,23 @@ static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
 }
 
 /* Where Newton's method has found no state of rest in the shortest step, motion might: it takes over, or is named in the reason. */
-static PetscErrorCode OfferRelaxation(MpmModel model, const char **why)
+static PetscErrorCode OfferRelaxation(MpmModel model, MpmOutcome *outcome)
 {
   SNESConvergedReason reason;
-  char                text[sizeof(model->solver.lost)];
 
   PetscFunctionBeginUser;
   if (!MpmCouldRelax(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESGetConvergedReason(model->solver.snes, &reason));
   if (reason > 0) PetscFunctionReturn(PETSC_SUCCESS);
   if (MpmRescueServes(model)) {
-    PetscCall(MpmRescueBegin(model, *why));
-    *why = NULL;
+    PetscCall(MpmRescueBegin(model, outcome->text));
+    MpmOutcomeClear(outcome);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscSNPrintf(text, sizeof(text),
-                          "%s; if there is a state of rest elsewhere, a stage of type relaxation may find it, or "
-                          "-mpm_time_rescue relaxation in this one",
-                          *why));
-  PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text)));
-  *why = model->solver.lost;
+  PetscCall(MpmOutcomeExplain(outcome,
+                              "%s; if there is a state of rest elsewhere, a stage of type relaxation may find it, or "
+                              "-mpm_time_rescue relaxation in this one",
+                              outcome->text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,43 +212,39 @@ static PetscErrorCode DividePoints(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepArrange(MpmModel model, const char **why)
+PetscErrorCode MpmStepArrange(MpmModel model, MpmOutcome *outcome)
 {
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMovingGridFollow(model, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMovingGridFollow(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_MIGRATE, &since));
   if (model->scene.stabilization.divide > 0.) PetscCall(DividePoints(model));
-  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, why));
+  PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, outcome));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_MIGRATE, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A step of the motion that goes on where a quasi-static step gave up. */
-static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, const char **why)
+static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
 {
   PetscReal next;
-  PetscBool retryable;
-  char      text[sizeof(model->solver.lost)];
 
   PetscFunctionBeginUser;
-  PetscCall(model->state.scheme.integrator->length(model, why));
-  if (!*why) {
+  PetscCall(model->state.scheme.integrator->length(model, outcome));
+  if (!outcome->code) {
     PetscCall(MpmRescueNextTime(model, &next));
-    PetscCall(MpmStep(model, next, model->state.dt_wanted, PETSC_FALSE, why, &retryable));
+    PetscCall(MpmStep(model, next, model->state.dt_wanted, PETSC_FALSE, outcome));
   }
-  if (*why) {
-    PetscCall(PetscSNPrintf(text, sizeof(text), "the relaxation that goes on to time %.6g: %s",
-                            (double)model->state.scheme.rescuing.end, *why));
-    PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text)));
-    *why = model->solver.lost;
+  if (outcome->code) {
+    PetscCall(MpmOutcomeExplain(outcome, "the relaxation that goes on to time %.6g: %s",
+                                (double)model->state.scheme.rescuing.end, outcome->text));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   model->state.time = next;
   PetscCall(MpmReductionObserve(model));
-  PetscCall(MpmRescueOver(model, dt, why));
+  PetscCall(MpmRescueOver(model, dt, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -264,13 +253,13 @@ PetscBool MpmStageHasFinish(const MpmModel model)
   return (PetscBool)(model->state.scheme.integrator->finish && !MpmModelRelaxes(model));
 }
 
-PetscErrorCode MpmStageFinish(MpmModel model, const char **why)
+PetscErrorCode MpmStageFinish(MpmModel model, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   if (!MpmStageHasFinish(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmStepArrange(model, why));
-  if (!*why) PetscCall((*model->state.scheme.integrator->finish)(model));
+  PetscCall(MpmStepArrange(model, outcome));
+  if (!outcome->code) PetscCall((*model->state.scheme.integrator->finish)(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -296,11 +285,11 @@ static PetscBool MaySettle(const MpmModel model)
 }
 
 /*
-  After a step to `next` that failed: a shorter one, the step in another way, or the end: `again` and `why` as MpmStep() wants them, and
+  After a step to `next` that failed: a shorter one, the step in another way, or the end: `again` and `outcome` as for MpmStep(), and
   `over`: nothing is left to try, or the stage has ended.
 */
 static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscReal next, PetscReal dt, PetscBool *again,
-                              PetscBool *over, const char **why)
+                              PetscBool *over, MpmOutcome *outcome)
 {
   const PetscBool brackets = (PetscBool)(MpmReductionBrackets(model, next) && !MpmRescueServes(model));
   MpmRescue      *rescue   = &model->state.rescue;
@@ -309,69 +298,70 @@ static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscRea
   *over = PETSC_FALSE;
   if (model->state.scheme.refused > 0.) {
     *again = PETSC_TRUE;
-    PetscCall(Cut(model, *why, MpmTimeErrorLength(model, MpmTimeErrorFactor(model) * dt)));
+    PetscCall(Cut(model, outcome->text, MpmTimeErrorLength(model, MpmTimeErrorFactor(model) * dt)));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *again = brackets ? MpmReductionNarrows(model, next) : (PetscBool)(0.5 * dt >= model->state.dt_min);
   if (brackets && MaySettle(model) && !model->state.scheme.settling.needed && !(model->state.safety.beyond > 0.) &&
       (!*again || model->state.cuts >= CUTS_BEFORE_SETTLING)) {
     model->state.scheme.settling.needed = PETSC_TRUE;
-    PetscCall(MpmMonitorChange(&model->monitor, MPM_CHANGE_SETTLING, "%s; from here on the ground settles", *why));
+    PetscCall(
+      MpmMonitorChange(&model->monitor, MPM_CHANGE_SETTLING, "%s; from here on the ground settles", outcome->text));
     *again = PETSC_FALSE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (brackets && *again) {
     *again = (PetscBool)!model->state.scheme.settling.needed;
-    PetscCall(Cut(model, *why, 0.5 * dt));
+    PetscCall(Cut(model, outcome->text, 0.5 * dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (rescue->dilation && !(brackets && MaySettle(model)) && !(model->state.safety.beyond > 0.) &&
       (!*again || model->state.cuts >= remedies->most)) {
-    PetscCall(AverageDilation(model, *why, brackets ? dt : model->state.dt_nominal));
+    PetscCall(AverageDilation(model, outcome->text, brackets ? dt : model->state.dt_nominal));
     *again = PETSC_FALSE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (brackets) {
-    PetscCall(MpmReductionClose(model, next, why));
-    *over                  = (PetscBool)(*why || model->state.time >= model->state.time_end);
+    PetscCall(MpmReductionClose(model, next, outcome));
+    *over                  = (PetscBool)(outcome->code || model->state.time >= model->state.time_end);
     model->state.dt_wanted = model->state.dt_nominal;
-  } else if (*again) PetscCall(Cut(model, *why, 0.5 * dt));
+  } else if (*again) PetscCall(Cut(model, outcome->text, 0.5 * dt));
   else {
     *over = PETSC_TRUE;
-    PetscCall(OfferRelaxation(model, why));
-    if (*why) PetscCall(MpmSlideExplain(model, why));
+    PetscCall(OfferRelaxation(model, outcome));
+    if (outcome->code) PetscCall(MpmSlideExplain(model, outcome));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
+PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
   const Remedies remedies  = FindRemedies(model);
   PetscReal      next;
-  PetscBool      retryable, again = PETSC_FALSE, over;
+  PetscBool      again = PETSC_FALSE, over;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmStepArrange(model, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStepArrange(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->state.scheme.rescuing.on) {
-    PetscCall(AdvanceRescue(model, dt, why));
+    PetscCall(AdvanceRescue(model, dt, outcome));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmConsolidationBegin(model));
   model->state.cuts = 0;
   if (MpmRescueServes(model)) MpmRelaxationForget(model);
-  if (explicit) PetscCall(model->state.scheme.integrator->length(model, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  if (explicit) PetscCall(model->state.scheme.integrator->length(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   for (;;) {
     next = MpmNextTime(model, model->state.dt_wanted, dt);
     if (MpmReductionBrackets(model, next) && model->state.scheme.settling.needed) {
-      retryable = PETSC_TRUE;
-      PetscCall(MpmSettle(model, next, *dt, why));
-    } else PetscCall(MpmStep(model, next, *dt, again, why, &retryable));
-    if (!*why) break;
-    if (!retryable) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(TryNext(model, &remedies, next, *dt, &again, &over, why));
+      PetscCall(MpmSettle(model, next, *dt, outcome));
+      outcome->retryable = PETSC_TRUE;
+    } else PetscCall(MpmStep(model, next, *dt, again, outcome));
+    if (!outcome->code) break;
+    if (!outcome->retryable) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(TryNext(model, &remedies, next, *dt, &again, &over, outcome));
     if (over) PetscFunctionReturn(PETSC_SUCCESS);
   }
   model->state.time = next;
@@ -379,7 +369,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, const char **why)
   MpmSlideObserve(model);
   PetscCall(MpmReductionObserve(model));
   PetscCall(MpmConsolidationObserve(model));
-  if (explicit && MpmModelRelaxes(model)) *why = MpmRelaxationOver(model);
+  if (explicit && MpmModelRelaxes(model)) PetscCall(MpmRelaxationOver(model, outcome));
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   if (remedies.dilation && !model->state.rescue.dilation) {
     MpmStepAverageDilation(model, PETSC_FALSE);

@@ -396,7 +396,7 @@ PetscBool MpmReductionBrackets(const MpmModel model, PetscReal next)
   return (PetscBool)(MpmReductionFactor(model, next) > model->state.safety.reduced);
 }
 
-PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why)
+PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, MpmOutcome *outcome)
 {
   MpmSafety      *safety = &model->state.safety;
   const PetscReal limit  = safety->limit;
@@ -411,10 +411,8 @@ PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, const char **why
   PetscCall(PetscFree(more));
   if (moved < limit) PetscFunctionReturn(PETSC_SUCCESS);
   safety->beyond = moved;
-  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                          "a point moves %.3g m with a reduction of %.5g", (double)moved,
-                          (double)MpmReductionFactor(model, next)));
-  *why = model->solver.lost;
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_REFUSED, "a point moves %.3g m with a reduction of %.5g", (double)moved,
+                           (double)MpmReductionFactor(model, next)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -435,13 +433,13 @@ static PetscReal FactorByRate(const MpmSafety *safety, PetscReal limit)
   return safety->rate > 0. ? safety->reduced + (limit - safety->moved) / safety->rate : PETSC_INFINITY;
 }
 
-PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **why)
+PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, MpmOutcome *outcome)
 {
   const MpmReduction *reduction = &model->scene.stages[model->state.stage].reduction;
   MpmSafety          *safety    = &model->state.safety;
   const PetscReal     limit = safety->limit, factor = MpmReductionFactor(model, next);
   const PetscReal     most = FactorByRate(safety, limit);
-  char                text[sizeof(model->solver.lost)];
+  char                text[MPM_OUTCOME_TEXT];
 
   PetscFunctionBeginUser;
   if (safety->beyond > 0.) {
@@ -450,21 +448,20 @@ PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, const char **wh
                              (double)safety->factor, (double)limit, (double)(limit / safety->height)));
   } else {
     safety->factor = safety->reduced;
-    PetscCall(PetscSNPrintf(text, sizeof(text), "at %.5g %s", (double)factor, *why));
+    PetscCall(PetscSNPrintf(text, sizeof(text), "at %.5g %s", (double)factor, outcome->text));
     if (!(most <= (1. + RUNS_AWAY) * safety->reduced)) {
       PetscCall(
-        PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                      "factor of safety at least %.4g, by the last movement at most %.4g: %s; no point has moved "
-                      "further than %.3g m",
-                      (double)safety->factor, (double)most, text, (double)safety->moved));
-      *why = model->solver.lost;
+        MpmOutcomeFail(outcome, MPM_OUTCOME_REFUSED,
+                       "factor of safety at least %.4g, by the last movement at most %.4g: %s; no point has moved "
+                       "further than %.3g m",
+                       (double)safety->factor, (double)most, text, (double)safety->moved));
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     PetscCall(MpmMonitorNote(&model->monitor,
                              "factor of safety %.4g to %.4g: the slope slides, a point has moved %.3g m; %s",
                              (double)safety->factor, (double)most, (double)safety->moved, text));
   }
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   if (!reduction->slide) MpmStageEndHere(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -112,7 +112,6 @@ typedef struct {
     MpmUnstable choice; /* what to do where the tangent loses definiteness */
     PetscBool   told;   /* it has, and that was said */
   } unstable;
-  char       lost[448]; /* tells of a point that left the grid, or of what nothing holds */
   PetscInt   newton, linear;
   PetscInt64 newton_total, linear_total;
 } MpmSolver;
@@ -184,10 +183,10 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
 PetscErrorCode MpmSolverRenew(MpmSolver *solver);
 PetscErrorCode MpmSolverDestroy(MpmSolver *solver);
 /*
-  Loss of definiteness (stability.c). Check: is the equilibrium just found a stable one? If not, `why` says so and where,
-  unless the scene wants to follow it. Explain: adds to the reason for which a step has failed, where that is one.
+  Loss of definiteness (stability.c). Check: is the equilibrium just found a stable one? If not, the outcome is a failure, with the
+  place, unless the scene wants to follow it. Explain: adds to the reason for which a step has failed, where that is one.
 */
 PetscErrorCode MpmStabilityRead(MpmSolver *solver, const MpmOptions *options);
 PetscBool      MpmStabilityWanted(const MpmSolver *solver);
-PetscErrorCode MpmStabilityCheck(MpmSolver *solver, const char **why);
-PetscErrorCode MpmStabilityExplain(MpmSolver *solver, const char **why);
+PetscErrorCode MpmStabilityCheck(MpmSolver *solver, MpmOutcome *outcome);
+PetscErrorCode MpmStabilityExplain(MpmSolver *solver, MpmOutcome *outcome);

@@ -12,6 +12,7 @@
 
   A law with a history flows: at a limit load its tangent has lost definiteness by nature, and nothing is said.
 */
+#include "base/outcome.h"
 #include "options/options.h"
 #include "point/layout.h"
 #include "point/material.h"
@@ -171,8 +172,8 @@ static PetscErrorCode FindPlace(MpmSolver *solver, Vec mode, PetscReal place[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Puts the loss and its place into solver->lost. */
-static PetscErrorCode Describe(MpmSolver *solver, const char *what, Vec mode)
+/* Failure: the loss and its place. */
+static PetscErrorCode Describe(MpmSolver *solver, const char *what, Vec mode, MpmOutcome *outcome)
 {
   PetscReal place[MPM_MAX_DIM];
   char      text[96];
@@ -181,12 +182,12 @@ static PetscErrorCode Describe(MpmSolver *solver, const char *what, Vec mode)
   PetscCall(FindPlace(solver, mode, place));
   PetscCall(PetscSNPrintf(text, sizeof(text), solver->disc->dim > 2 ? "(%.4g, %.4g, %.4g)" : "(%.4g, %.4g)",
                           (double)place[0], (double)place[1], (double)place[2]));
-  PetscCall(PetscSNPrintf(solver->lost, sizeof(solver->lost),
-                          "%s: the tangent has lost definiteness, in a mode that is largest at %s", what, text));
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNSTABLE,
+                           "%s: the tangent has lost definiteness, in a mode that is largest at %s", what, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStabilityCheck(MpmSolver *solver, const char **why)
+PetscErrorCode MpmStabilityCheck(MpmSolver *solver, MpmOutcome *outcome)
 {
   PetscInt  negative   = 0;
   PetscReal eigenvalue = 0.;
@@ -196,7 +197,7 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, const char **why)
   KSP       ksp;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   if (!MpmStabilityWanted(solver)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CountNegative(solver, &negative));
   if (negative <= 0 && !solver->indefinite) PetscFunctionReturn(PETSC_SUCCESS);
@@ -210,7 +211,7 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, const char **why)
   PetscCall(FindMode(solver, J, mode, &eigenvalue));
   /* an eigenvalue that is zero but for rounding, of a small-cut node, is none to speak of */
   lost = (PetscBool)(eigenvalue < -EIGENVALUE_NOISE || (negative > 0 && eigenvalue > EIGENVALUE_NOISE));
-  if (lost) PetscCall(Describe(solver, "this equilibrium is not a stable one", mode));
+  if (lost) PetscCall(Describe(solver, "this equilibrium is not a stable one", mode, outcome));
   PetscCall(VecDestroy(&mode));
   cg = (PetscBool)(solver->indefinite && !lost);
   if (cg) { /* it was on the way only: CG will find the next one */
@@ -219,13 +220,15 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, const char **why)
     PetscCall(MpmSolverRenew(solver));
   }
   if (!lost) PetscFunctionReturn(PETSC_SUCCESS);
-  if (Stops(solver)) *why = solver->lost;
-  else PetscCall(MpmMonitorNote(solver->monitor, "%s; followed", solver->lost));
+  if (!Stops(solver)) {
+    PetscCall(MpmMonitorNote(solver->monitor, "%s; followed", outcome->text));
+    MpmOutcomeClear(outcome);
+  }
   solver->unstable.told = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStabilityExplain(MpmSolver *solver, const char **why)
+PetscErrorCode MpmStabilityExplain(MpmSolver *solver, MpmOutcome *outcome)
 {
   PetscInt  negative;
   PetscReal eigenvalue;
@@ -239,8 +242,7 @@ PetscErrorCode MpmStabilityExplain(MpmSolver *solver, const char **why)
   PetscCall(SNESGetJacobian(solver->snes, &J, NULL, NULL, NULL));
   PetscCall(VecDuplicate(solver->x, &mode));
   PetscCall(FindMode(solver, J, mode, &eigenvalue));
-  PetscCall(Describe(solver, *why, mode));
+  PetscCall(Describe(solver, outcome->text, mode, outcome));
   PetscCall(VecDestroy(&mode));
-  *why = solver->lost;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

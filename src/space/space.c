@@ -4,6 +4,7 @@
   Grouping is what makes assembly cheap: nodal values are gathered, and element blocks scattered, once a group instead
   of once a point, and no point pays for more nodes than it touches.
 */
+#include "base/outcome.h"
 #include "grid/grid.h"
 #include "space/extension.h"
 #include "space/point_loop.h"
@@ -217,15 +218,15 @@ PetscErrorCode MpmSpaceLink(MpmSpace *space, PetscInt box, PetscInt first, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why)
+PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, MpmOutcome *outcome)
 {
   Boxes boxes = {0};
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   PetscCall(MpmSpaceReset(space));
-  PetscCall(MpmSpaceEvaluateShapes(space, rules, points, &boxes.first, &boxes.count, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceEvaluateShapes(space, rules, points, &boxes.first, &boxes.count, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeGroups(space, rules, points, &boxes));
   if (boxes.first != space->first) PetscCall(PetscFree2(boxes.first, boxes.count));
   space->box_count = space->group_count;

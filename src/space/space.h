@@ -123,11 +123,10 @@ typedef struct MpmSpace {
 } MpmSpace;
 
 /*
-  A space is set up in two halves, between which others may append boxes of nodes: Begin evaluates the shapes and finds the
-  groups, End numbers the nodes. `why` is NULL, or the reason (static text) for which these points have no space; the same
-  on all ranks.
+  Set-up of a space, in halves between which others may append boxes of nodes: Begin evaluates the shapes and finds the
+  groups, End numbers the nodes. `outcome`: whether these points have a space, the same on all ranks.
 */
-PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, const char **why);
+PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPoints *points, MpmOutcome *outcome);
 PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /*
@@ -137,10 +136,10 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space);
 PetscErrorCode MpmSpaceRemovePoints(MpmSpace *space, PetscInt count, const PetscInt removed[]);
 /*
   The weights of all points (weights.c); `box_first` and `box_count`, dim values a point, are the nodes touched with any
-  of the shapes. They are the space's own where there is one shape; `why` as above.
+  of the shapes. They are the space's own where there is one shape; `outcome` as above.
 */
 PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
-                                      PetscInt **box_first, PetscInt **box_count, const char **why);
+                                      PetscInt **box_first, PetscInt **box_count, MpmOutcome *outcome);
 /* Room for `count` boxes more, without points, behind the others. */
 PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes);
 /*

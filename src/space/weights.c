@@ -5,6 +5,7 @@
   nodes are those of the grid with indices that are multiples of r. What such a shape gives is spread over the grid's
   nodes, with zeros between, and all shapes of a point over the smallest box that holds the nodes of each.
 */
+#include "base/outcome.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "particles/points.h"
@@ -308,7 +309,7 @@ static PetscBool ListShapes(const MpmRules *rules, PetscReal longest, Shape shap
 }
 
 PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
-                                      PetscInt **box_first, PetscInt **box_count, const char **why)
+                                      PetscInt **box_first, PetscInt **box_count, MpmOutcome *outcome)
 {
   const PetscInt dim     = rules->grid->dim;
   PetscReal      longest = 0.;
@@ -328,8 +329,8 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, rules->grid->comm));
   }
   if (!ListShapes(rules, longest, shapes, lines)) {
-    *why = longest < MPM_MAX_WIDTH ? "a point's domain spans too many cells"
-                                   : "a point has no stretch, or its domain spans too many cells";
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE, "a point%sdomain spans too many cells",
+                             longest < MPM_MAX_WIDTH ? "'s " : " has no stretch, or its "));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt s = 0; s < space->shape_count; s++)

@@ -112,13 +112,13 @@ static PetscBool Flows(const MpmModel model, PetscInt p)
   return PETSC_FALSE;
 }
 
-PetscErrorCode MpmStepLocate(MpmModel model, const char **why)
+PetscErrorCode MpmStepLocate(MpmModel model, MpmOutcome *outcome)
 {
   const PetscInt bs                 = model->disc.block;
   PetscReal      place[MPM_MAX_DIM] = {0.}, count[2] = {0., 0.};
   PetscInt       failed, body;
   PetscBool      tell;
-  char           text[256], at[96], of[64] = "", flow[64] = "";
+  char           at[96], of[64] = "", flow[64] = "";
   struct {
     double size;
     int    rank;
@@ -145,8 +145,6 @@ PetscErrorCode MpmStepLocate(MpmModel model, const char **why)
                             (double)(100. * count[0] / (PetscReal)model->state.particles->total)));
   if (body >= 0) PetscCall(PetscSNPrintf(of, sizeof(of), " in body %.40s", model->scene.bodies->names[body]));
   PetscCall(
-    PetscSNPrintf(text, sizeof(text), "%s, with %.3g N out of balance at %s%s%s", *why, most.size, at, of, flow));
-  PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
-  *why = model->solver.lost;
+    MpmOutcomeExplain(outcome, "%s, with %.3g N out of balance at %s%s%s", outcome->text, most.size, at, of, flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,24 +10,24 @@
   How a step is taken. Until accept() the state is that of the step's start: roll_back() forgets what was tried.
 
   begin      space, conditions and loads for a step to `time`, dt later; `again`: the points have not moved since the last
-             call, the space stands; `why` is NULL, or the reason for which there is no such step
+             call, the space stands; `outcome`: whether there is such a step
   predict    where the solution starts
-  solve      `why` is NULL, or the reason of the failure; `retryable`: a shorter step may help
+  solve      Newton's method, or what takes its place; `outcome`: whether there is a solution
   accept     what was found becomes the state
   roll_back
   error      estimate of the step's error in time; NULL where there is none
-  length     before `begin`: how long the step may be, into state.dt_wanted; `why` is NULL, or the reason for which there is no
-             step. NULL: the step control chooses, and cuts what fails
+  length     before `begin`: how long the step may be, into state.dt_wanted; `outcome`: whether there is such a step.
+             NULL: the step control chooses, and cuts what fails
   finish     after a stage's last step, the points being where they belong; NULL: nothing is left to do
 */
 struct MpmIntegrator {
   const char *name;
-  PetscErrorCode (*begin)(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+  PetscErrorCode (*begin)(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
   PetscErrorCode (*predict)(MpmModel model);
-  PetscErrorCode (*solve)(MpmModel model, const char **why, PetscBool *retryable);
+  PetscErrorCode (*solve)(MpmModel model, MpmOutcome *outcome);
   PetscErrorCode (*accept)(MpmModel model);
   PetscErrorCode (*roll_back)(MpmModel model);
   PetscErrorCode (*error)(MpmModel model, PetscReal *estimate);
-  PetscErrorCode (*length)(MpmModel model, const char **why);
+  PetscErrorCode (*length)(MpmModel model, MpmOutcome *outcome);
   PetscErrorCode (*finish)(MpmModel model);
 };

@@ -360,7 +360,7 @@ static PetscBool IsSqueezed(const MpmModel model, PetscInt *axis)
   return PETSC_FALSE;
 }
 
-PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why)
+PetscErrorCode MpmMovingGridFollow(MpmModel model, MpmOutcome *outcome)
 {
   const PetscReal zero[MPM_MAX_DIM] = {0., 0., 0.};
   MpmGridMotion  *motion            = &model->state.grid;
@@ -369,7 +369,7 @@ PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why)
   PetscInt        axis;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   if (model->scene.follow.what == MPM_FOLLOW_NOTHING) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindPlace(model, motion->known ? motion->start : zero, place, &there));
   if (!there) PetscFunctionReturn(PETSC_SUCCESS); /* a body that is not there yet, or no longer: the grid stays */
@@ -378,8 +378,8 @@ PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why)
   PlaceBy(model, motion->moved, model->disc.grid);
   PetscCall(ForgiveRounding(model));
   if (!IsSqueezed(model, &axis)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                          "the moving grid is squeezed to less than %g of its extent along %c", SMALLEST, "xyz"[axis]));
-  *why = model->solver.lost;
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_OUTSIDE,
+                           "the moving grid is squeezed to less than %g of its extent along %c", SMALLEST,
+                           "xyz"[axis]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

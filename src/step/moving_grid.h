@@ -8,12 +8,11 @@
 
 /*
   The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Follow puts the
-  grid where it belongs for the points as they are, at a step's start or where points come and go; `why` is NULL, or the reason
-  for which it cannot.
+  grid where it belongs for the points as they are, at a step's start or where points come and go.
 */
 PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmMovingGridSelect(MpmModel model);
-PetscErrorCode MpmMovingGridFollow(MpmModel model, const char **why);
+PetscErrorCode MpmMovingGridFollow(MpmModel model, MpmOutcome *outcome);
 /* After the solution of a step: the grid as the next one will have it; it borrows the model's grid's parts. */
 PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next);
 /* The field of the points that a followed body has, NULL where the scene has none. */

@@ -13,7 +13,7 @@
   Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.
   `again`: the points have not moved since the last call, the space stands.
 */
-PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
 
 /* ---- step_begin.c ---- */
 
@@ -21,7 +21,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it. Where the integrator
   is explicit it adds gravity's own force, by the masses of the nodes.
 */
-PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why);
+PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
 /*
   Adds the part of the loads that makes those of a step to `time`, which count `part` times as they were at its start, their mean
   over the step.
@@ -34,15 +34,15 @@ PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt ra
 /* Conditions and motions as a step to `time` takes them. */
 MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time);
 
-/* What conditions and motions prescribe in a step to `time`; the space stands. `why` is NULL, or why they cannot. */
-PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why);
+/* What conditions and motions prescribe in a step to `time`; the space stands. Failure: they contradict each other. */
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, MpmOutcome *outcome);
 /* The space of the points where they are now, without a step. */
-PetscErrorCode MpmStepSpace(MpmModel model, const char **why);
+PetscErrorCode MpmStepSpace(MpmModel model, MpmOutcome *outcome);
 
 /* ---- what Newton has found (step_trial.c) ---- */
 
-/* Would the displacement model->disc.u carry a point out of the grid? `why` then names the first one of the lowest rank. */
-PetscErrorCode MpmStepFindLost(MpmModel model, const char **why);
+/* Would the displacement model->disc.u carry a point out of the grid? The failure names the first one of the lowest rank. */
+PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome);
 /* Points that rounding has taken over the grid's edges are put onto them. */
 void MpmStepClip(MpmModel model);
 /* Where points may leave the grid, those that have are taken away; the two above then do nothing. */
@@ -65,20 +65,20 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict);
 PetscErrorCode MpmStepPredict(MpmModel model);
 /* May any contact slide: has it friction, and does it not stick? */
 PetscBool MpmContactsMaySlide(const MpmModel model);
-/* Newton. `why`, unless NULL: what went wrong; `retryable`: a shorter step may not. */
-PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable);
+/* Newton's method. */
+PetscErrorCode MpmStepSolve(MpmModel model, MpmOutcome *outcome);
 
 /* ---- failure.c ---- */
 
 /* Adds the place of the largest force out of balance, and the share of points that flow, to the reason of a failure. */
-PetscErrorCode MpmStepLocate(MpmModel model, const char **why);
+PetscErrorCode MpmStepLocate(MpmModel model, MpmOutcome *outcome);
 
 /* ---- unconstrained.c ---- */
 
 /*
-  After a failed step (unconstrained.c): where nothing holds the material, or a piece of it, `why` says so; not `retryable` where the
+  After a failed step (unconstrained.c): where nothing holds the material, or a piece of it, the reason says so; not `retryable` where the
   loads push along such a motion and no boundary may catch it.
 */
-PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable);
+PetscErrorCode MpmUnconstrainedExplain(MpmModel model, MpmOutcome *outcome);
 /* Do loads push a piece of the material along a motion that nothing resists? In the state that was last tried. */
 PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed);

@@ -85,7 +85,7 @@ static PetscErrorCode FindNear(MpmModel model)
 }
 
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
-static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const char **why)
+static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOutcome *outcome)
 {
   const PetscInt      bs = model->disc.block, dim = model->disc.dim;
   const MpmParticles *particles = model->state.particles;
@@ -94,9 +94,9 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscFunctionBeginUser;
   model->disc.committed = PETSC_FALSE;
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, why));
+  PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, outcome));
   PetscCall(FindNear(model));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   const PetscInt count = model->disc.space->point_count;
 
   PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
@@ -110,13 +110,13 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepSpace(MpmModel model, const char **why)
+PetscErrorCode MpmStepSpace(MpmModel model, MpmOutcome *outcome)
 {
   const MpmRules rules = Rules(model, model->state.time);
 
   PetscFunctionBeginUser;
-  *why = NULL;
-  PetscCall(PrepareSpace(model, &rules, why));
+  MpmOutcomeClear(outcome);
+  PetscCall(PrepareSpace(model, &rules, outcome));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -132,22 +132,21 @@ MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time)
                            .diagonal   = model->disc.diagonal};
 }
 
-PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, const char **why)
+PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, MpmOutcome *outcome)
 {
   const MpmPrescription step = MpmStepPrescription(model, time);
   PetscInt              contradicts;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   PetscCall(MpmConstraintsSetUp(model->disc.constraints, &step, model->disc.grid, model->disc.layout, model->disc.space,
                                 &contradicts));
   PetscCall(MpmWaterHold(model, time));
   MpmConstraintsFollow(model->disc.constraints, model->disc.layout, model->disc.space);
   if (contradicts < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                          "motion %s meets nodes that a condition or another motion moves otherwise",
-                          model->scene.motions->names[contradicts]));
-  *why = model->solver.lost;
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                           "motion %s meets nodes that a condition or another motion moves otherwise",
+                           model->scene.motions->names[contradicts]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -182,7 +181,7 @@ PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt ra
 }
 
 /* Conditions that move what they no longer hold. */
-static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const char **why)
+static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, MpmOutcome *outcome)
 {
   const MpmPrescription step = MpmStepPrescription(model, time);
   PetscInt              lost;
@@ -192,16 +191,15 @@ static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, const cha
   PetscCall(MpmConditionsFindLost(&step, model->state.bcs, model->scene.bodies, model->disc.sum, &lost, &left));
   if (lost < 0) PetscFunctionReturn(PETSC_SUCCESS);
   if (left > 0.)
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "condition %s has lost the material that it moves: its nodes hold %.2g %% of what they "
-                            "held; a motion follows a body's points",
-                            model->scene.bcs->names[lost], (double)(100. * left)));
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                             "condition %s has lost the material that it moves: its nodes hold %.2g %% of what they "
+                             "held; a motion follows a body's points",
+                             model->scene.bcs->names[lost], (double)(100. * left)));
   else
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            "condition %s prescribes a displacement where there is no material; a motion follows a "
-                            "body's points",
-                            model->scene.bcs->names[lost]));
-  *why = model->solver.lost;
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                             "condition %s prescribes a displacement where there is no material; a motion follows a "
+                             "body's points",
+                             model->scene.bcs->names[lost]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -236,13 +234,13 @@ PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, 
 }
 
 /* Conditions and loads at the step's end. */
-static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, const char **why)
+static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
-  PetscCall(MpmModelPrescribe(model, time, why));
-  if (!*why) PetscCall(FindLostMaterial(model, time, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmModelPrescribe(model, time, outcome));
+  if (!outcome->code) PetscCall(FindLostMaterial(model, time, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
     model->disc.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
@@ -272,19 +270,19 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   const MpmRules rules = Rules(model, time);
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
-  if (!again) PetscCall(PrepareSpace(model, &rules, why));
-  if (!*why) {
+  if (!again) PetscCall(PrepareSpace(model, &rules, outcome));
+  if (!outcome->code) {
     model->disc.sum->dt   = dt;
     model->disc.sum->span = model->state.scheme.rescuing.on ? time - model->state.time : dt;
-    PetscCall(PrepareConditions(model, &rules, time, why));
+    PetscCall(PrepareConditions(model, &rules, time, outcome));
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   PetscFunctionReturn(PETSC_SUCCESS);

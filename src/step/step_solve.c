@@ -173,35 +173,36 @@ static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepSolve(MpmModel model, const char **why, PetscBool *retryable)
+PetscErrorCode MpmStepSolve(MpmModel model, MpmOutcome *outcome)
 {
   SNESConvergedReason reason;
   PetscReal           most;
 
   PetscFunctionBeginUser;
-  *why                      = NULL;
+  MpmOutcomeClear(outcome);
   model->solver.cache.rough = Augments(model);
   PetscCall(Solve(model, &reason));
   PetscCall(Augment(model, &reason));
   model->solver.cache.rough = PETSC_FALSE;
   if (reason < 0) {
-    *retryable = PETSC_TRUE;
-    *why       = MpmNewtonReason(reason);
-    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
-    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStabilityExplain(&model->solver, why));
-    if (*why == MpmNewtonReason(reason)) PetscCall(MpmStepLocate(model, why));
+    outcome->retryable = PETSC_TRUE;
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION, "%s", MpmNewtonReason(reason)));
+    PetscCall(MpmUnconstrainedExplain(model, outcome));
+    if (outcome->code == MPM_OUTCOME_NO_SOLUTION) PetscCall(MpmStabilityExplain(&model->solver, outcome));
+    if (outcome->code == MPM_OUTCOME_NO_SOLUTION) PetscCall(MpmStepLocate(model, outcome));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  *retryable = PETSC_FALSE;
-  PetscCall(MpmStabilityCheck(&model->solver, why));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  *retryable = PETSC_TRUE;
+  outcome->retryable = PETSC_FALSE;
+  PetscCall(MpmStabilityCheck(&model->solver, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+  outcome->retryable = PETSC_TRUE;
   if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
-    *why = "a free boundary moved by more than its contacts were looked for";
-  else PetscCall(MpmStepFindLost(model, why));
-  if (!*why || model->disc.layout->field_count > 1) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                             "a free boundary moved by more than its contacts were looked for"));
+  else PetscCall(MpmStepFindLost(model, outcome));
+  if (!outcome->code || model->disc.layout->field_count > 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &most)); /* further than it could go as it spreads: it flies */
   if (most > model->disc.grid->upper[0] - model->disc.grid->lower[0])
-    PetscCall(MpmUnconstrainedExplain(model, why, retryable));
+    PetscCall(MpmUnconstrainedExplain(model, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

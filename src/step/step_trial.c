@@ -115,32 +115,32 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
 }
 
 /* The solver and the start of Newton; what free bodies, and bodies in contact, may touch is part of the sparsity. */
-static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, const char **why)
+static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, MpmOutcome *outcome)
 {
   const PetscBool links = (PetscBool)(model->disc.contacts->bodies || model->disc.parts > 1);
+  char            text[MPM_OUTCOME_TEXT];
 
   PetscFunctionBeginUser;
   if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
   if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
   PetscCall(MpmStepStart(model, PETSC_FALSE));
   if (model->disc.contacts->bodies && model->disc.contacts->adrift >= 0) {
-    PetscCall(MpmRigidDescribeDrift(model->disc.contacts, model->disc.contacts->adrift, sizeof(model->solver.lost),
-                                    model->solver.lost));
-    *why = model->solver.lost;
+    PetscCall(MpmRigidDescribeDrift(model->disc.contacts, model->disc.contacts->adrift, sizeof(text), text));
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED, "%s", text));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, const char **why)
+PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmStepBegin(model, time, dt, again, why));
+  PetscCall(MpmStepBegin(model, time, dt, again, outcome));
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
-  if (!*why) PetscCall(PrepareSolver(model, again, why));
+  if (!outcome->code) PetscCall(PrepareSolver(model, again, outcome));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSolverSetNearNullSpace(&model->solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,7 +151,7 @@ static PetscBool MayLeave(const MpmModel model)
   return (PetscBool)(model->disc.grid->outflow && MpmModelMotion(model)->type != MPM_QUASISTATIC);
 }
 
-PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
+PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome)
 {
   const PetscBool follows        = (PetscBool)(model->scene.follow.what != MPM_FOLLOW_NOTHING);
   PetscMPIInt     rank           = model->size;
@@ -165,15 +165,14 @@ PetscErrorCode MpmStepFindLost(MpmModel model, const char **why)
   PetscCall(MpmFindOutside(model->disc.sum, follows ? &next : model->disc.grid, model->disc.u, &point, x));
   if (point >= 0) {
     rank = model->rank;
-    PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                            model->disc.dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
-                                                : "point %" PetscInt_FMT " left the grid at (%g, %g)",
-                            model->disc.points->id[point], (double)x[0], (double)x[1], (double)x[2]));
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_OUTSIDE,
+                             model->disc.dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
+                                                 : "point %" PetscInt_FMT " left the grid at (%g, %g)",
+                             model->disc.points->id[point], (double)x[0], (double)x[1], (double)x[2]));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, model->comm));
   if (rank == model->size) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Bcast(model->solver.lost, (PetscMPIInt)sizeof(model->solver.lost), MPI_CHAR, rank, model->comm));
-  *why = model->solver.lost;
+  PetscCall(MpmOutcomeBroadcast(model->comm, rank, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -453,26 +453,24 @@ PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
 }
 
 /* A rigid body that goes on turning or sliding in its contacts. */
-static PetscErrorCode ExplainBodies(MpmModel model, const char **why, PetscBool *retryable)
+static PetscErrorCode ExplainBodies(MpmModel model, MpmOutcome *outcome)
 {
   const MpmContacts *contacts = model->disc.contacts;
-  char               text[sizeof(model->solver.lost)];
   PetscInt           b, component;
   PetscBool          held;
 
   PetscFunctionBeginUser;
   PetscCall(MpmRigidUnheld(contacts, model->disc.sum, model->disc.u, &b, &component, &held));
   if (b < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(text, sizeof(text), "its contacts do not hold boundary %s against %s %c (%s)",
-                          contacts->boundaries[b].name, component < 3 ? "translation along" : "rotation about",
-                          model->disc.dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], *why));
-  PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(text))); /* *why may stand there */
-  *why       = model->solver.lost;
-  *retryable = (PetscBool)(*retryable && held);
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED,
+                           "its contacts do not hold boundary %s against %s %c (%s)", contacts->boundaries[b].name,
+                           component < 3 ? "translation along" : "rotation about",
+                           model->disc.dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], outcome -> text));
+  outcome->retryable = (PetscBool)(outcome->retryable && held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBool *retryable)
+PetscErrorCode MpmUnconstrainedExplain(MpmModel model, MpmOutcome *outcome)
 {
   Pieces   pieces;
   Freedom  freedom;
@@ -488,16 +486,16 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, const char **why, PetscBo
     PetscCall(Examine(model, (Kind)kind, &pieces, &worst, &freedom));
     if (worst >= 0) {
       PetscCall(Describe(&pieces, worst, &freedom, &text));
-      PetscCall(MpmTextAppend(&text, " (%s)", *why));
+      PetscCall(MpmTextAppend(&text, " (%s)", outcome->text));
       if (kind == LOOSE)
         PetscCall(MpmTextAppend(&text, "; if it slides on, that takes inertia (-mpm_time_integrator)"));
-      PetscCall(PetscStrncpy(model->solver.lost, text, sizeof(model->solver.lost)));
-      *why       = model->solver.lost;
-      *retryable = (PetscBool)(*retryable && (kind != WHOLE || !freedom.pushed || model->scene.boundaries->count));
+      PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED, "%s", text));
+      outcome->retryable =
+        (PetscBool)(outcome->retryable && (kind != WHOLE || !freedom.pushed || model->scene.boundaries->count));
     }
     PetscCall(Forget(&pieces));
   }
-  if (!text) PetscCall(ExplainBodies(model, why, retryable));
+  if (!text) PetscCall(ExplainBodies(model, outcome));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

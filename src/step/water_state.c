@@ -367,7 +367,7 @@ static PetscErrorCode SumLevels(MpmModel model, PetscInt axis, PetscReal up, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWaterFindHeave(MpmModel model, const char **why)
+PetscErrorCode MpmWaterFindHeave(MpmModel model, MpmOutcome *outcome)
 {
   const MpmGrid *grid = model->disc.grid;
   PetscInt       axis, levels;
@@ -381,14 +381,13 @@ PetscErrorCode MpmWaterFindHeave(MpmModel model, const char **why)
   PetscCall(PetscCalloc1((2 * levels), &volume));
   PetscCall(SumLevels(model, axis, up, weight, volume));
   for (PetscInt k = 0; k < levels; k++) all += volume[k];
-  for (PetscInt i = 0; i < levels && !*why; i++) { /* from above */
+  for (PetscInt i = 0; i < levels && !outcome->code; i++) { /* from above */
     const PetscInt k = up > 0. ? levels - 1 - i : i;
 
     if (above > LIFTED * all && volume[levels + k] > LEVEL * volume[k]) {
-      PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost),
-                              "the ground heaves: water that rises has left no effective stress %g m up axis %c",
-                              (double)(grid->lower[axis] + ((PetscReal)k + 0.5) * grid->h[axis]), "xyz"[axis]));
-      *why = model->solver.lost;
+      PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                               "the ground heaves: water that rises has left no effective stress %g m up axis %c",
+                               (double)(grid->lower[axis] + ((PetscReal)k + 0.5) * grid->h[axis]), "xyz"[axis]));
     }
     above += volume[k];
   }
@@ -470,7 +469,7 @@ static PetscBool FindPorosity(const MpmModel model, PetscInt *first)
   return PETSC_FALSE;
 }
 
-PetscErrorCode MpmWaterFindClosed(MpmModel model, const char **why)
+PetscErrorCode MpmWaterFindClosed(MpmModel model, MpmOutcome *outcome)
 {
   const PetscInt dim = model->disc.dim, size = model->disc.layout->own_size;
   PetscReal      least[1 + MPM_MAX_DIM] = {PETSC_INFINITY};
@@ -492,8 +491,7 @@ PetscErrorCode MpmWaterFindClosed(MpmModel model, const char **why)
   PetscCall(FindLeast(model, least));
   if (!(least[0] < CLOSED)) PetscFunctionReturn(PETSC_SUCCESS);
   PlaceText(model, &least[1], place);
-  PetscCall(PetscSNPrintf(model->solver.lost, sizeof(model->solver.lost), "pores closed at %s: porosity %.2g", place,
-                          (double)least[0]));
-  *why = model->solver.lost;
+  PetscCall(
+    MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE, "pores closed at %s: porosity %.2g", place, (double)least[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

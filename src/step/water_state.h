@@ -19,6 +19,6 @@ PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
 #define MPM_WATER_TEXT 256
 PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT]);
 /* After a step that failed: another reason where a point's pores are as good as closed. Collective. */
-PetscErrorCode MpmWaterFindClosed(MpmModel model, const char **why);
-/* After a step: does rising water lift ground that has no effective stress left? `why` is then a line on it. */
-PetscErrorCode MpmWaterFindHeave(MpmModel model, const char **why);
+PetscErrorCode MpmWaterFindClosed(MpmModel model, MpmOutcome *outcome);
+/* After a step: does rising water lift ground that has no effective stress left? That is a failure. */
+PetscErrorCode MpmWaterFindHeave(MpmModel model, MpmOutcome *outcome);

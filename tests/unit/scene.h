@@ -68,12 +68,12 @@ static inline PetscErrorCode SceneDestroy(MpmModel *model)
 /* All of a step that comes before Newton. */
 static inline PetscErrorCode SceneBegin(MpmModel model, PetscReal dt)
 {
-  const char *why;
+  MpmOutcome outcome;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
-  PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &why));
-  PetscCheck(!why, model->comm, PETSC_ERR_PLIB, "%s", why);
+  PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &outcome));
+  PetscCheck(!outcome.code, model->comm, PETSC_ERR_PLIB, "%s", outcome.text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -354,17 +354,17 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
 static inline PetscErrorCode SceneRun(MpmModel model)
 {
   const PetscInt steps = (PetscInt)PetscFloorReal(model->state.time_end / model->state.dt_nominal + 0.5);
-  PetscBool      moved, retryable;
+  PetscBool      moved;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < steps; k++) {
     const PetscReal next = model->state.dt_nominal * (PetscReal)(k + 1);
-    const char     *why;
+    MpmOutcome      outcome;
 
     PetscCall(MpmParticlesRebalance(model->state.particles, model->disc.grid, PETSC_FALSE, &moved));
     PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
-    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &why, &retryable));
-    PetscCheck(!why, PETSC_COMM_SELF, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", k, why);
+    PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &outcome));
+    PetscCheck(!outcome.code, PETSC_COMM_SELF, PETSC_ERR_NOT_CONVERGED, "step %" PetscInt_FMT ": %s", k, outcome.text);
     model->state.time = next;
     model->state.step++;
   }

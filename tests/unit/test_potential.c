@@ -53,12 +53,12 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const char *law, c
 /* A step with the scene's integrator, up to Newton. */
 static PetscErrorCode Begin(MpmModel model)
 {
-  const char *why = NULL;
+  MpmOutcome outcome;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
-  PetscCall(model->state.scheme.integrator->begin(model, model->state.time + 0.1, 0.1, PETSC_FALSE, &why));
-  PetscCheck(!why, PETSC_COMM_WORLD, PETSC_ERR_PLIB, "%s", why);
+  PetscCall(model->state.scheme.integrator->begin(model, model->state.time + 0.1, 0.1, PETSC_FALSE, &outcome));
+  PetscCheck(!outcome.code, PETSC_COMM_WORLD, PETSC_ERR_PLIB, "%s", outcome.text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
